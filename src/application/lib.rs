@@ -1,5 +1,5 @@
-//! The application without its window, and what runs and draws for it. For the program and its
-//! tests alone: it may change at any time.
+//! The application without its window, and the rooms that run its work and draw for it. Internal to
+//! the program and its tests: it may change at any time.
 //!
 //! | floor | rooms |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! `touchline calibrate`: a project with its camera, from frames alone.
+//! `touchline calibrate`: makes a project with its camera from frames alone.
 
 use super::Outcome;
 use super::match_report::{MatchReport, describe_no_camera};
@@ -57,12 +57,14 @@ pub struct CalibrateArgs {
     force: bool,
 }
 
-/// Carries out the command.
+/// Makes the project, finds its camera, labels its frames and writes it. [`Outcome::SomeFailed`] if
+/// no camera was found, an image cannot be read, or a frame has no camera.
 ///
 /// # Errors
-/// The folder exists, the field is not valid, the frames cannot be read, or the result cannot be
+/// The folder exists, the field is invalid, the frames cannot be read, or the result cannot be
 /// written.
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    // Check the output paths and the field before the long work begins.
     refuse_existing(&args.output, args.force)?;
     store::refuse_open(&args.output)?;
     ensure!(
@@ -88,6 +90,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         args.field
     );
     field.params = args.set.iter().cloned().collect();
+    // A stated parameter means that the size is known and not to be fitted.
     if !field.params.is_empty() {
         field.size = Some(FieldSize::Confirmed);
     }
@@ -101,6 +104,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         "{} holds no image",
         args.frames.display()
     );
+    // The document names its frames relative to the project's folder, which therefore must exist.
     let folder = std::path::absolute(&args.output)?;
     let new_folder = NewFolder::make(&folder)?;
     let made = document_from_frames(
@@ -129,6 +133,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         report.hear(event);
         ControlFlow::Continue(())
     });
+    // Find the camera and label the frames.
     let labels = label_match(
         &mut document,
         &folder,
@@ -149,6 +154,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
             ));
         }
     };
+    // Write the project and the panoramas.
     let all = &labelled.cameras;
     let location = Location::for_new_document(&folder.join(""))?;
     touchline_documents::store::write_document(&location, &document, args.force)?;
@@ -187,14 +193,14 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     })
 }
 
-/// Says why no camera is found. Nothing is wrong with the input or its use: nothing is written, and
-/// the exit code is 1.
+/// Reports why no camera was found. Input and usage are right, so that the exit code is 1; no
+/// project is written.
 fn say_no_answer(args: &CalibrateArgs, why: &str, messages: Messages) -> Outcome {
     messages.error(&format!("{}: {why}", args.frames.display()));
     Outcome::SomeFailed
 }
 
-/// The file of a camera's panorama: the first one's as named, the others' with their numbers.
+/// The file for the panorama of a camera: as named for the first one, with a number for others.
 fn numbered(panorama: &Path, number: usize) -> PathBuf {
     if number == 0 {
         return panorama.to_path_buf();
@@ -203,7 +209,7 @@ fn numbered(panorama: &Path, number: usize) -> PathBuf {
     panorama.with_file_name(format!("{stem}_{}.png", number + 1))
 }
 
-/// The picture of what was found.
+/// The panorama of a camera, with paint and lines, as PNG.
 fn panorama_png(document: &Document, found: &AutocalibratedCamera) -> anyhow::Result<Vec<u8>> {
     let frames: Vec<_> = found
         .frames
@@ -228,8 +234,8 @@ fn panorama_png(document: &Document, found: &AutocalibratedCamera) -> anyhow::Re
     Ok(png.into_inner())
 }
 
-/// A folder for the project; frames are named from it, so it has to be there while they are read.
-/// One that was made and stays without a project goes again.
+/// The project's folder, which must exist while frames are read because they are named relative to
+/// it. A folder that was created and got no project is removed.
 struct NewFolder(Option<PathBuf>);
 
 impl NewFolder {
@@ -248,7 +254,7 @@ impl NewFolder {
 impl Drop for NewFolder {
     fn drop(&mut self) {
         if let Some(folder) = &self.0 {
-            // It is removed only if it is empty; else it stays.
+            // This removes the folder only if it is empty.
             let _ = std::fs::remove_dir(folder);
         }
     }

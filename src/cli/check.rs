@@ -1,4 +1,4 @@
-//! `touchline check`: lists everything wrong with a document.
+//! `touchline check`: lists the problems of a document.
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
@@ -19,7 +19,7 @@ pub struct CheckArgs {
     document: DocumentArg,
 }
 
-/// Carries out the command.
+/// Prints the problems of a document. [`Outcome::SomeFailed`] if there are any.
 ///
 /// # Errors
 /// The document cannot be read.

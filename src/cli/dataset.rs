@@ -1,4 +1,4 @@
-//! `touchline export --dataset`: a folder with frames, labels, pictures and their card.
+//! `touchline export --dataset`: writes a folder with frames, labels, pictures and a dataset card.
 
 use super::Outcome;
 use super::interrupt::Interrupt;
@@ -47,12 +47,12 @@ pub struct DatasetArgs {
     licence: Option<String>,
 }
 
-/// Takes one of some names.
+/// A parser for one of some names.
 fn named(names: &[&'static str]) -> impl clap::builder::TypedValueParser<Value = String> + use<> {
     PossibleValuesParser::new(names.to_vec()).map(|name| name)
 }
 
-/// `png` or `jpeg`, which is also called `jpg`.
+/// A parser for `png` and `jpeg`, which may be written `jpg`.
 fn picture_format() -> impl clap::builder::TypedValueParser<Value = String> {
     PossibleValuesParser::new([
         PossibleValue::new("png"),
@@ -61,7 +61,7 @@ fn picture_format() -> impl clap::builder::TypedValueParser<Value = String> {
     .map(|name| name)
 }
 
-/// `80/10/10`.
+/// Parses shares of training, validation and test such as `80/10/10`.
 fn parse_shares(text: &str) -> Result<[u32; 3], String> {
     let shares: Option<Vec<u32>> = text
         .split('/')
@@ -106,11 +106,11 @@ impl DatasetArgs {
     }
 }
 
-/// Writes a dataset.
+/// Writes a dataset. [`Outcome::SomeFailed`] if frames had to be left out.
 ///
 /// # Errors
-/// No frame is left, two pictures have one name, or something cannot be written; nothing is left
-/// then.
+/// No frame is left, two pictures have the same name, or something cannot be written. Nothing is
+/// left behind then.
 pub fn write_dataset(
     at: DocumentAt<'_>,
     args: &DatasetArgs,

@@ -1,4 +1,4 @@
-//! Documents as commands take and give them.
+//! Reading and writing documents for all commands.
 
 use super::messages::Messages;
 use super::output::{is_pipe_or_device, print, refuse_existing, write_file};
@@ -27,19 +27,19 @@ pub struct DocumentOutput {
     pub force: bool,
 }
 
-/// A document that was read, and where.
+/// A document that has been read, and its place.
 pub struct Loaded {
-    /// Where it lies.
+    /// Its file and folder.
     pub location: Location,
-    /// The document, with the edits that its journal held.
+    /// The document, including the edits in its journal.
     pub document: Document,
 }
 
 impl DocumentArg {
-    /// Reads the document and reports what its journal recovered.
+    /// Reads the document and reports what was recovered from its journal.
     ///
     /// # Errors
-    /// There is no document, or it cannot be read.
+    /// There is no document at the path, or it cannot be read.
     pub fn load(&self, messages: Messages) -> anyhow::Result<Loaded> {
         let (location, document, recovery) = store::read(&self.document)?;
         if let Some(message) = recovery.message() {
@@ -49,10 +49,10 @@ impl DocumentArg {
     }
 }
 
-/// Refuses a document whose paths cannot be written in it.
+/// Refuses a document that would have to contain a path that is not UTF-8.
 ///
 /// # Errors
-/// A name on the way to a frame is not UTF-8.
+/// A folder's name on the path to a frame is not UTF-8.
 pub fn refuse_unwritable(document: &Document, folder: &Path) -> anyhow::Result<()> {
     match document.unwritable_path(folder) {
         Some(path) => {
@@ -65,25 +65,25 @@ pub fn refuse_unwritable(document: &Document, folder: &Path) -> anyhow::Result<(
 }
 
 impl DocumentOutput {
-    /// Refuses a path that exists, or whose document is open elsewhere; to be called before the
-    /// work begins.
+    /// Refuses an output that exists, or a document that another program has open. To be called
+    /// before the work begins.
     ///
     /// # Errors
-    /// Something is there and `--force` was not given, or another program holds it.
+    /// The output exists and `--force` was not given, or another program has it open.
     pub fn refuse_existing(&self) -> anyhow::Result<()> {
         let Some(path) = self.output.as_deref() else {
             return Ok(());
         };
         refuse_existing(path, self.force)?;
-        // The result of hours would go with the refusal at the end.
+        // Check now: otherwise the work of hours would be lost at the end.
         Ok(refuse_open(path)?)
     }
 
-    /// Writes a document whose relative paths start from `folder`; where it lands they point at the
-    /// same files.
+    /// Writes a document whose relative paths start from `folder`. They are changed so that they
+    /// lead to the same files from the new place.
     ///
     /// # Errors
-    /// Something is there already, or it cannot be written; nothing was changed then.
+    /// The output exists, or cannot be written. Nothing has been changed then.
     pub fn write(&self, document: Document, folder: &Path) -> anyhow::Result<()> {
         let file = self
             .output

@@ -1,4 +1,4 @@
-//! `touchline evaluate`: how far one document's cameras are from another's.
+//! `touchline evaluate`: measures how far the cameras of one document are from those of another.
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
@@ -68,14 +68,15 @@ fn ending(path: &Path) -> String {
         .unwrap_or_default()
 }
 
-/// How many frames of the estimate that have no truth are named.
+/// Maximum number of frames without truth that a message names.
 const NAMED: usize = 5;
 
-/// Carries out the command.
+/// Evaluates a document and writes or prints the result. [`Outcome::SomeFailed`] if a frame has no
+/// score.
 ///
 /// # Errors
-/// A document cannot be read, a field is not valid, the truth holds nothing, or the result cannot
-/// be written.
+/// A document cannot be read, a field is invalid, the truth has neither cameras nor clicks, or the
+/// result cannot be written.
 pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     for path in args.output.iter().chain(&args.report) {
         refuse_existing(path, args.force)?;
@@ -100,6 +101,7 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     );
     let evaluation = evaluated(truth_at, estimate_at)?;
     let groups = evaluation.groups(args.seed);
+    // If both documents have their own clicks on the same frames, compare the annotators, too.
     let agreed = agreement(truth_at, estimate_at)?;
     let agreed = agreed.says_something().then_some(agreed);
     for frame in &evaluation.frames {
@@ -122,6 +124,7 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
         }
         text
     };
+    // To a file in the format of its ending, else a table to a terminal and JSON to a pipe.
     match &args.output {
         Some(path) => {
             let text = match ending(path).as_str() {
@@ -147,6 +150,7 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     })
 }
 
+/// A message about frames of the estimate without truth; `None` if there are none.
 fn without_truth(names: &[String]) -> Option<String> {
     let (count, shown) = (
         names.len(),
@@ -167,7 +171,7 @@ fn without_truth(names: &[String]) -> Option<String> {
     })
 }
 
-/// Everything, for scripts.
+/// The complete result as JSON.
 fn report(evaluation: &Evaluation, groups: &[FrameGroup], agreed: Option<&Agreement>) -> Value {
     let mut report = json!({
         "summary": groups.first().map(described_group),

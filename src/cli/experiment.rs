@@ -1,4 +1,4 @@
-//! `touchline experiment`: the paper's tables and figures, measured again.
+//! `touchline experiment`: measures the paper's tables and figures again.
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
@@ -75,14 +75,14 @@ fn named(name: &str) -> Result<Chosen, String> {
     }
 }
 
-/// The report of all experiments.
+/// The file with the reports of all experiments.
 const REPORT_FILE: &str = "README.md";
 
-/// Carries out the command.
+/// Runs the experiments and writes their reports.
 ///
 /// # Errors
-/// The folder holds something already and `--force` was not given, what an experiment needs is
-/// missing, or a file cannot be written.
+/// The folder is not empty and `--force` was not given, data that an experiment needs are missing,
+/// or a file cannot be written.
 pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     let folder = &args.output;
@@ -122,7 +122,7 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
             args,
             &options,
         ));
-        // What is finished is kept, whatever becomes of the next one.
+        // Write each report at once, so that it is kept if a later experiment fails.
         write_report(&report, folder, args.force)?;
         messages.note(&format!(
             "{experiment}: {}",
@@ -140,7 +140,7 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
     Ok(Outcome::Done)
 }
 
-/// What is to be run, and what of all experiments is left out for want of data.
+/// The experiments to run, and those of `all` that are left out because their data are missing.
 fn chosen(
     args: &ExperimentArgs,
     inputs: &SharedInputs,
@@ -167,6 +167,7 @@ fn chosen(
         .partition(|experiment| !experiment.needs_data() || inputs.given_for(*experiment).is_ok()))
 }
 
+/// Reads the documents of `--train` and `--test`; `None` without `--train`.
 fn own_documents(
     args: &ExperimentArgs,
     messages: Messages,
@@ -202,7 +203,7 @@ fn own_documents(
     }))
 }
 
-/// What makes the report of an experiment, or of all.
+/// The provenance of one experiment's report, or of the joint one: program, commit, command, seeds.
 fn provenance(
     name: &str,
     takes_seeds: bool,
@@ -242,7 +243,7 @@ fn provenance(
     }
 }
 
-/// All reports one after the other, what the paper says beside what was measured first.
+/// All reports in one text, preceded by a comparison of the paper's numbers with the measured ones.
 fn together(
     reports: &[Report],
     left_out: &[Experiment],

@@ -1,4 +1,4 @@
-//! `touchline export`: the document in another format.
+//! `touchline export`: writes the document in another format.
 
 use super::Outcome;
 use super::dataset::{DatasetArgs, write_dataset};
@@ -16,7 +16,7 @@ use touchline_documents::exchange::{
     Rotations, Timecode, Zoom, export as export_document,
 };
 
-/// The largest table or map of labels that is read.
+/// Maximum size of a zoom table or a map of labels, bytes.
 pub(super) const MAX_TABLE_BYTES: u64 = 16 << 20;
 
 /// Writes a document in another format.
@@ -115,7 +115,7 @@ pub struct ExportArgs {
     zoom: String,
 }
 
-/// A time in UTC as it is written.
+/// Parses a time in UTC and keeps its text.
 fn parse_start(text: &str) -> Result<String, String> {
     Recording::is_start(text)
         .then(|| text.to_owned())
@@ -123,7 +123,7 @@ fn parse_start(text: &str) -> Result<String, String> {
 }
 
 impl ExportArgs {
-    /// The stage that was named.
+    /// The stage that the arguments describe; `None` if they name neither origin nor heading.
     fn stage(&self) -> Option<Stage> {
         let heading = self.stage_heading.filter(|degrees| degrees.is_finite());
         (self.stage_origin.is_some() || heading.is_some()).then(|| Stage {
@@ -132,7 +132,7 @@ impl ExportArgs {
         })
     }
 
-    /// What happens where frames are missing.
+    /// What to do where frames are missing.
     fn gaps(&self) -> Gaps {
         match self.interpolate {
             Some(most) => Gaps::Interpolate(most),
@@ -142,7 +142,7 @@ impl ExportArgs {
     }
 }
 
-/// Takes the name of a format that can go this way.
+/// A parser for the names of formats that can be exported, or imported.
 pub(super) fn format_parser(
     goes: fn(Format) -> bool,
 ) -> impl clap::builder::TypedValueParser<Value = Format> {
@@ -162,7 +162,7 @@ pub(super) fn format_parser(
         .try_map(|name| Format::from_name(&name).ok_or_else(|| format!("{name} is no format")))
 }
 
-/// A status as documents write it.
+/// Parses a status by its name in documents.
 fn parse_status(text: &str) -> Result<FrameStatus, String> {
     let found = FrameStatus::ALL
         .into_iter()
@@ -170,7 +170,7 @@ fn parse_status(text: &str) -> Result<FrameStatus, String> {
     found.ok_or_else(|| format!("{text} is none of new, draft, suggested, reference, rejected"))
 }
 
-/// `1920x1080`.
+/// Parses a size such as `1920x1080`.
 pub(super) fn parse_size(text: &str) -> Result<ImageSize, String> {
     ImageSize::parse(text).ok_or_else(|| format!("{text} is no size such as 1920x1080"))
 }
@@ -185,7 +185,7 @@ fn parse_timecode(text: &str) -> Result<Timecode, String> {
         .ok_or_else(|| format!("{text} is no timecode such as 10:00:00:00 or 10:00:00;00"))
 }
 
-/// `0,-20,0`.
+/// Parses a point such as `0,-20,0`.
 fn parse_point(text: &str) -> Result<Vec3, String> {
     let parts: Option<Vec<f64>> = text
         .split(',')
@@ -197,7 +197,7 @@ fn parse_point(text: &str) -> Result<Vec3, String> {
     point.ok_or_else(|| format!("{text} is no point such as 0,-20,0"))
 }
 
-/// How a zoom value says the focal length, by name or from a file.
+/// How a zoom value encodes the focal length: by name, or a table from a file.
 pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
     let file = match name {
         "focal-px" => return Ok(Zoom::FocalPx),
@@ -226,13 +226,14 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
     }
 }
 
-/// Carries out the command.
+/// Exports the document. [`Outcome::SomeFailed`] if frames had to be left out.
 ///
 /// # Errors
-/// The document cannot be read, the format cannot hold it, or the result cannot be written.
+/// The document cannot be read, the format cannot represent it, or the result cannot be written.
 pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, document } = args.document.load(messages)?;
+    // Check the names of cameras first: a wrong one would export no frame.
     let known = |name: &&String| {
         document
             .cameras
@@ -251,6 +252,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
             .collect(),
         min_confidence: args.min_confidence,
     };
+    // Without `--format` the argument parser has required `--dataset`.
     let Some(format) = args.format else {
         let at = document.at(location.folder());
         return write_dataset(
@@ -262,6 +264,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
             messages,
         );
     };
+    // A complete JSON export is the document itself and needs no conversion.
     if format == Format::Json && frames == FrameChoice::default() {
         args.output
             .write(document.into_dataset(), location.folder())?;
@@ -301,6 +304,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
             is_automated: args.automated,
         },
     };
+    // Export, read the result again, and report what the format cannot represent.
     let exported = export_document(document.at(location.folder()), format, &options)?;
     for note in exported
         .loss
@@ -314,8 +318,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         messages.frame_failed(frame, why);
     }
     match (exported.dataset(), &args.output.output) {
-        // A document goes where documents go: with its backup, its lock, and paths that lead to the
-        // same files.
+        // Write a document as such: with backup, lock, and paths changed to lead to the same files.
         (Some((dataset, folder)), _) => args.output.write(dataset.clone(), folder)?,
         (None, Some(path)) => {
             refuse_existing(path, args.output.force)?;

@@ -1,4 +1,4 @@
-//! Whether features are kept beside the document.
+//! The command-line option for storing features beside the document.
 
 use super::messages::Messages;
 use std::path::Path;
@@ -13,8 +13,8 @@ pub struct FeaturesArg {
 }
 
 impl FeaturesArg {
-    /// Where the features of a document's pictures are kept; in memory where there is no document
-    /// on disk.
+    /// The store for the features of a document's pictures. In memory if there is no document on
+    /// disk, or with `--no-cache`.
     pub fn store(&self, document: Option<&Path>) -> FeatureStore {
         match document.filter(|_| !self.no_cache) {
             Some(file) => FeatureStore::on_disk(&WorkFolder::beside(file)),
@@ -23,7 +23,7 @@ impl FeaturesArg {
     }
 }
 
-/// Reports if features could not be stored.
+/// Reports why features could not be stored, if they could not.
 pub fn tell_refusal(store: &FeatureStore, messages: Messages) {
     if let Some(reason) = store.refusal() {
         messages.note(&format!(

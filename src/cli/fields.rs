@@ -1,4 +1,4 @@
-//! `touchline fields`: the field templates, listed and rendered.
+//! `touchline fields`: lists and draws field templates.
 
 use super::Outcome;
 use super::messages::Messages;
@@ -20,9 +20,9 @@ use touchline_core::field::{
 };
 use touchline_core::geometry::Vec3;
 
-/// Ground around the field on a PNG, m.
+/// Margin around the field on a PNG, m.
 const MAP_MARGIN_M: f64 = 3.0;
-/// The longer side of a PNG is about this long, px.
+/// Length of the longer side of a PNG, px, rounded.
 const MAP_WIDTH_PX: f64 = 1600.0;
 
 /// Lists the field templates: parameters with their ranges and sources, landmarks with coordinates,
@@ -44,11 +44,11 @@ pub struct FieldsArgs {
     force: bool,
 }
 
-/// Carries out the command.
+/// Lists the templates, or draws one.
 ///
 /// # Errors
-/// There is no such template, it is broken, a parameter is outside its range, or the drawing cannot
-/// be written.
+/// The template does not exist or is broken, a parameter is outside its range, or the drawing
+/// cannot be written.
 pub fn fields(args: &FieldsArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let params: BTreeMap<String, f64> = args.set.iter().cloned().collect();
     let Some(name) = &args.name else {
@@ -95,10 +95,10 @@ fn list(filled: &[(&Template, FieldModel)], messages: Messages) -> anyhow::Resul
     })
 }
 
-/// A template as people read it.
+/// A template as text, for people.
 fn listing(template: &Template, field: &FieldModel) -> String {
     let mut out = format!("{}  {}\n", template.name, template.title);
-    // Writing to a String cannot fail.
+    // Writing to a string cannot fail.
     for note in &template.notes {
         let _ = writeln!(out, "  {note}");
     }
@@ -159,7 +159,7 @@ fn listing(template: &Template, field: &FieldModel) -> String {
     out
 }
 
-/// A length to the millimetre, without trailing zeros.
+/// A length rounded to the millimetre, without trailing zeros.
 fn metres(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -178,7 +178,7 @@ fn shape_name(curve: &Curve) -> &'static str {
     }
 }
 
-/// A template as scripts read it.
+/// A template as JSON, for programs.
 fn described(template: &Template, field: &FieldModel) -> Value {
     let params = template.params.iter().map(|param| {
         let value = json!({
@@ -241,7 +241,7 @@ fn described_line(line: &FieldLine) -> Value {
     value
 }
 
-/// Coordinates, with −0 as 0.
+/// Coordinates, with 0 for −0.
 fn triple(point: Vec3) -> [f64; 3] {
     [point.x + 0.0, point.y + 0.0, point.z + 0.0]
 }
@@ -263,7 +263,7 @@ fn render(field: &FieldModel, path: &Path, force: bool) -> anyhow::Result<()> {
     }
 }
 
-/// The field map as the app draws it.
+/// The field map as the app draws it, as PNG.
 fn png(field: &FieldModel) -> anyhow::Result<Vec<u8>> {
     let px_per_m = MAP_WIDTH_PX / (field.length_m.max(field.width_m) + 2.0 * MAP_MARGIN_M);
     let map = FieldMap::new(field, MAP_MARGIN_M, px_per_m);

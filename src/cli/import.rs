@@ -1,4 +1,4 @@
-//! `touchline import`: a document of foreign files.
+//! `touchline import`: converts files of another program to a document.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -57,7 +57,7 @@ pub struct ImportArgs {
     sensor_mm: Option<f64>,
 }
 
-/// What labels mean, by the name of a map that comes with the program or from a file.
+/// The meaning of labels: one of the program's maps by name, or a JSON file.
 fn label_map(name: &str) -> anyhow::Result<LabelMap> {
     Ok(match name {
         "touchline" => LabelMap::Touchline,
@@ -75,7 +75,7 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
     })
 }
 
-/// Carries out the command.
+/// Converts the files and writes the document.
 ///
 /// # Errors
 /// The files cannot be read or are damaged, or the document cannot be written.
@@ -99,7 +99,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         zoom: args.zoom.as_deref().map(zoom_of).transpose()?,
     };
     let imported = match args.format {
-        // A document has a journal beside it.
+        // A document is read together with its journal.
         Format::Json => {
             let Loaded { location, document } = DocumentArg {
                 document: args.path.clone(),

@@ -1,4 +1,4 @@
-//! Ctrl-C during long work: what is done is kept.
+//! Ctrl-C during long work: finished parts are kept.
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -6,20 +6,20 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The exit code of a program that was stopped by Ctrl-C.
+/// Exit code of a program that was stopped by Ctrl-C.
 pub const EXIT_CODE: u8 = 130;
 
-/// Listens for Ctrl-C, and for being asked to end.
+/// Listens for Ctrl-C (SIGINT) and SIGTERM.
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Begins to listen. Pressed twice, Ctrl-C ends the program at once; where the system lets
-    /// nobody listen, it does so the first time, as it always does.
+    /// Begins to listen. The first Ctrl-C sets a flag, the second ends the program at once. If the
+    /// system does not allow listening, the first one ends the program, as it does by default.
     pub fn listen() -> Self {
         let pressed = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            // The second time ends it: whoever is asked first sees the flag that the first time has
-            // set.
+            // Handlers run in the order of registration: the shutdown comes first and sees the flag
+            // only if an earlier signal has set it.
             let ends = flag::register_conditional_shutdown(
                 signal,
                 i32::from(EXIT_CODE),
@@ -32,7 +32,7 @@ impl Interrupt {
         Self(pressed)
     }
 
-    /// Whether to go on: a break once it was pressed.
+    /// Answers `Break` after the first signal.
     pub fn check(&self) -> ControlFlow<()> {
         if self.is_pressed() {
             ControlFlow::Break(())
@@ -41,7 +41,7 @@ impl Interrupt {
         }
     }
 
-    /// Whether it was pressed.
+    /// Whether a signal has arrived.
     pub fn is_pressed(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

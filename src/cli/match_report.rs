@@ -1,4 +1,4 @@
-//! What is said while a match is labelled: a bar for each step, and what was found in words.
+//! Reports progress and results while a match is labelled: a bar for each step, and messages.
 
 use super::messages::Messages;
 use super::track::TrackingReport;
@@ -9,24 +9,24 @@ use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent, NoCamera};
 use touchline_documents::document::Document;
 
-/// The bar of a search has as many parts, whatever its steps count.
+/// Length of the bar of a search. Its steps count differently, so that it shows their share.
 const PARTS: usize = 1000;
 
-/// Says what happens while a match is labelled. Events come from any thread.
+/// Reports the events of labelling a match. Events may come from any thread.
 pub struct MatchReport {
     messages: Messages,
     shown: Mutex<Shown>,
 }
 
-/// What is on the screen.
+/// What the terminal shows.
 struct Shown {
-    /// The bar of a step, by the words that it began with.
+    /// The bar of the current step, with the text that it began with.
     bar: Option<(&'static str, ProgressBar)>,
     tracking: TrackingReport,
 }
 
 impl MatchReport {
-    /// Nothing has been said yet.
+    /// A reporter that has not shown anything.
     pub const fn new(messages: Messages) -> Self {
         Self {
             messages,
@@ -37,7 +37,7 @@ impl MatchReport {
         }
     }
 
-    /// Says what happened.
+    /// Reports one event.
     pub fn hear(&self, event: MatchEvent) {
         let messages = self.messages;
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
@@ -93,7 +93,7 @@ impl MatchReport {
 }
 
 impl Shown {
-    /// The bar of a step; that of the step before goes.
+    /// The bar of a step. Removes the bar of the step before.
     fn bar_of(&mut self, messages: Messages, what: &'static str, count: usize) -> &ProgressBar {
         if self.bar.as_ref().is_some_and(|(shown, _)| *shown != what) {
             self.clear();
@@ -117,7 +117,7 @@ impl Drop for Shown {
     }
 }
 
-/// Why no camera is given, in words.
+/// A message for why no camera is given.
 pub fn describe_no_camera(document: &Document, why: &NoCamera) -> String {
     match why {
         NoCamera::Two {
@@ -129,7 +129,7 @@ pub fn describe_no_camera(document: &Document, why: &NoCamera) -> String {
     }
 }
 
-/// Two answers in words, and the click that decides between them.
+/// A message for two candidates, with the click that decides between them.
 fn two_answers(
     document: &Document,
     best: &AutocalibratedCamera,
@@ -160,7 +160,7 @@ fn two_answers(
     )
 }
 
-/// What was found and what speaks for it.
+/// Reports the camera that was found, and the evidence for it.
 fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
     for size in &found.sizes {
         messages.note(&describe_size(size));

@@ -1,4 +1,4 @@
-//! `touchline merge`: what several people made of one document, in one.
+//! `touchline merge`: joins several people's versions of one document.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -11,7 +11,7 @@ use touchline_documents::document::{Document, Frames, Merged, merge as merge_doc
 use touchline_documents::exchange::restore_version;
 use touchline_documents::store;
 
-/// What the file of the versions that were not taken is called beside the result.
+/// Extension of the file with the versions that were not taken.
 const CONFLICTS: &str = "conflicts.json";
 
 /// Joins what several people made of one document.
@@ -32,7 +32,8 @@ pub struct MergeArgs {
     output: DocumentOutput,
 }
 
-/// Carries out the command.
+/// Merges the versions one after the other and writes the result. [`Outcome::SomeFailed`] if two
+/// versions conflict.
 ///
 /// # Errors
 /// A document cannot be read, or the result cannot be written.
@@ -46,6 +47,7 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     .load(messages)?;
     let folder = location.folder();
+    // The first version is the result so far; every further one is merged into it.
     let mut merged: Option<Document> = None;
     let mut not_taken = NotTaken::default();
     for path in &args.versions {
@@ -79,6 +81,7 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
         args.versions.len(),
         counted(not_taken.names.len(), "conflict")
     ));
+    // Write what was not taken beside the result, so that nothing is lost.
     let Some(others) = not_taken.document else {
         return Ok(Outcome::Done);
     };
@@ -96,8 +99,8 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     Ok(Outcome::SomeFailed)
 }
 
-/// A version with its relative paths from the base's folder, and with the frames of the base that a
-/// package was not given.
+/// Reads a version. Its relative paths are changed to start from the base's folder, and a package
+/// gets the frames of the base that it lacks.
 fn read_version(
     base: &Document,
     folder: &Path,
@@ -109,7 +112,7 @@ fn read_version(
     }
     .load(messages)?;
     let moved = restore_version(base.at(folder), &document)?;
-    // What the base has lies where the base says; only what is new comes from elsewhere.
+    // Frames of the base have the base's paths already; only new frames need relocation.
     let mut relocated = moved.clone().relocated(location.folder(), folder);
     for frame in &mut relocated.frames {
         if let Some(known) = base
@@ -127,7 +130,7 @@ fn read_version(
     })
 }
 
-/// The versions that two people made differently and that were not taken.
+/// The conflicting versions that were not taken.
 #[derive(Default)]
 struct NotTaken {
     names: BTreeSet<String>,
@@ -153,8 +156,8 @@ impl NotTaken {
     }
 }
 
-/// The file beside the result: `merged.json` has `merged.conflicts.json`, a project
-/// `project.conflicts.json`.
+/// The path of the conflicts file: `merged.conflicts.json` for `merged.json`,
+/// `project.conflicts.json` for a project folder.
 fn beside(output: &Path) -> PathBuf {
     let file = if output.is_dir() {
         output.join(store::PROJECT_FILE)

@@ -1,4 +1,4 @@
-//! Messages of a command on standard error: text lines, or one JSON object per line.
+//! The messages of a command on standard error: lines of text, or one JSON object per line.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -6,33 +6,32 @@ use std::ops::ControlFlow;
 use touchline_core::files::plain;
 use touchline_core::progress::Progress;
 
-/// How messages are written.
+/// The format of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Messages {
-    /// For people.
+    /// Text, for people.
     Text,
-    /// For machines: `{"level": …, "message": …}`, with `frame` where it is about one.
+    /// JSON, for programs: `{"level": …, "message": …}`, with `frame` if the message is about one.
     Json,
 }
 
 impl Messages {
-    /// Something a person should know, though nothing failed.
+    /// Reports something that the user should know, although nothing failed.
     pub fn note(self, message: &str) {
         self.write("note", None, message);
     }
 
-    /// A frame that could not be done.
+    /// Reports a frame for which the command failed.
     pub fn frame_failed(self, frame: &str, message: &str) {
         self.write("frame_failed", Some(frame), message);
     }
 
-    /// Why the command failed as a whole.
+    /// Reports why the whole command failed.
     pub fn error(self, message: &str) {
         self.write("error", None, message);
     }
 
-    /// A bar that shows how many of `count` are done; on a terminal only, and not among messages
-    /// for machines.
+    /// A progress bar for `count` steps. Visible only on a terminal, and not with JSON.
     #[must_use]
     pub fn progress(self, count: usize, what: &'static str) -> ProgressBar {
         let shown = self == Self::Text && std::io::stderr().is_terminal();
@@ -50,10 +49,11 @@ impl Messages {
 
     fn write(self, level: &str, frame: Option<&str>, message: &str) {
         let line = self.line(level, frame, message);
-        // Standard error is closed: nothing more can be reported.
+        // If standard error is closed, nothing can be reported any more.
         let _ = writeln!(std::io::stderr(), "{line}");
     }
 
+    /// One message as a line without control characters.
     pub(super) fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
         let (frame, message) = (frame.map(bounded), &bounded(message));
         match (self, frame) {
@@ -72,7 +72,7 @@ impl Messages {
     }
 }
 
-/// Moves a bar on by one at each step.
+/// A progress that advances a bar by one per step.
 pub fn count_steps(bar: &ProgressBar) -> Progress<'_, ()> {
     Progress::new(|()| {
         bar.inc(1);
@@ -80,10 +80,12 @@ pub fn count_steps(bar: &ProgressBar) -> Progress<'_, ()> {
     })
 }
 
-/// The longest message; documents and file names may hold words of any length.
+/// Maximum length of a message, characters. Documents and file names may contain texts of any
+/// length.
 const LONGEST: usize = 1000;
 
-/// A message without its middle if it is too long: what was wrong stands first, the way out last.
+/// Shortens a message that is too long. Keeps the beginning, which says what is wrong, and the end,
+/// which says how to mend it.
 fn bounded(message: &str) -> String {
     let length = message.chars().count();
     if length <= LONGEST {

@@ -1,8 +1,13 @@
 //! The command line: one file per command.
 //!
-//! Results go to `-o` or standard output, messages and progress to standard error. Exit 0: done; 1:
-//! done, but some frames could not be (they are named); 2: wrong usage or unreadable input, in one
-//! line; 130: stopped by Ctrl-C, what was done is kept.
+//! Results go to `-o` or standard output; messages and progress go to standard error. Exit codes:
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | done except for named frames; or problems, conflicts, or no camera found |
+//! | 2 | wrong usage or unreadable input, explained in one line |
+//! | 130 | stopped by Ctrl-C; a message says which parts of the work were written |
 
 mod calibrate;
 mod check;
@@ -75,27 +80,28 @@ enum Command {
     Train(train::TrainArgs),
 }
 
-/// How a command ended if it did not fail.
+/// How a command ended, if it did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Exit 0: all of it was done.
+    /// Exit code 0: everything was done.
     Done,
-    /// Exit 1: done, but some frames could not be; they have been named on standard error.
+    /// Exit code 1: done except for some frames, each named in a message; or the finding of the
+    /// command is negative.
     SomeFailed,
-    /// Exit 130: stopped by Ctrl-C; what was done is kept, and it was said where.
+    /// Exit code 130: stopped by Ctrl-C; a message says which parts of the work were written.
     Stopped,
 }
 
-/// What the program does after its arguments have been read.
+/// What the program does after it has read its arguments.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
-    /// A command ran; its exit code.
+    /// Exit with the code of the command that has run.
     Exit(ExitCode),
-    /// No command was given: the window opens, on a document if one was named.
+    /// Open the window, on a document if one was named.
     Window(Option<PathBuf>),
 }
 
-/// Reads the process's arguments and runs the command they name.
+/// Reads the process's arguments and runs the command that they name.
 #[must_use]
 pub fn run() -> Next {
     let cli = match Cli::try_parse() {
@@ -141,7 +147,7 @@ pub fn run() -> Next {
     Next::Exit(exit_code(result, messages))
 }
 
-/// An error with its causes. Many errors say their cause themselves; it is not said again.
+/// The error and its causes in one text. A cause that the text already contains is not repeated.
 fn said_once(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
@@ -152,7 +158,7 @@ fn said_once(error: &anyhow::Error) -> String {
     text
 }
 
-/// The exit code of a command; what went wrong is said in one line.
+/// The exit code of a command. Reports an error in one line.
 fn exit_code(result: anyhow::Result<Outcome>, messages: Messages) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
@@ -165,7 +171,7 @@ fn exit_code(result: anyhow::Result<Outcome>, messages: Messages) -> ExitCode {
     }
 }
 
-/// Says what was wrong with the arguments.
+/// Reports wrong arguments. They are not parsed, so `--json` is looked for among the raw ones.
 fn wrong_usage(error: &clap::Error) -> ExitCode {
     let messages = if std::env::args_os().any(|arg| arg == "--json") {
         Messages::Json
@@ -176,7 +182,7 @@ fn wrong_usage(error: &clap::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// In one line what was wrong with the arguments.
+/// One line about wrong arguments, without clap's usage text.
 fn usage_line(error: &clap::Error) -> String {
     let text = error.to_string();
     let what = text
@@ -191,7 +197,7 @@ fn usage_line(error: &clap::Error) -> String {
     format!("{what}; see touchline --help")
 }
 
-/// What is said of arguments that are wrong. `tests/fuzz` gives it any; nothing is run.
+/// The message about wrong arguments, for `tests/fuzz`; runs nothing.
 #[cfg(fuzzing)]
 pub fn said_of<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let error = Cli::try_parse_from(std::iter::once("touchline").chain(arguments)).err()?;

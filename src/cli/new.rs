@@ -1,4 +1,4 @@
-//! `touchline new`: a project from a folder of images or a video.
+//! `touchline new`: makes a project from a folder of images or a video.
 
 use super::Outcome;
 use super::document::refuse_unwritable;
@@ -36,7 +36,7 @@ pub struct NewArgs {
     force: bool,
 }
 
-/// Reads a field parameter: `length_m=105`.
+/// Parses a parameter of the field such as `length_m=105`.
 pub(super) fn parameter(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text
         .split_once('=')
@@ -49,10 +49,10 @@ pub(super) fn parameter(text: &str) -> Result<(String, f64), String> {
     }
 }
 
-/// Carries out the command.
+/// Makes the project. [`Outcome::SomeFailed`] if some images cannot be read.
 ///
 /// # Errors
-/// The folder exists, the field is not valid, or the frames cannot be read.
+/// The project's folder exists, the field is invalid, or no frame can be read.
 pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.folder, args.force)?;
     ensure!(
@@ -97,11 +97,11 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     })
 }
 
-/// The field as asked for; a template file's path is made absolute, as it is given relative to the
-/// working directory.
+/// The field that the arguments describe. The path of a template file, given relative to the
+/// working directory, is made absolute.
 ///
 /// # Errors
-/// There is no such template, or it does not take a parameter.
+/// The template does not exist or does not accept a parameter.
 pub(super) fn read_field(template: &str, params: &[(String, f64)]) -> anyhow::Result<FieldSpec> {
     let mut field = FieldSpec::new(template);
     if field.is_file() {

@@ -1,4 +1,4 @@
-//! `touchline experiment` where the experiments are left out: it says how to have them.
+//! `touchline experiment` in a program without the experiments: says how to build one with them.
 
 use super::Outcome;
 use super::messages::Messages;
@@ -11,8 +11,10 @@ pub struct ExperimentArgs {
     _arguments: Vec<String>,
 }
 
+/// Reports that the experiments are missing.
+///
 /// # Errors
-/// Always: there are none in this program.
+/// Always.
 pub fn experiment(_: &ExperimentArgs, _: Messages) -> anyhow::Result<Outcome> {
     bail!(
         "this program was built without the experiments; in the sources, cargo run --release --features experiments -- experiment all -o \

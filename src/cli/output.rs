@@ -1,5 +1,5 @@
-//! Results that go to files: whole or not at all, and never over something that exists without
-//! `--force`. Links, pipes and devices are written through.
+//! Writes results to files: completely or not at all, and without `--force` never over an existing
+//! file. Links, pipes and devices are written through.
 
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
@@ -10,14 +10,14 @@ use touchline_core::files::{
 use touchline_documents::report::Report;
 use touchline_documents::store::{write_new, write_output};
 
-/// Refuses a path that exists, unless `force`, and one where nothing can be written; to be called
+/// Refuses a path that exists, unless `force`, and a path that cannot be written. To be called
 /// before the work begins.
 ///
 /// # Errors
-/// Something is there, or the folder takes no file.
+/// The path exists, or its folder does not accept files.
 pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
     if is_pipe_or_device(path) {
-        // Nothing is replaced, and nothing is made beside it.
+        // A pipe is written through: nothing is replaced, and no file is created beside it.
         return Ok(());
     }
     if !force && path.exists() && !is_empty_folder(path) {
@@ -27,7 +27,7 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
         );
     }
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    // Folders that are missing are made; what holds them must take them.
+    // Missing folders will be created, so that the first existing one must accept files.
     let Some(folder) = path.ancestors().skip(1).find(|folder| folder.exists()) else {
         return Ok(());
     };
@@ -38,20 +38,20 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
     })
 }
 
-/// Whether results go through a path, as `/dev/stdout` before a pipe, and replace nothing.
+/// Whether a path is a pipe or a device such as `/dev/stdout`, so that writing replaces nothing.
 pub fn is_pipe_or_device(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
-/// An empty folder counts as absent.
+/// Whether a folder exists and is empty; it counts as absent.
 fn is_empty_folder(path: &Path) -> bool {
     std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
 }
 
-/// Writes a result to standard output. A reader that has seen enough is no error.
+/// Writes a result to standard output. A reader that closes the pipe early is no error.
 ///
 /// # Errors
-/// It cannot be written.
+/// Standard output cannot be written.
 pub fn print(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -60,11 +60,11 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Writes a result.
+/// Writes a result to a file.
 ///
 /// # Errors
-/// Something is there already and `force` was not given, a project keeps it, or the file cannot be
-/// written; nothing was changed then.
+/// The file exists and `force` was not given, it belongs to a project, or it cannot be written.
+/// Nothing has been changed then.
 pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> {
     refuse_existing(path, force)?;
     refuse_part_of_project(path)?;
@@ -92,10 +92,10 @@ pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> 
     })
 }
 
-/// Writes the files of a report into a folder, which is made.
+/// Writes the files of a report into a folder, which is created if necessary.
 ///
 /// # Errors
-/// A figure cannot be drawn, or a file is there already or cannot be written.
+/// A figure cannot be drawn, or a file exists or cannot be written.
 pub fn write_report(report: &Report, folder: &Path, force: bool) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     for (name, bytes) in report.files()? {

@@ -1,5 +1,5 @@
-//! `touchline refine-base`: the cameras' positions, base rotations and lenses from the clicks of
-//! all frames.
+//! `touchline refine-base`: estimates the cameras' positions, base rotations and lenses from the
+//! clicks of all frames.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -79,7 +79,8 @@ fn crown(text: &str) -> Result<Crown, String> {
         .ok_or_else(|| "auto or a number of metres".to_owned())
 }
 
-/// Carries out the command.
+/// Estimates every camera's base, solves all frames with it and writes the document.
+/// [`Outcome::SomeFailed`] if a camera or a frame failed.
 ///
 /// # Errors
 /// The document cannot be read, no camera's base can be estimated, or the result cannot be written.
@@ -113,6 +114,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         .iter()
         .map(|camera| camera.id.clone())
         .collect();
+    // With few known frames, track their clips first: more frames show more lines.
     if args.markings {
         carry_few(
             &mut document,
@@ -122,6 +124,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             messages,
         )?;
     }
+    // Estimate the base of each camera; one that fails does not stop the others.
     let before = document.clone();
     let mut estimates = Vec::new();
     let mut on_paint = Vec::new();
@@ -154,6 +157,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     for error in &errors {
         messages.note(error);
     }
+    // Write the bases and solve all frames with them.
     for estimate in &estimates {
         report(estimate, &document, messages);
         estimate.write_camera(&mut document);
@@ -168,6 +172,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             failed += 1;
         }
     }
+    // Align the frames to their painted lines, with the new base.
     for found in &on_paint {
         report_on_paint(found, messages);
         let field = document.field_of_camera(&found.estimated.camera);
@@ -182,6 +187,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             pulled.solved
         ));
     }
+    // Proposals that were made with the old base are no longer valid.
     let withdrawn = follow_all_bases(&mut document, &before);
     if withdrawn > 0 {
         messages.note(&format!(
@@ -210,8 +216,9 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     })
 }
 
-/// Carries the cameras of videos in which only a frame or two are known to their other frames, from
-/// a base by those: their lines tell too little, those of the whole clip tell much.
+/// Propagates cameras through videos in which fewer than [`FRAMES_FOR_PAINT`] frames are known,
+/// after a first estimate of the base from those frames. So few frames show too few lines for the
+/// base; the frames of the whole clip show enough.
 fn carry_few(
     document: &mut Document,
     folder: &Path,
@@ -227,6 +234,7 @@ fn carry_few(
                 .iter()
                 .filter(|frame| frame.camera == *camera)
         };
+        // A frame is known if it has a camera or two clicks.
         let known = of_camera()
             .filter(|frame| frame.ptz.is_some() || frame.clicks.len() > 1)
             .count();
@@ -245,7 +253,7 @@ fn carry_few(
         is_any = true;
     }
     if is_any {
-        // All cameras at once: each clip is carried by whatever is known of it.
+        // All cameras at once: tracking uses every known frame of a clip.
         track_and_report(
             document,
             folder,
@@ -258,7 +266,7 @@ fn carry_few(
     Ok(())
 }
 
-/// The base of a camera; with `size` that of its field as well.
+/// Estimates the base of a camera from clicks; with `size` also the size of its field.
 fn estimate(
     document: DocumentAt<'_>,
     camera: &CameraId,
@@ -273,7 +281,7 @@ fn estimate(
     }
 }
 
-/// The pictures of a document's frames; a frame that cannot be read is told once.
+/// Reads the pictures of a document's frames. Reports each unreadable frame once.
 struct Pictures<'a> {
     folder: &'a Path,
     messages: Messages,
@@ -304,7 +312,7 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// The base of a camera from clicks and paint.
+    /// Estimates the base of a camera from clicks and painted lines.
     fn estimate(
         &mut self,
         document: DocumentAt<'_>,
@@ -326,7 +334,7 @@ impl<'a> Pictures<'a> {
     }
 }
 
-/// How far clicks and paint lie off the lines, before and after.
+/// Reports the residuals of clicks and paint, with the new base and the one before.
 fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
     let (name, seen) = (found.estimated.camera.as_str(), &found.seen);
     messages.note(&format!(
@@ -353,7 +361,7 @@ fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
     }
 }
 
-/// What was found, which models were compared, what disagrees.
+/// Reports the base, the models that were compared, and clicks that disagree.
 fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     let found = &estimated.estimate;
     let name = estimated.camera.as_str();

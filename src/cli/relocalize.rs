@@ -1,4 +1,4 @@
-//! `touchline relocalize`: cameras of frames that nobody clicked, from a trained forest.
+//! `touchline relocalize`: finds the cameras of unclicked frames with a trained forest.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -23,7 +23,7 @@ use touchline_documents::document::{
 use touchline_vision::media::{FrameReader, FrameSource, image_size};
 use touchline_vision::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 
-/// The largest forest that is read.
+/// Maximum size of a forest's file, bytes.
 const MAX_FOREST_BYTES: u64 = 8 << 30;
 
 /// Finds the cameras of frames that nobody clicked, from a trained forest.
@@ -76,11 +76,12 @@ fn probability(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Carries out the command.
+/// Queries the forest and writes the document. [`Outcome::SomeFailed`] if a frame got no camera,
+/// [`Outcome::Stopped`] after Ctrl-C.
 ///
 /// # Errors
-/// The forest or the input cannot be read, the cameras' bases differ, or the result cannot be
-/// written.
+/// The forest or the input cannot be read, a camera's base differs from the forest's, or the result
+/// cannot be written.
 pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let interrupt = Interrupt::listen();
@@ -98,6 +99,8 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     } = read_input(args, taught.clone(), messages)?;
     adopt_bases(&mut document, &taught, &model)?;
     let before = document.clone();
+    // Choose the frames: undecided ones, with `--resume` without an answer, with `--key-frames` not
+    // between key frames.
     let is_asked = |frame: &Frame| frame.is_open() && !(args.resume && is_answered(frame));
     let mut asked: Vec<usize> = (0..document.frames.len())
         .filter(|&index| is_asked(&document.frames[index]))
@@ -149,6 +152,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     bar.finish_and_clear();
     tell_refusal(&store, messages);
     let proposals = proposals?;
+    // Count the answers. A frame without an answer keeps a camera that it has from another source.
     let looked_at = proposals.len();
     let (mut answered, mut kept) = (0, 0);
     for proposal in &proposals {
@@ -163,12 +167,14 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
             }
             Err(reason) => messages.frame_failed(&frame.name(), &reason.to_string()),
         }
+        // Without the times, two runs write the same bytes.
         if let Some(solution) = frame.solution.as_mut().filter(|_| !args.timings) {
             solution.timings_ms = None;
         }
     }
     document.count_edits_since(&before);
     write(&args.output, document.clone(), &folder)?;
+    // Stopped early: `--resume` continues with what has been written.
     if looked_at < asked.len() {
         let kept = args.output.output.as_ref().map_or_else(
             || "standard output".to_owned(),
@@ -211,8 +217,8 @@ fn is_answered(frame: &Frame) -> bool {
     frame.status == FrameStatus::Suggested && frame.ptz.is_some()
 }
 
-/// Says which frame to label next. Where the references of a document without any look is not
-/// known: the forest may have learnt elsewhere.
+/// Reports which frame to label next. If a camera has no references in this document, the advice
+/// names no uncovered direction: the forest may have been trained on another document.
 fn tell_where_to_label(document: DocumentAt<'_>, messages: Messages) {
     let coverage = Coverage::of_cameras(document, &TrainingFrames::of_solved(&document).frames);
     let advice = label_advice(&document, &coverage);
@@ -221,18 +227,18 @@ fn tell_where_to_label(document: DocumentAt<'_>, messages: Messages) {
     }
 }
 
-/// What the frames to be answered are.
+/// The frames to be answered.
 struct Input {
     document: Document,
-    /// Its file; none for images.
+    /// The document's file. `None` for images.
     file: Option<PathBuf>,
-    /// Where relative paths start.
+    /// The folder from which relative paths start.
     folder: PathBuf,
-    /// Images that could not be read.
+    /// Number of images that cannot be read.
     skipped: usize,
 }
 
-/// A document, or images as a document with the forest's cameras.
+/// Reads a document, or images as new frames of the forest's document.
 fn read_input(
     args: &RelocalizeArgs,
     taught: Document,
@@ -253,6 +259,7 @@ fn read_input(
             skipped: 0,
         });
     }
+    // Images become frames of the forest's document, with its cameras and field.
     ensure!(
         !taught.field.is_file()
             && !taught
@@ -294,7 +301,7 @@ fn read_input(
     Ok(input)
 }
 
-/// A project folder, or a JSON file.
+/// Whether a path is a project folder or a JSON file.
 fn is_document(path: &Path) -> bool {
     path.join(touchline_documents::store::PROJECT_FILE)
         .is_file()
@@ -309,7 +316,7 @@ fn images_of(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(frames.map(|frame| frame.path().to_path_buf()).collect())
 }
 
-/// A new frame for an image, of the camera whose pictures have its size.
+/// Appends a frame for an image, with the camera that has pictures of its size.
 fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
     let size = image_size(path)?;
     let camera = input
@@ -329,7 +336,7 @@ fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes the document, or its frames a line each where the name ends with `.jsonl`.
+/// Writes the document; to a `.jsonl` file its frames, one per line.
 fn write(output: &DocumentOutput, document: Document, folder: &Path) -> anyhow::Result<()> {
     let Some(path) = output
         .output

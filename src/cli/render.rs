@@ -1,4 +1,4 @@
-//! `touchline render`: a frame's overlay as the app shows it, off-screen.
+//! `touchline render`: draws a frame with its overlay as the app shows it, off-screen.
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
@@ -20,13 +20,13 @@ use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, Frame, FrameStatus};
 use touchline_vision::media::{self, FrameReader};
 
-/// Ground around the field on the field map, m.
+/// Margin around the field on the field map, m.
 const MAP_MARGIN_M: f64 = 5.0;
-/// px per metre of the field map.
+/// Scale of the field map, px per metre.
 const MAP_PX_PER_M: f64 = 12.0;
-/// The longest side of the field map: larger fields are drawn smaller.
+/// Maximum side of the field map, px; larger fields are drawn at a smaller scale.
 const MAP_LONGEST_PX: f64 = 4096.0;
-/// How bright the frame's picture lies on the field map.
+/// Brightness of the frame's picture on the field map.
 const MAP_BRIGHTNESS: f32 = 0.8;
 
 /// Renders a frame with its overlay into a PNG, without a window.
@@ -49,11 +49,12 @@ pub struct RenderArgs {
     force: bool,
 }
 
-/// Carries out the command.
+/// Renders the frame and writes the PNG. [`Outcome::SomeFailed`] if the frame has no camera, and so
+/// no overlay.
 ///
 /// # Errors
-/// The document, the frame or its picture cannot be read, nothing can render, or the PNG cannot be
-/// written.
+/// The document, the frame or its picture cannot be read, there is no graphics adapter, or the PNG
+/// cannot be written.
 pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> {
     if !args
         .output
@@ -118,7 +119,7 @@ pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> 
     Ok(Outcome::Done)
 }
 
-/// The picture at its own size under the overlay.
+/// Draws the picture at its own size, with the overlay over it.
 fn render_frame(
     offscreen: &mut Offscreen,
     scene: &OverlayScene<'_>,
@@ -136,7 +137,7 @@ fn render_frame(
     Ok(offscreen.render(&view, SURROUND, &layers)?)
 }
 
-/// The field map, with the frame's picture laid onto it.
+/// Draws the field map, with the frame's picture projected onto it.
 fn render_top_view(
     offscreen: &mut Offscreen,
     scene: &OverlayScene<'_>,
@@ -146,7 +147,7 @@ fn render_top_view(
     let mut drawing = field_map(scene, &map);
     let mut layers = vec![Layer::Drawing(Arc::new(drawing.ground))];
     if let Some(camera) = scene.camera {
-        // The picture itself shows what is visible; a tint over it would only change its colours.
+        // The picture shows what is visible; the tint of the visible area would change its colours.
         drawing.over.areas.clear();
         layers.push(layer(
             picture_from_above(picture, scene.field, camera, &map),
@@ -162,6 +163,8 @@ fn render_top_view(
     Ok(offscreen.render(&view, SURROUND, &layers)?)
 }
 
+/// The field map at the standard scale, or a smaller one for large fields, rotated towards the
+/// camera.
 fn map_of(field: &FieldModel, camera: Option<&PtzCamera>) -> FieldMap {
     let longest_m = field.length_m.max(field.width_m) + 2.0 * MAP_MARGIN_M;
     let map = FieldMap::new(
@@ -172,7 +175,7 @@ fn map_of(field: &FieldModel, camera: Option<&PtzCamera>) -> FieldMap {
     camera.map_or(map, |camera| map.turned_to(camera))
 }
 
-/// Lines keep their share of the picture on frames that are larger than a screen.
+/// Scale of lines and labels: on frames wider than 1920 px they keep their share of the picture.
 fn pixels_per_point(width: u32) -> f32 {
     (width as f32 / 1920.0).max(1.0)
 }
@@ -185,8 +188,8 @@ fn layer(pixels: media::Picture, brightness: f32) -> Layer {
     })
 }
 
-/// Finds a frame: by its name in the document, by its file name if only one frame has it, else by
-/// its index.
+/// Finds a frame by its name in the document, else by its file name if only one frame has it, else
+/// by its index.
 fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Frame> {
     let frames = || document.frames.iter().map(|frame| &**frame);
     if let Some(frame) =

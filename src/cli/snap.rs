@@ -1,4 +1,4 @@
-//! `touchline snap`: solved frames pulled onto their painted lines.
+//! `touchline snap`: aligns solved frames to their painted lines.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -35,10 +35,11 @@ fn reach(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Carries out the command.
+/// Aligns the frames and writes the document. [`Outcome::SomeFailed`] if a frame could not be
+/// aligned.
 ///
 /// # Errors
-/// The document cannot be read, its field is not valid, or the result cannot be written.
+/// The document cannot be read, its field is invalid, or the result cannot be written.
 pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded {
@@ -67,6 +68,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         passed: before.frames.len() - looked_at.len(),
         ..Counts::default()
     };
+    // In the order of the document, so that videos are read without seeking.
     for FramePicture { index, picture, .. } in
         PictureStream::new(before.at(location.folder()), looked_at)
     {
@@ -124,7 +126,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     })
 }
 
-/// How many frames ended in which way.
+/// Numbers of frames by outcome.
 #[derive(Default)]
 struct Counts {
     snapped: usize,

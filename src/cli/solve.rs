@@ -1,4 +1,4 @@
-//! `touchline solve`: pan, tilt and focal length of every frame with enough clicks.
+//! `touchline solve`: finds pan, tilt and focal length of every frame with enough clicks.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -24,10 +24,11 @@ pub struct SolveArgs {
     line_check: bool,
 }
 
-/// Carries out the command.
+/// Solves the document and writes it. [`Outcome::SomeFailed`] if a frame with enough clicks has no
+/// solution.
 ///
 /// # Errors
-/// The document cannot be read, its field is not valid, or the result cannot be written.
+/// The document cannot be read, its field is invalid, or the result cannot be written.
 pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded {
@@ -70,8 +71,8 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     })
 }
 
-/// Writes what the painted lines say about every solved frame into it; pictures that cannot be read
-/// are named.
+/// Compares every solved frame with the painted lines in its picture and records the result in it.
+/// Reports pictures that cannot be read.
 fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> anyhow::Result<()> {
     let fields = Fields::of(document.at(folder))?;
     let bar = messages.progress(document.frames.len(), "Checking the lines");
@@ -102,7 +103,7 @@ fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> an
     Ok(())
 }
 
-/// Reports frames that fit another camera, and cameras that stop fitting.
+/// Reports frames that fit another camera better, and cameras that stop fitting at some frame.
 fn report_cameras(document: DocumentAt<'_>, messages: Messages) {
     for problem in check_cameras(document) {
         messages.note(&problem.to_string());

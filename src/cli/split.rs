@@ -1,4 +1,4 @@
-//! `touchline split`: a document in work packages for several people.
+//! `touchline split`: divides a document into work packages for several people.
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
@@ -26,10 +26,10 @@ pub struct SplitArgs {
     outside_pictures: bool,
 }
 
-/// Carries out the command.
+/// Writes the packages.
 ///
 /// # Errors
-/// The document or a picture cannot be read, or the folder holds something already.
+/// The document or a picture cannot be read, or the folder is not empty.
 pub fn split(args: &SplitArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, document } = args.document.load(messages)?;
     anyhow::ensure!(

@@ -1,4 +1,4 @@
-//! `touchline synth`: a drawn match with exact truth, as a project.
+//! `touchline synth`: draws a match with exact truth, as a project.
 
 use super::Outcome;
 use super::messages::Messages;
@@ -12,7 +12,7 @@ use touchline_documents::document::document_to_string;
 use touchline_documents::store::{Location, PROJECT_FILE, write_document};
 use touchline_vision::synthetic::{Graphics, Preset, ShootOptions};
 
-/// The file beside the project that holds what is true.
+/// The file beside the project with the exact cameras.
 const TRUTH_FILE: &str = "truth.json";
 /// Draws a match: images, a project without calibrations, and the exact truth beside it.
 ///
@@ -95,7 +95,7 @@ enum Graphic {
     Watermark,
 }
 
-/// What is drawn.
+/// The match that the arguments describe.
 fn order_of(args: &SynthArgs) -> MatchOrder {
     if args.demo {
         return MatchOrder::demo();
@@ -128,10 +128,10 @@ fn order_of(args: &SynthArgs) -> MatchOrder {
     }
 }
 
-/// Carries out the command.
+/// Draws the match and writes its pictures, its project and its truth.
 ///
 /// # Errors
-/// The folder holds something already and `--force` was not given, or a file cannot be written.
+/// The folder has other content and `--force` was not given, or a file cannot be written.
 pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Scene::Stadium = args.scene;
     refuse_existing(&args.output, args.force)?;
@@ -171,8 +171,8 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Refuses a folder with a project that was not drawn here: its pictures have the names that a
-/// drawn match gives its own.
+/// Refuses a folder with a project that this command did not draw: pictures of a drawn match could
+/// overwrite the project's.
 fn refuse_other_project(folder: &Path) -> anyhow::Result<()> {
     let is_other = |name: &str| folder.join(name).exists() && !folder.join(TRUTH_FILE).is_file();
     match [PROJECT_FILE, "images"]

@@ -1,4 +1,4 @@
-//! `touchline track`: cameras carried from solved frames to their neighbours.
+//! `touchline track`: propagates cameras from solved frames to their neighbours.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -67,10 +67,11 @@ fn range(text: &str) -> Result<RangeInclusive<usize>, String> {
     }
 }
 
-/// Carries out the command.
+/// Tracks the clips and writes the document. [`Outcome::SomeFailed`] if a frame got no camera,
+/// [`Outcome::Stopped`] after Ctrl-C.
 ///
 /// # Errors
-/// The document cannot be read, its field is not valid, or the result cannot be written.
+/// The document cannot be read, its field is invalid, or the result cannot be written.
 pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded {
@@ -123,11 +124,11 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     })
 }
 
-/// Tracks the clips of a document, with a bar and what is worth knowing; `interrupt` ends it within
-/// a clip, and keeps those before.
+/// Tracks the clips of a document and reports progress and results. `interrupt` ends the clip in
+/// progress; finished clips are kept.
 ///
 /// # Errors
-/// The field is not valid.
+/// The field is invalid.
 pub fn track_and_report(
     document: &mut Document,
     folder: &Path,
@@ -157,14 +158,14 @@ pub fn track_and_report(
     )?)
 }
 
-/// What is said while clips are tracked: a bar for each step, and a line for what is worth knowing.
+/// Reports the events of tracking: a bar for each step, and messages.
 pub struct TrackingReport {
     messages: Messages,
     bar: Option<ProgressBar>,
 }
 
 impl TrackingReport {
-    /// Nothing has been said yet.
+    /// A reporter that has not shown anything.
     pub const fn new(messages: Messages) -> Self {
         Self {
             messages,
@@ -172,7 +173,7 @@ impl TrackingReport {
         }
     }
 
-    /// Says what happened.
+    /// Reports one event.
     pub fn hear(&mut self, event: TrackingEvent) {
         let messages = self.messages;
         if !matches!(event, TrackingEvent::Progress(_)) {
@@ -216,8 +217,8 @@ impl Drop for TrackingReport {
     }
 }
 
-/// Shows how far a clip has come: its points are followed in the first half of the bar, its paint
-/// is looked at in the second.
+/// Shows the progress of a clip: following points fills the first half of the bar, reading the
+/// painted lines the second.
 fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
     let Some(bar) = bar else { return };
     let half = bar.length().unwrap_or(0) / 2;
@@ -231,7 +232,7 @@ fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
     }
 }
 
-/// A clip by its first and its last picture.
+/// The name of a clip: its first and its last picture.
 fn name_of(clip: &ClipSpan) -> String {
     let file_name = |path: &Path| {
         path.file_name()
@@ -250,6 +251,7 @@ fn name_of(clip: &ClipSpan) -> String {
     }
 }
 
+/// Reports the result of one clip: residuals, frames that kept their camera, breaks, jitter.
 fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
     let name = name_of(clip);
     messages.note(&format!(

@@ -1,4 +1,4 @@
-//! `touchline train`: the pan-tilt forest from a document's references.
+//! `touchline train`: trains the pan-tilt forest on a document's references.
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
@@ -80,10 +80,11 @@ enum DetectorArg {
     Akaze,
 }
 
-/// Carries out the command.
+/// Trains a forest, measures it by leaving references out, and writes it. [`Outcome::SomeFailed`]
+/// if a reference could not be used.
 ///
 /// # Errors
-/// The document cannot be read or has no references to learn from, or the forest cannot be written.
+/// The document cannot be read or has no usable references, or the forest cannot be written.
 pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     let Loaded { location, document } = args.document.load(messages)?;
@@ -101,6 +102,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         options: options.features,
         store: &store,
     };
+    // Find features in the references.
     let bar = messages.progress(training_frames.frames.len(), "Finding features");
     let studied = study(
         &pictures,
@@ -131,6 +133,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let model = learn(&document, &studied, &options, &training);
     bar.finish_and_clear();
     let mut model = model?;
+    // Measure the forest, and lower its stated probabilities if certain answers were wrong.
     let bar = messages.progress(0, "Asking for references left out");
     let asking = Progress::new(|progress: Share| {
         bar.set_length(progress.of as u64);

@@ -1,5 +1,4 @@
-//! Frames asked of a method, how far its answers are from the truth, and what that is in a few
-//! numbers.
+//! The answers of a method to test frames, their errors, and statistics of them.
 
 use super::paper::{FAILURE_IOU, ROTATION};
 use super::sets::FrameSet;
@@ -10,40 +9,40 @@ use touchline_core::score::{
 };
 use touchline_documents::report::{Cell, Table};
 
-/// What became of one frame.
+/// The result of one test frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AskedFrame {
-    /// The number of its set among those of other seeds.
+    /// Index of its set: one set for each seed.
     pub repeat: usize,
-    /// Which frame of the set.
+    /// Index of the frame in the set.
     pub frame: usize,
-    /// Which split it was asked in.
+    /// Index of the split in which it was tested.
     pub split: usize,
-    /// Its horizontal field of view, degrees.
+    /// Horizontal field of view, degrees.
     pub view_deg: f64,
-    /// What the answer errs by; none: not found.
+    /// The camera that was found; none if the method gave no answer.
     pub found: Option<FoundCamera>,
-    /// How long features waited for their rays, and those for a camera, ms.
+    /// Time of the forest's predictions, ms.
     pub predict_ms: f64,
-    /// Finding the camera, ms.
+    /// Time of solving the camera, ms.
     pub pose_ms: f64,
 }
 
-/// The errors of an answer.
+/// A camera that was found, and its errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundCamera {
-    /// The camera that was found.
+    /// The camera.
     pub camera: PtzCamera,
-    /// `IoU_part`; none where the picture shows nothing of the field.
+    /// `IoU_part`; none if the picture shows nothing of the field.
     pub iou: Option<f64>,
     /// `IoU_whole`.
     pub iou_whole: f64,
-    /// Of rotation, pan, tilt, focal length.
+    /// Errors of rotation, pan, tilt, focal length and position.
     pub error: CameraError,
 }
 
 impl FoundCamera {
-    /// The errors of an estimate.
+    /// Measures the errors of an estimate.
     pub fn of(set: &FrameSet, frame: usize, estimate: &PtzCamera) -> Self {
         let known = &set.frames[frame];
         Self {
@@ -61,7 +60,7 @@ impl FoundCamera {
 }
 
 impl AskedFrame {
-    /// Of a frame that was not found yet.
+    /// The result of a frame before a camera is found.
     pub fn blank(set: &FrameSet, repeat: usize, split: usize, frame: usize) -> Self {
         let known = &set.frames[frame];
         let view_deg =
@@ -77,18 +76,18 @@ impl AskedFrame {
         }
     }
 
-    /// Its `IoU`, 0 where it was not found; none where the picture shows nothing of the field.
+    /// `IoU_part`, 0 without an answer; none if the picture shows nothing of the field.
     pub fn iou(&self) -> Option<f64> {
         self.found.map_or(Some(0.0), |found| found.iou)
     }
 
-    /// Whether it counts as a failure: not found, or an `IoU` below what the paper takes for one.
+    /// Whether the frame counts as a failure: no answer, or an `IoU` below the paper's limit.
     pub fn is_failure(&self) -> bool {
         self.iou().is_some_and(|iou| iou < FAILURE_IOU)
     }
 }
 
-/// How many features get a ray, and how many of those get the true one.
+/// Counts of features: all, those with an accepted ray, and those with a correct one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCount {
     pub features: usize,
@@ -106,17 +105,17 @@ impl RayCount {
     }
 }
 
-/// How many frames went, in a few numbers. Frames that were not found count as `IoU` 0 and as never
-/// within a rotation.
+/// Statistics of test frames. Frames without an answer count as `IoU` 0 and as outside every limit
+/// of rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tally {
     pub asked: usize,
     pub found: usize,
     pub failed: usize,
     pub iou_mean: f64,
-    /// Over the frames.
+    /// The standard deviation over the frames.
     pub iou_sd: f64,
-    /// The 95 % interval of the mean.
+    /// The 95 % interval of the mean, over the seeds.
     pub iou_interval: [f64; 2],
     pub iou_of_found: f64,
     pub within_rotation: f64,
@@ -142,12 +141,13 @@ pub const TALLY_COLUMNS: [(&str, &str); 12] = [
     ("focal_90_px", "90 % (px)"),
 ];
 
-/// What the columns mean, for readers.
+/// Explains the columns to readers of the report.
 pub const TALLY_EXPLAINED: &str = "IoU: mean over all frames asked, not found counting as 0; SD: standard deviation over the frames; 95 %: \
     interval of the mean over the seeds (Student's t; with one seed, bootstrap over the frames). Rotation within 1°: share of all \
     frames asked. Medians and 90 % percentiles of errors are of the frames found.";
 
 impl Tally {
+    /// Computes the statistics of test frames.
     pub fn of<'a>(asked: impl Iterator<Item = &'a AskedFrame>) -> Self {
         let all: Vec<&AskedFrame> = asked.collect();
         let found: Vec<FoundCamera> = all.iter().filter_map(|asked| asked.found).collect();
@@ -212,7 +212,7 @@ impl Tally {
         ]
     }
 
-    /// As the paper writes it, with the interval.
+    /// The mean `IoU` with its standard deviation, as in the paper, and its interval.
     pub fn describe(&self) -> String {
         let [low, high] = self.iou_interval;
         format!(
@@ -230,14 +230,15 @@ pub fn mean_sd(values: &[f64]) -> [f64; 2] {
     [mean, (squares / (count - 1.0).max(1.0)).sqrt()]
 }
 
-/// The 97.5 % point of Student's t by degrees of freedom, from 1 on; beyond, the normal
-/// distribution's.
+/// The 97.5 % quantile of Student's t for 1, 2, 3, … degrees of freedom. With more than nine, that
+/// of the normal distribution is used.
 const STUDENT_975: [f64; 9] = [
     12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262,
 ];
 
-/// The 95 % interval of the mean `IoU`: frames of one seed share stadium, crowd and path, so that
-/// the seeds are what is independent.
+/// The 95 % interval of the mean `IoU`. Frames of one seed share stadium, crowd and camera path, so
+/// only the seeds are independent: the interval is that of the seeds' means. With a single seed, it
+/// is a bootstrap interval over the frames.
 fn interval_of_mean(all: &[&AskedFrame]) -> [f64; 2] {
     let ious: Vec<Vec<f64>> = by_seed(all.iter().copied())
         .into_iter()
@@ -251,7 +252,7 @@ fn interval_of_mean(all: &[&AskedFrame]) -> [f64; 2] {
     interval_over_seeds(&means).map(|end| end.clamp(0.0, 1.0))
 }
 
-/// The frames asked, a list for each seed.
+/// The frames of each seed.
 fn by_seed<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> Vec<Vec<&'a AskedFrame>> {
     let mut seeds: Vec<Vec<&AskedFrame>> = Vec::new();
     for asked in asked {
@@ -263,7 +264,7 @@ fn by_seed<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> Vec<Vec<&'a A
     seeds
 }
 
-/// The 95 % interval of a mean, from its value for each seed (Student's t); a single seed has none.
+/// The 95 % interval of a mean from its values for each seed (Student's t). NaN with a single seed.
 pub fn interval_over_seeds(values: &[f64]) -> [f64; 2] {
     if values.len() < 2 {
         return [f64::NAN; 2];
@@ -274,7 +275,7 @@ pub fn interval_over_seeds(values: &[f64]) -> [f64; 2] {
     [mean - half, mean + half]
 }
 
-/// The 95 % interval of a number of answers over their seeds.
+/// The 95 % interval, over the seeds, of a statistic of the answers.
 pub fn over_seeds<'a>(
     asked: impl IntoIterator<Item = &'a AskedFrame>,
     number: impl Fn(Vec<&'a AskedFrame>) -> f64,
@@ -282,8 +283,8 @@ pub fn over_seeds<'a>(
     interval_over_seeds(&by_seed(asked).into_iter().map(number).collect::<Vec<_>>())
 }
 
-/// By how much a number of some answers is greater than that of others, both in each seed: its 95 %
-/// interval over the seeds.
+/// The 95 % interval, over the seeds, of the difference of a statistic: that of `of` minus that of
+/// `than`, seed by seed.
 pub fn difference<'a>(
     of: impl IntoIterator<Item = &'a AskedFrame>,
     than: impl IntoIterator<Item = &'a AskedFrame>,
@@ -297,12 +298,12 @@ pub fn difference<'a>(
     interval_over_seeds(&differences)
 }
 
-/// An interval of a difference, for readers.
+/// Formats the interval of a difference for readers.
 pub fn describe_difference([low, high]: [f64; 2]) -> String {
     format!("{low:+.3} to {high:+.3}")
 }
 
-/// A table of tallies, one for each name.
+/// A table with a row for each tally.
 pub fn tally_table(heading: (&str, &str), tallies: &[(Cell, Tally)]) -> Table {
     let mut columns = vec![heading];
     columns.extend(TALLY_COLUMNS);
@@ -315,7 +316,7 @@ pub fn tally_table(heading: (&str, &str), tallies: &[(Cell, Tally)]) -> Table {
     table
 }
 
-/// The frames asked by the name of their split, and all together.
+/// The frames of each split name, and all frames.
 pub fn by_name<'a>(
     set: &'a FrameSet,
     asked: &'a [AskedFrame],
@@ -335,7 +336,7 @@ pub fn by_name<'a>(
     parts
 }
 
-/// Every frame asked, a row each: `ways` names what was asked how.
+/// A table with a row for each test frame. `ways` names the methods.
 pub fn frame_table<'a, N: AsRef<str>>(
     sets: &[FrameSet],
     ways: impl IntoIterator<Item = (N, &'a [AskedFrame])>,
@@ -428,7 +429,7 @@ mod tests {
 
     #[test]
     fn the_interval_is_that_of_the_means_of_the_seeds() {
-        // Means .5 and .7: their SD is .1414, t with one degree of freedom 12.706.
+        // Means 0.5 and 0.7: their SD is 0.1414, t with one degree of freedom 12.706.
         let all = [
             asked(0, Some(0.4)),
             asked(0, Some(0.6)),
@@ -443,7 +444,7 @@ mod tests {
             .map(|(repeat, [asked])| AskedFrame { repeat, ..*asked })
             .collect();
         let [low, high] = Tally::of(all.iter()).iou_interval;
-        // 4.303 × .01 / √3 = .02484.
+        // 4.303 × 0.01 / √3 = 0.02484.
         assert!(
             (low - 0.585_16).abs() < 1e-4 && (high - 0.634_84).abs() < 1e-4,
             "{low} {high}"
@@ -453,7 +454,7 @@ mod tests {
 
     #[test]
     fn a_difference_is_taken_in_each_seed() {
-        // The seeds differ by .3, the methods by .1 in each of them.
+        // The seeds differ by 0.3, the methods by 0.1 in each of them.
         let of: Vec<AskedFrame> = [0.5, 0.8]
             .iter()
             .enumerate()

@@ -1,5 +1,5 @@
-//! SIFT against ORB and AKAZE: each feature's nearest neighbour among all references' features is
-//! its ray, then the pose.
+//! SIFT compared with ORB and AKAZE, without a forest: each feature gets the ray of its nearest
+//! neighbour among all references' features, then the camera is solved.
 
 use super::answers::{AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, frame_table, tally_table};
 use super::matching::{DescriptorRows, nearest};
@@ -19,18 +19,18 @@ use touchline_vision::relocalize::{
     PoseOptions, RayCandidate, RayMatches, SeenRange, pose_from_candidates,
 };
 
-/// Features of a picture at most, as SIFT's default is.
+/// Maximum number of features in a picture, as SIFT's default.
 const MOST_FEATURES: usize = 1000;
-/// The share of the largest distance up to which a nearest neighbour is a match: SIFT's is the
-/// forest's gate, 0.2 of 2.
+/// Maximum distance of a match for SIFT, as a share of the largest possible distance: the forest's
+/// threshold, 0.2 of 2.
 const GATE: f32 = 0.1;
-/// The same for bits: unrelated descriptors differ in half of them.
+/// The same for binary descriptors. Unrelated ones differ in half of their bits.
 const BINARY_GATE: f32 = 0.15;
 
-/// Pictures that lie in memory at a time.
+/// Number of pictures in memory.
 const BATCH: usize = 16;
 
-/// The features of all frames of a set, of one kind.
+/// The features of all frames of a set.
 enum Described {
     Sift(Vec<DescriptorRows>),
     Bits {
@@ -39,7 +39,8 @@ enum Described {
     },
 }
 
-/// A feature of a frame, and how far its descriptor is from the one asked: from 0 (the same) to 1.
+/// The distance between two descriptors, as a share of the largest possible one, and the index of
+/// the neighbour.
 type Neighbour = (f32, usize);
 
 impl Described {
@@ -59,7 +60,8 @@ impl Described {
         }
     }
 
-    /// For each feature of a frame the nearest of another frame, where that has any.
+    /// For each feature of a frame, the nearest feature of another frame; none if that has no
+    /// features.
     fn neighbours(&self, frame: usize, other: usize) -> Vec<Option<Neighbour>> {
         match self {
             Self::Sift(rows) if rows[other].is_empty() => vec![None; rows[frame].len()],
@@ -96,7 +98,7 @@ impl Described {
 /// Runs the experiment.
 ///
 /// # Errors
-/// The frames or their pictures cannot be had.
+/// The frames or their pictures cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let mut report = Report::new(
@@ -117,6 +119,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let mut asked: [Vec<AskedFrame>; 3] = std::array::from_fn(|_| Vec::new());
     for (repeat, set) in sets.iter().enumerate() {
         for (number, asked) in asked.iter_mut().enumerate() {
+            // Extract one kind at a time, so that only its features are in memory.
             let described = match number {
                 0 => Described::sift(set),
                 1 => binary(set, BinaryKind::Orb)?,
@@ -134,6 +137,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let mut table = tally_table(("features", "features"), &tallies);
     let is_own = sets[0].kind == SetKind::Own;
     let [sift, surf] = SIFT_SURF;
+    // SURF is not available; its row has only the paper's number.
     if !is_own {
         let mut row: Vec<Cell> = vec!["SURF (paper only)".into()];
         row.resize(table.columns.len(), Cell::Empty);
@@ -170,11 +174,12 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     Ok(report)
 }
 
+/// Extracts binary features from all frames of a set.
 fn binary(set: &FrameSet, kind: BinaryKind) -> Result<Described, ExperimentError> {
     let mut reader = FrameReader::new();
     let mut frames = Vec::with_capacity(set.frames.len());
     for batch in set.frames.chunks(BATCH) {
-        // Read one after the other: a video's decoder stands at one place at a time.
+        // Read sequentially, because a video decoder has one position.
         let pictures: Vec<_> = batch
             .iter()
             .map(|known| known.picture(&mut reader))
@@ -194,6 +199,7 @@ fn binary(set: &FrameSet, kind: BinaryKind) -> Result<Described, ExperimentError
     Ok(Described::Bits { frames, kind })
 }
 
+/// Solves the cameras of the test frames, one in `stride`.
 fn ask(set: &FrameSet, repeat: usize, described: &Described, stride: usize) -> Vec<AskedFrame> {
     let of_split = |(number, split): (usize, &Split)| -> Vec<AskedFrame> {
         let seen: Vec<Ptz> = split
@@ -228,7 +234,7 @@ fn ask(set: &FrameSet, repeat: usize, described: &Described, stride: usize) -> V
     set.splits.iter().enumerate().flat_map(of_split).collect()
 }
 
-/// For each feature of a frame the ray of its nearest neighbour among the training frames'
+/// For each feature of a frame, the ray of its nearest neighbour among the training frames'
 /// features.
 fn nearest_rays(
     set: &FrameSet,

@@ -1,4 +1,4 @@
-//! Why an experiment has no report.
+//! Errors of experiments.
 
 use super::Experiment;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use touchline_documents::report::figure::FigureError;
 use touchline_vision::features::FeatureError;
 use touchline_vision::media::MediaError;
 
-/// Why an experiment has no report.
+/// Why an experiment failed.
 #[derive(Debug, Error)]
 pub enum ExperimentError {
     /// A figure cannot be drawn.
@@ -20,16 +20,16 @@ pub enum ExperimentError {
     /// The field of a frame is not valid.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// Features cannot be found.
+    /// Features cannot be extracted.
     #[error(transparent)]
     Features(#[from] FeatureError),
-    /// A picture cannot be made or read.
+    /// A picture cannot be drawn or read.
     #[error(transparent)]
     Media(#[from] MediaError),
     /// A drawn picture cannot be encoded.
     #[error("a drawn picture cannot be encoded")]
     Image(#[from] image::ImageError),
-    /// A picture of the user's own cannot be had.
+    /// A picture of the user's own frames cannot be read.
     #[error("{frame}")]
     Picture {
         /// The frame.
@@ -37,12 +37,12 @@ pub enum ExperimentError {
         /// What is wrong.
         source: PictureError,
     },
-    /// The two documents share no camera with solved frames.
+    /// The two documents have no camera in common that has solved frames in both.
     #[error(
         "no camera has solved frames in both documents; both must hold frames with `ptz`, of a camera of the same name"
     )]
     NothingInCommon,
-    /// No document has two clips of a camera, and there is no second document.
+    /// No camera has two clips in a document, and there is no second document to test on.
     #[error(
         "no camera has solved frames in two clips (`clip` of a frame): give a second document whose frames are to be asked"
     )]
@@ -58,7 +58,7 @@ pub enum ExperimentError {
         /// What is wrong.
         reason: String,
     },
-    /// The given data is not there, or not what the experiment is about.
+    /// The data of the experiment was not given, or is not in the folder.
     #[error("{}", not_given(*experiment, folder.as_deref()))]
     NotGiven {
         /// The experiment.
@@ -71,7 +71,7 @@ pub enum ExperimentError {
     Evaluation(#[from] EvaluationError),
 }
 
-/// What an experiment wants of a folder of data.
+/// The message for missing data: what an experiment needs.
 fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
     let wanted = match experiment {
         Experiment::Homographies => "train_val.json, or a file N.homographyMatrix for each frame",

@@ -16,7 +16,7 @@ use touchline_documents::report::{Cell, Report, Verdict};
 /// Runs the experiment.
 ///
 /// # Errors
-/// The frames cannot be had.
+/// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let one = inputs.highlights(progress)?;
     let mut report = Report::new(

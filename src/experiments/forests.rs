@@ -1,4 +1,4 @@
-//! Which forests are compared, and forests trained on the splits of a set.
+//! The two kinds of forests that are compared, and forests trained on the splits of a set.
 
 use super::answers::{AskedFrame, FoundCamera, RayCount};
 use super::paper::INLIER_DEG;
@@ -12,22 +12,23 @@ use touchline_vision::relocalize::{
     relocalize, train,
 };
 
-/// Leaves of a tree that the paper's program looks at.
+/// Number of leaves of each tree that the paper's program evaluates.
 const PUBLISHED_LEAVES: u32 = 4;
 
-/// Which forest.
+/// The kind of forest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForestKind {
-    /// This program's own settings.
+    /// This program's default settings.
     Default,
-    /// The paper's: `touchline train --published`, asked as the paper asks it.
+    /// The paper's settings: trained as by `touchline train --published`, and evaluated as in the
+    /// paper.
     Published,
 }
 
 impl ForestKind {
     pub const BOTH: [Self; 2] = [Self::Default, Self::Published];
 
-    /// In files.
+    /// Its name in files.
     pub const fn key(self) -> &'static str {
         match self {
             Self::Default => "default",
@@ -35,7 +36,7 @@ impl ForestKind {
         }
     }
 
-    /// In tables and legends.
+    /// Its name in tables and legends.
     pub const fn describe(self) -> &'static str {
         match self {
             Self::Default => "default forest",
@@ -43,7 +44,7 @@ impl ForestKind {
         }
     }
 
-    /// What both are, for readers.
+    /// Explains both kinds to readers of the report.
     pub const EXPLAINED: &'static str = "Two forests are compared on the same frames: the *default* one of this program, and the \
         *--published* one with the paper's settings (`touchline train --published`: 5 trees of 30 frames each, depth 20, a leaf that is \
         the mean of its samples; 4 leaves a tree are asked, and a leaf may mix rays). What follows, the camera from candidate rays, is \
@@ -80,12 +81,12 @@ impl ForestKind {
 pub struct Trained<'a> {
     set: &'a FrameSet,
     repeat: usize,
-    /// None where the training frames have no features.
+    /// None if the training frames have no features.
     forests: Vec<Option<(Forest, SeenRange)>>,
 }
 
 impl<'a> Trained<'a> {
-    /// Trains a forest for every split; `repeat` is the set's number among those of other seeds.
+    /// Trains a forest for each split. `repeat` is the index of the set among those of other seeds.
     pub fn of(set: &'a FrameSet, repeat: usize, training: &TrainOptions) -> Self {
         let forest = |split: &Split| {
             trained_on(
@@ -103,7 +104,7 @@ impl<'a> Trained<'a> {
         }
     }
 
-    /// The same with the first few trees of every forest, as if no more had been trained.
+    /// The forests reduced to their first trees, as if no more had been trained.
     pub fn first_trees(&self, trees: usize) -> Self {
         let first =
             |(forest, seen): &(Forest, SeenRange)| (forest.first_trees(trees), seen.clone());
@@ -117,7 +118,7 @@ impl<'a> Trained<'a> {
         }
     }
 
-    /// Asks for all test frames; `base_of` may give them another base than the true one.
+    /// Relocalizes all test frames. `base_of` gives the base to use, from the true camera.
     pub fn ask(
         &self,
         asking: &RelocalizeOptions,
@@ -148,13 +149,13 @@ impl<'a> Trained<'a> {
             .collect()
     }
 
-    /// Asks with the true bases.
+    /// Relocalizes all test frames with their true bases.
     pub fn ask_plainly(&self, asking: &RelocalizeOptions) -> Vec<AskedFrame> {
         self.ask(asking, &|truth| *truth.base())
     }
 
-    /// Of all features of the frames asked: how many get a ray, and how many of those get the true
-    /// one within half a degree as their first.
+    /// Counts the features of all test frames, those with an accepted ray, and those with a first
+    /// ray within 0.5° of the true one.
     pub fn count_rays(&self, predict: &PredictOptions) -> RayCount {
         let of_split = |(number, split): (usize, &Split)| {
             let Some((forest, _)) = &self.forests[number] else {
@@ -195,7 +196,8 @@ impl<'a> Trained<'a> {
     }
 }
 
-/// A forest trained on some frames, and where they looked; none where they have no features.
+/// Trains a forest on these frames. Returns it with the range of their views; none if they have no
+/// features.
 pub fn trained_on<'a>(
     frames: impl Iterator<Item = &'a KnownFrame>,
     training: &TrainOptions,
@@ -217,7 +219,7 @@ pub fn trained_on<'a>(
     Some((forest, seen))
 }
 
-/// Trains on every set and asks it, one after the other.
+/// For each set in turn, trains its forests and relocalizes its test frames.
 pub fn ask_all(sets: &[FrameSet], kind: ForestKind) -> Vec<AskedFrame> {
     let of_set = |(repeat, set): (usize, &FrameSet)| {
         Trained::of(set, repeat, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed))

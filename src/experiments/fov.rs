@@ -1,4 +1,4 @@
-//! `IoU` over the field of view: where answers fail.
+//! `IoU` as a function of the field of view, to show where relocalization fails.
 
 use super::answers::{AskedFrame, TALLY_EXPLAINED, Tally, over_seeds, tally_table};
 use super::forests::ForestKind;
@@ -11,7 +11,7 @@ use super::{ExperimentError, SharedInputs, lost_iou};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Verdict};
 
-/// Where bins of the field of view begin, degrees: the paper's bounds are among them.
+/// Bounds of the bins of the field of view, degrees. They include the paper's two limits.
 const BINS_DEG: [f64; 7] = [
     0.0,
     15.0,
@@ -25,7 +25,7 @@ const BINS_DEG: [f64; 7] = [
 /// Runs the experiment.
 ///
 /// # Errors
-/// The frames cannot be had.
+/// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let is_own = sets[0].kind == SetKind::Own;
@@ -45,6 +45,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             ),
             figure(asked, !is_own),
         );
+        // Statistics by bins of the field of view; empty bins are left out.
         let bins = BINS_DEG
             .windows(2)
             .map(|bin| (bin[0], bin[1]))
@@ -71,6 +72,8 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         );
         failures.push((asked, failed_by_bound(asked.iter())));
     }
+    // The paper's claim can be tested on synthetic frames only: their cameras are those of its
+    // table 2.
     if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &failures[..]) {
         let shown = |[below, between, above]: &[[usize; 2]; 3]| {
             format!(
@@ -98,7 +101,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     Ok(report)
 }
 
-/// Failures and frames below, between and above the paper's bounds.
+/// Numbers of failures and of frames: below, between and above the paper's two limits.
 fn failed_by_bound<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> [[usize; 2]; 3] {
     let mut counted = [[0; 2]; 3];
     for asked in asked {
@@ -110,6 +113,7 @@ fn failed_by_bound<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> [[usi
     counted
 }
 
+/// 1 − `IoU` of each frame over its field of view, with the paper's limits.
 fn figure(asked: &[AskedFrame], with_paper: bool) -> Figure {
     let lost =
         |asked: &AskedFrame| Some([asked.view_deg, (1.0 - asked.iou()?).max(lost_iou::ENDS[0])]);

@@ -1,11 +1,11 @@
-//! Where things lie in a folder that a user gives.
+//! Finding data in a folder that the user gives.
 
 use std::path::{Path, PathBuf};
 
-/// The largest file of given data that is read.
+/// Maximum size of a data file, bytes.
 pub const MAX_GIVEN_BYTES: u64 = 256 << 20;
 
-/// The folder itself, else the first one in it by name, that holds what is looked for.
+/// The folder itself, or its first subfolder by name, for which `holds` is true.
 pub fn folder_with(data: &Path, holds: impl Fn(&Path) -> bool) -> Option<PathBuf> {
     if holds(data) {
         return Some(data.to_path_buf());

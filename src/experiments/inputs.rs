@@ -1,4 +1,4 @@
-//! What several experiments need, made once.
+//! Inputs that several experiments share, each computed once.
 
 use super::answers::AskedFrame;
 use super::forests::{ForestKind, ask_all};
@@ -14,15 +14,15 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use touchline_vision::synthetic::Preset;
 
-/// How experiments are run, and what they share: frames are drawn or read, and their features
-/// found, once; so are the answers of the forests to them.
+/// The options of the experiments and their shared inputs. Sets of frames with their features, and
+/// the answers of forests to them, are computed at the first use and kept.
 #[derive(Debug, Default)]
 pub struct SharedInputs {
-    /// How they are run.
+    /// The options.
     pub options: ExperimentOptions,
-    /// A user's own frames in place of drawn ones.
+    /// A user's own frames, used in place of synthetic ones.
     own: Option<OwnDocuments>,
-    /// A folder of published data.
+    /// A folder of published data, used in place of synthetic frames.
     data: Option<PathBuf>,
     highlights: OnceLock<Vec<FrameSet>>,
     distorted: OnceLock<Vec<FrameSet>>,
@@ -30,31 +30,31 @@ pub struct SharedInputs {
     answers: [OnceLock<Vec<AskedFrame>>; 8],
 }
 
-/// Sequences in a drawn set like the highlights.
+/// Number of sequences in a synthetic set like the highlights.
 const SEQUENCES: usize = super::paper::TABLE_2.len();
 
-/// Draws a set with a seed; calls back after each frame.
+/// Draws a set with a seed. Calls the callback after each frame.
 type Drawing<'a> = dyn Fn(u64, &(dyn Fn() + Sync)) -> Result<FrameSet, ExperimentError> + 'a;
 
-/// Which of the two kinds of sets.
+/// The kind of sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sets {
     Highlights,
     WorldCup,
 }
 
-/// Whether features on players and graphics take part, where that is a choice.
+/// Whether features on players and graphics are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Masks {
-    /// As the set has them: drawn frames with their players.
+    /// All features of the set; in synthetic sets, including those on players.
     AsTheyAre,
-    /// Without.
+    /// Without the features on players and graphics.
     Masked,
 }
 
 impl SharedInputs {
-    /// The inputs for these options, with a user's own frames and a folder of published data if
-    /// they are given.
+    /// Inputs with these options. The user's own frames have precedence over published data, and
+    /// that over synthetic frames.
     #[must_use]
     pub fn new(options: ExperimentOptions, own: Option<OwnDocuments>, data: Option<&Path>) -> Self {
         Self {
@@ -65,10 +65,10 @@ impl SharedInputs {
         }
     }
 
-    /// The folder with what an experiment is about, in the given data.
+    /// The folder with an experiment's data, within the given data.
     ///
     /// # Errors
-    /// No data was given, or it holds nothing for this experiment.
+    /// No data was given, or it contains nothing for this experiment.
     pub fn given_for(&self, experiment: Experiment) -> Result<PathBuf, ExperimentError> {
         let data = self.data.as_deref();
         let found = data.and_then(|data| match experiment {
@@ -86,8 +86,8 @@ impl SharedInputs {
         })
     }
 
-    /// The published sequences, sequences like them, or the user's own frames; drawn ones once for
-    /// every seed.
+    /// The highlights: the user's own frames, the published sequences, or synthetic ones like them.
+    /// Synthetic sets are one for each seed.
     pub(super) fn highlights(&self, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
         once(&self.highlights, || {
             match (&self.own, self.given_for(Experiment::Highlights)) {
@@ -106,8 +106,8 @@ impl SharedInputs {
         })
     }
 
-    /// Sequences like the highlights through a lens with strong distortion, or the user's own
-    /// frames.
+    /// The user's own frames, or a synthetic set like the highlights, seen through a lens with
+    /// strong distortion.
     pub(super) fn distorted(&self, progress: Progress) -> Result<&FrameSet, ExperimentError> {
         let sets = once(&self.distorted, || {
             if let Some(own) = &self.own {
@@ -124,7 +124,8 @@ impl SharedInputs {
         Ok(&sets[0])
     }
 
-    /// The published World Cup games, games like them, or the user's own frames.
+    /// The World Cup games: the user's own frames, the published games, or synthetic ones like
+    /// them.
     pub(super) fn worldcup(&self, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
         once(&self.worldcup, || {
             match (&self.own, self.given_for(Experiment::Worldcup)) {
@@ -152,7 +153,8 @@ impl SharedInputs {
         }
     }
 
-    /// The answers of a forest to all test frames of the sets, by their true bases.
+    /// The answers of a forest to all test frames of the sets. Each frame's true base is known to
+    /// the solver.
     pub(super) fn answers(
         &self,
         sets: Sets,
@@ -161,6 +163,7 @@ impl SharedInputs {
         progress: Progress,
     ) -> Result<&[AskedFrame], ExperimentError> {
         let asked = self.sets(sets, progress)?;
+        // The index of this combination among the eight.
         let place = 4 * usize::from(sets == Sets::WorldCup)
             + 2 * usize::from(kind == ForestKind::Published)
             + usize::from(masks == Masks::Masked);
@@ -173,7 +176,7 @@ impl SharedInputs {
         }))
     }
 
-    /// A drawn set of so many frames for every seed.
+    /// Draws a set of this number of frames for each seed.
     fn drawn(
         &self,
         frames: usize,
@@ -185,6 +188,7 @@ impl SharedInputs {
         seeds.into_iter().map(|seed| set(seed, &step)).collect()
     }
 
+    /// The user's own frames, read once for all kinds of sets.
     fn own_frames(
         &self,
         own: &OwnDocuments,
@@ -202,7 +206,7 @@ impl SharedInputs {
         })
     }
 
-    /// Whether the sets are drawn, so that masks and the paper's ranges are a choice.
+    /// Whether the sets are synthetic. Only then are masks and the paper's ranges available.
     pub(super) fn are_drawn(
         &self,
         sets: Sets,
@@ -215,7 +219,7 @@ impl SharedInputs {
     }
 }
 
-/// What is in the cell; it is made first where there is nothing.
+/// The content of the cell, computed if it is empty. An error leaves it empty.
 fn once(
     cell: &OnceLock<Vec<FrameSet>>,
     make: impl FnOnce() -> Result<Vec<FrameSet>, ExperimentError>,

@@ -1,4 +1,4 @@
-//! The paper's tables and figures, measured again.
+//! The experiments: the tables and figures of the paper, reproduced.
 //!
 //! | what | where |
 //! |---|---|
@@ -6,8 +6,8 @@
 //! | the matching of the baselines | [`nearest`] |
 //!
 //! The paper: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV
-//! 2018. Everything here draws its chance from one seed: the same seed gives the same bytes, times
-//! apart.
+//! 2018. All random numbers derive from one seed, so that the same seed gives the same bytes,
+//! except for times.
 
 mod annotator;
 mod answers;

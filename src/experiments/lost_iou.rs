@@ -1,8 +1,9 @@
-//! The axis of 1 − `IoU` in figures.
+//! The logarithmic axis of 1 − `IoU` in figures.
 
 use touchline_documents::report::figure::Axis;
 
-/// Its ends: a log axis has no place for an `IoU` of 1, and a frame that was not found lies at 1.
+/// Its range. An `IoU` of 1 is drawn at the lower end, because a logarithmic axis has no 0; a frame
+/// without an answer is at 1.
 pub const ENDS: [f64; 2] = [1e-5, 1.3];
 
 /// The axis.

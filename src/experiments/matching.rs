@@ -1,16 +1,14 @@
-//! Nearest neighbours of descriptors by trying all of them, as fast as a processor multiplies
-//! matrices.
+//! Exact nearest neighbours of descriptors by brute force, computed as a matrix product.
 //!
-//! ‖a − b‖² = ‖a‖² + ‖b‖² − 2 a·b, and the products of many descriptors with many are one product
-//! of two matrices, for which nalgebra has a kernel tuned to the processor (matrixmultiply).
-//! Entries are bytes and no sum exceeds 2²⁴, so that f32 holds every sum exactly: neighbours are
-//! those of a plain search, to the last bit. OpenCV's `BFMatcher` sums the squares of differences
-//! instead.
+//! ‖a − b‖² = ‖a‖² + ‖b‖² − 2 a·b. The scalar products of all pairs are one product of two
+//! matrices, for which nalgebra has an optimised kernel (`matrixmultiply`). Entries are bytes and
+//! no sum exceeds 2²⁴, so that f32 represents every sum exactly: the neighbours are those of a
+//! direct search, to the last bit. OpenCV's `BFMatcher` sums squared differences instead.
 
 use nalgebra::DMatrix;
 use touchline_vision::features::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor};
 
-/// Descriptors as rows of a matrix, with their squared lengths.
+/// Descriptors as rows of a matrix, with their squared norms.
 #[derive(Clone, Debug)]
 pub struct DescriptorRows {
     matrix: DMatrix<f32>,
@@ -18,7 +16,7 @@ pub struct DescriptorRows {
 }
 
 impl DescriptorRows {
-    /// Of some descriptors.
+    /// Converts descriptors.
     #[must_use]
     pub fn of(descriptors: &[Descriptor]) -> Self {
         let values = descriptors
@@ -38,37 +36,38 @@ impl DescriptorRows {
         Self { matrix, squared }
     }
 
-    /// How many there are.
+    /// Number of descriptors.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.squared.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no descriptors.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.squared.is_empty()
     }
 }
 
-/// The feature of a reference that is nearest to one of a picture.
+/// The nearest and second-nearest feature of a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// Its number in the reference.
+    /// Index of the nearest feature in the reference.
     pub feature: usize,
-    /// Of descriptors of unit length.
+    /// Its squared distance, for descriptors of unit length.
     pub squared_distance: f32,
-    /// That of the second nearest.
+    /// The squared distance of the second-nearest feature.
     pub second: f32,
 }
 
-/// For each feature of a picture the nearest of a reference; empty where the reference has none.
+/// For each feature of a picture, the nearest one of a reference. Empty if the reference has no
+/// features.
 #[must_use]
 pub fn nearest(asked: &DescriptorRows, reference: &DescriptorRows) -> Vec<Nearest> {
     if reference.is_empty() {
         return Vec::new();
     }
-    // A column for each feature asked.
+    // Each column belongs to one feature of the picture.
     let products = &reference.matrix * asked.matrix.transpose();
     let unit = DESCRIPTOR_NORM * DESCRIPTOR_NORM;
     let of_feature = |(number, products): (usize, &[f32])| {
@@ -89,6 +88,7 @@ pub fn nearest(asked: &DescriptorRows, reference: &DescriptorRows) -> Vec<Neares
                 best.second = distance;
             }
         }
+        // ‖a‖² is common to all distances of a feature, so it is added only now.
         let own = asked.squared[number];
         let whole = |distance: f32| (distance + own) / unit;
         Nearest {
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn neighbours_are_those_of_a_plain_search() {
         let mut draw = rng(1, [2, 3]);
-        // Large entries are rare, as in SIFT: the length is that of a descriptor.
+        // Large entries are rare, as in SIFT, and the norm is that of a real descriptor.
         let mut descriptors = |count: usize| -> Vec<Descriptor> {
             let one = |_| {
                 let values = std::array::from_fn(|_| draw.random_range(0.0f32..1.0).powi(4));

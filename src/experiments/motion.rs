@@ -1,5 +1,5 @@
-//! A real broadcast camera's motion, drawn: a few of its frames are used for training, all others
-//! for testing.
+//! Synthetic frames along the motion of a real broadcast camera. A few of them train a forest,
+//! which relocalizes the others.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, frame_table, tally_table};
 use super::forests::{ForestKind, Trained};
@@ -15,7 +15,7 @@ use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FramePtz
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Report, Table};
 
-/// Runs the experiment on the motion that a folder holds.
+/// Runs the experiment on the motion in a folder.
 ///
 /// # Errors
 /// The motion cannot be read, or the frames cannot be drawn.
@@ -80,7 +80,7 @@ pub fn run(
         let answers = asked
             .iter()
             .filter_map(|asked| Some([number(asked.frame), of(&asked.found?.camera.ptz())]));
-        // A mark at every tenth answer only, as more would hide the curve.
+        // In a full run, one answer in ten: more marks would hide the curve.
         let answers = answers.step_by(options.sized(10, 1));
         let figure = Figure::new("", Axis::linear("frame"), Axis::linear(label))
             .with(Series::new("truth", 0, truth.collect()).marked(Mark::None))
@@ -120,7 +120,8 @@ pub fn run(
     Ok(report)
 }
 
-/// What the motion is like; `pan_deg` is a camera's pan without a jump at ±180°.
+/// The range of each parameter and its largest step. `pan_deg` gives a pan that is continuous
+/// across ±180°.
 fn path_table(ptz: &[Ptz], pan_deg: &dyn Fn(&Ptz) -> f64) -> Table {
     let mut table = Table::new(&[
         ("parameter", "parameter"),
@@ -150,7 +151,7 @@ fn path_table(ptz: &[Ptz], pan_deg: &dyn Fn(&Ptz) -> f64) -> Table {
     table
 }
 
-/// The answers as `touchline evaluate` measures them.
+/// The results as `touchline evaluate` measures them.
 fn evaluated(set: &FrameSet, asked: &[AskedFrame]) -> Result<String, ExperimentError> {
     let Some(known) = set.frames.first() else {
         return Ok(String::new());

@@ -1,4 +1,4 @@
-//! Which experiments there are, and how they are run.
+//! The experiments and their options.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,40 +7,43 @@ use thiserror::Error;
 /// An experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Experiment {
-    /// Pan, tilt and focal length from noisy rays: figure (b), (c), (d) of the paper, with the
+    /// Pan, tilt and focal length from noisy rays: figures (b), (c) and (d) of the paper, with the
     /// Cramér–Rao bound.
     Synthetic,
-    /// Rounds of RANSAC for four, two and one points: table 1, and what they cost as outliers grow.
+    /// Iterations of RANSAC with samples of four, two and one points (table 1), and their number as
+    /// the share of outliers grows.
     Ransac,
-    /// Sequences of one match, each asked of the others: the paper's highlights.
+    /// Sequences of one match, each relocalized with the others as references: the highlights
+    /// (table 2).
     Highlights,
-    /// Two games, half of each for training: the paper's World Cup.
+    /// Two games, half of each for training: the World Cup (table 3).
     Worldcup,
-    /// Distributions of rotation and focal length errors.
+    /// The distributions of the errors of rotation and focal length.
     Errors,
-    /// The gate on descriptors' distances: table 4.
+    /// The threshold on distances of descriptors (table 4).
     Threshold,
-    /// One to ten trees.
+    /// The number of trees, from one to ten.
     Trees,
-    /// `IoU` over the field of view.
+    /// `IoU` as a function of the field of view.
     Fov,
-    /// Matching to references, nearest neighbours and the forest over the number of references.
+    /// Matching to references, nearest neighbours and the forest, as a function of the number of
+    /// references.
     Baselines,
-    /// SIFT against ORB and AKAZE.
+    /// SIFT compared with ORB and AKAZE.
     Descriptors,
-    /// With and without distortion in the optimisation.
+    /// Refinement of the camera with and without lens distortion.
     Pose,
-    /// What each step of the program is worth to a simulated annotator.
+    /// The clicks that each feature of the program saves a simulated annotator.
     Annotator,
-    /// Published homographies: our camera fitted to them, and how many frames share a base. Needs
-    /// data.
+    /// Published homographies: how well our camera model fits them, and how many frames share a
+    /// base. Needs data.
     Homographies,
-    /// The motion of a real broadcast camera, drawn. Needs data.
+    /// The motion of a real broadcast camera, in diagrams. Needs data.
     Motion,
 }
 
 impl Experiment {
-    /// All of them, in the order of the report.
+    /// All experiments, in the order of the report.
     pub const ALL: [Self; 14] = [
         Self::Synthetic,
         Self::Ransac,
@@ -79,7 +82,7 @@ impl Experiment {
         }
     }
 
-    /// Whether it looks at frames that may be a user's own.
+    /// Whether it can use a user's own frames.
     #[must_use]
     pub const fn takes_frames(self) -> bool {
         !matches!(
@@ -88,13 +91,13 @@ impl Experiment {
         )
     }
 
-    /// Whether its drawn frames are drawn with several seeds.
+    /// Whether its synthetic frames are drawn with several seeds.
     #[must_use]
     pub const fn takes_seeds(self) -> bool {
         self.takes_frames() && !matches!(self, Self::Pose)
     }
 
-    /// Whether it is about data that the program does not have.
+    /// Whether it needs data that does not come with the program.
     #[must_use]
     pub const fn needs_data(self) -> bool {
         matches!(self, Self::Homographies | Self::Motion)
@@ -120,7 +123,7 @@ impl FromStr for Experiment {
     }
 }
 
-/// An experiment's name was not known.
+/// The name of an experiment that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("there is no experiment {name:?}; there are {}", Experiment::ALL.map(Experiment::name).join(", "))]
 pub struct UnknownExperiment {
@@ -128,25 +131,25 @@ pub struct UnknownExperiment {
     pub name: String,
 }
 
-/// How an experiment is run.
+/// Options of all experiments.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExperimentOptions {
-    /// A tenth or less of everything: for trying out and for tests.
+    /// A quick run, with a tenth or less of all sample sizes: for trying out and for tests.
     pub quick: bool,
-    /// Where chance starts; the same seed gives the same bytes.
+    /// The first seed. The same seed gives the same bytes.
     pub seed: u64,
-    /// How many seeds, from that one on, the drawn sets are made with; none: 5, or 2 where quick.
+    /// Number of seeds for synthetic sets, from `seed` on. Default: 5, or 2 in a quick run.
     pub seeds: Option<u32>,
 }
 
 impl ExperimentOptions {
-    /// The first number, or the second where quick.
+    /// The first number, or the second in a quick run.
     #[must_use]
     pub const fn sized(&self, full: usize, quick: usize) -> usize {
         if self.quick { quick } else { full }
     }
 
-    /// The seeds of the drawn sets.
+    /// The seeds of the synthetic sets.
     #[must_use]
     pub fn seeds(&self) -> Vec<u64> {
         let count = self.seeds.map_or(self.sized(5, 2) as u64, u64::from);

@@ -1,17 +1,17 @@
-//! How far the overlay is off where a label may be wrong itself.
+//! Errors of the overlay in px, for sets in which labels may be wrong, too.
 
 use super::answers::AskedFrame;
 use super::sets::FrameSet;
 use touchline_calibration::proposals::overlay_error_px;
 use touchline_documents::report::{Cell, Column, Report, Table};
 
-/// How many of the worst frames are named.
+/// Number of the worst frames that are listed.
 const WORST_SHOWN: usize = 5;
-/// Errors of the overlay within which frames are counted, px at 1920 px width.
+/// Limits of the overlay's error for which shares of frames are counted, px at 1920 px width.
 const OVERLAY_PX: [f64; 4] = [2.0, 5.0, 10.0, 20.0];
 
-/// How far the overlay is off where a label may be wrong itself: shares of frames, and the worst
-/// frames by name.
+/// Adds two tables to the report: shares of frames by the error of the overlay, and the worst
+/// frames.
 pub fn overlays(
     report: &mut Report,
     set: &FrameSet,
@@ -55,7 +55,7 @@ pub fn overlays(
     );
 }
 
-/// How far the overlay of an answer is off, px at 1920 px width; none where there is no answer.
+/// The largest error of an answer's overlay, px at 1920 px width; none without an answer.
 fn error_px(set: &FrameSet, asked: &AskedFrame) -> Option<f64> {
     let known = &set.frames[asked.frame];
     Some(overlay_error_px(
@@ -65,7 +65,7 @@ fn error_px(set: &FrameSet, asked: &AskedFrame) -> Option<f64> {
     ))
 }
 
-/// Shares of the frames asked, those that were not found among them.
+/// Shares of all test frames. Those without an answer count as outside every limit.
 fn overlay_table(set: &FrameSet, parts: &[(&str, Vec<&AskedFrame>)]) -> Table {
     let mut table = Table::new(&[("sequence", "sequence"), ("frames", "frames")]);
     for within in OVERLAY_PX {

@@ -1,10 +1,10 @@
-//! "What the paper says, what we measure": all claims on one page.
+//! The summary page "What the paper says, what we measure".
 
 use std::fmt::Write as _;
 use touchline_documents::report::{Cell, Report, Table, Verdict};
 
-/// One page: what the paper states and what was measured, a row each, and how many of them agree.
-/// Empty without any.
+/// The page: a table with a row for each claim of the reports, and the number of each verdict.
+/// Empty without claims.
 #[must_use]
 pub fn page(reports: &[Report]) -> String {
     let claims = || {

@@ -1,7 +1,7 @@
-//! What the paper states, in numbers: Chen, Zhu, Little, "A Two-point Method for PTZ Camera
-//! Calibration in Sports", WACV 2018.
+//! Numbers from the paper: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in
+//! Sports", WACV 2018.
 
-/// A mean and its standard deviation over frames.
+/// A mean and the standard deviation over frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stated {
     pub mean: f64,
@@ -13,14 +13,15 @@ const fn stated(mean: f64, sd: f64) -> Stated {
 }
 
 impl Stated {
-    /// As the paper writes it: `.83 ± .16`.
+    /// As in the paper: `.83 ± .16`.
     pub fn describe(self) -> String {
         let short = |value: f64| format!("{value:.2}").trim_start_matches('0').to_owned();
         format!("{} ± {}", short(self.mean), short(self.sd))
     }
 }
 
-/// A sequence of table 2: where its camera looks, and the `IoU` of both methods.
+/// A sequence of table 2: the ranges of its camera, and the `IoU` of `CalibMe` and of the paper's
+/// method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sequence {
     pub pan_deg: [f64; 2],
@@ -31,7 +32,7 @@ pub struct Sequence {
     pub theirs: Stated,
 }
 
-/// Table 2: the highlights. One camera behind the corner, two games.
+/// Table 2: the highlights, from one camera position behind the corner, in two games.
 pub const TABLE_2: [Sequence; 4] = [
     Sequence {
         pan_deg: [49.0, 68.0],
@@ -62,35 +63,37 @@ pub const TABLE_2: [Sequence; 4] = [
         theirs: stated(0.94, 0.04),
     },
 ];
-/// The last row of table 2: the average of `CalibMe` and of their method, and seconds a frame.
+/// The last rows of table 2 for `CalibMe` and the paper's method: the average, and the time of a
+/// frame, seconds.
 pub const TABLE_2_AVERAGE: [Stated; 2] = [stated(0.68, 0.30), stated(0.83, 0.16)];
 pub const TABLE_2_SECONDS: [f64; 2] = [3.0, 0.3];
-/// Frames of a sequence.
+/// Number of frames of a sequence.
 pub const SEQUENCE_FRAMES: usize = 29;
 
-/// Table 3: the games of the World Cup, their frames, and the `IoU` of `CalibMe` and of their
-/// method.
+/// Table 3: the games of the World Cup, their numbers of frames, and the `IoU` of `CalibMe` and of
+/// the paper's method.
 pub const TABLE_3: [(&str, usize, [Stated; 2]); 2] = [
     ("BRA–MEX", 42, [stated(0.84, 0.24), stated(0.99, 0.01)]),
     ("BRA–NED", 33, [stated(0.69, 0.37), stated(0.98, 0.01)]),
 ];
 
-/// Table 4: without and with the gate on descriptors' distances, the share of rays within half a
-/// degree and the mean `IoU`.
+/// Table 4, without and with the threshold on distances of descriptors: the share of rays within
+/// 0.5°, and the mean `IoU`.
 pub const TABLE_4: [[f64; 2]; 2] = [[0.09, 0.53], [0.33, 0.83]];
-/// Rays within this angle of the true one are inliers of table 4, degrees.
+/// Maximum angle of an inlier's ray from the true one in table 4, degrees.
 pub const INLIER_DEG: f64 = 0.5;
 
-/// SIFT and SURF: mean `IoU`.
+/// Mean `IoU` with SIFT and with SURF.
 pub const SIFT_SURF: [f64; 2] = [0.83, 0.74];
-/// "More than about 85 %" of the frames have a rotation error below 1°.
+/// "More than about 85 %" of the frames have a rotation error below 1°: degrees and share.
 pub const ROTATION: (f64, f64) = (1.0, 0.85);
-/// An `IoU` below this is a failure; failures are at views below the first, none above the second,
-/// degrees.
+/// A frame is a failure if its `IoU` is below this. By the paper, failures have a field of view
+/// below about the second number, and none has one above the third, degrees.
 pub const FAILURE_IOU: f64 = 0.6;
 pub const FAILURES_BELOW_DEG: f64 = 25.0;
 pub const NO_FAILURE_ABOVE_DEG: f64 = 40.0;
-/// More trees than this improve nothing.
+/// More trees than this improve nothing, by the paper.
 pub const ENOUGH_TREES: usize = 5;
-/// Figure (b): at this noise (px) the errors are below so many degrees and px.
+/// Figure (b): noise (px), and the limits of the errors of angles (degrees) and focal length (px)
+/// at that noise.
 pub const FIGURE_B: (f64, f64, f64) = (3.0, 0.02, 2.5);

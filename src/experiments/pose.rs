@@ -1,4 +1,4 @@
-//! The pose with and without distortion in the optimisation.
+//! Refinement of the camera with and without lens distortion.
 
 use super::answers::{TALLY_EXPLAINED, Tally, frame_table, tally_table};
 use super::forests::{ForestKind, Trained};
@@ -11,7 +11,7 @@ use touchline_documents::report::{Cell, Report};
 /// Runs the experiment.
 ///
 /// # Errors
-/// The frames cannot be had.
+/// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let set = inputs.distorted(progress)?;
     let mut report = Report::new("pose", &set.heading("Pose: with and without k1"));

@@ -1,11 +1,11 @@
-//! How far an experiment has come.
+//! Progress of experiments.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Called from any thread: how many steps are done, of how many.
+/// A callback with the number of finished steps and their total. Any thread may call it.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// Progress for work that only says when it has done one more.
+/// Counts steps: each call of the result reports one more of `total`.
 pub(super) fn counted(total: usize, progress: Progress<'_>) -> impl Fn() + Sync {
     let done = AtomicUsize::new(0);
     move || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total)

@@ -1,5 +1,5 @@
-//! Rounds of RANSAC: table 1 of the paper, confirmed by simulation, and two points against four as
-//! outliers grow.
+//! Iterations of RANSAC: table 1 of the paper checked by simulation, and samples of two points
+//! compared with samples of four as the share of outliers grows.
 
 use super::ExperimentOptions;
 use super::progress::Progress;
@@ -18,19 +18,18 @@ use touchline_documents::report::figure::{Axis, Figure, Mark, Series};
 use touchline_documents::report::{Cell, Report, Table, Verdict};
 use touchline_vision::synthetic::Preset;
 
-/// Points needed, and the rounds that the paper's table 1 states for them.
+/// Sample sizes, and the iterations that table 1 of the paper states for them.
 const TABLE_1: [(usize, usize); 3] = [(4, 71), (2, 16), (1, 7)];
-/// The chance of success that the rounds are for.
+/// The required probability that one sample is free of outliers.
 const SUCCESS: f64 = 0.99;
-/// Matches of one picture, and the noise of the right ones, px.
+/// Number of matches in a picture, and the noise of inliers, 1-σ, px.
 const MATCHES: usize = 200;
 const NOISE_PX: f64 = 1.0;
-/// A match agrees with a camera within this distance, px.
+/// Maximum distance of an inlier from a model, px.
 const AGREES_PX: f64 = 3.0;
-/// Rounds at most.
+/// Maximum number of iterations.
 const MOST_ROUNDS: usize = 2000;
-/// An answer is right if points of the ground in the picture are at most so far off, px (the worst
-/// of them).
+/// A result is correct if its largest error over the visible ground points is at most this, px.
 const RIGHT_PX: f64 = 5.0;
 const OUTLIERS: [f64; 7] = [0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8];
 
@@ -76,6 +75,8 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
                 );
                 found
             };
+            // Each trial depends on its own random generator, so the order of threads does not
+            // matter.
             let found: Vec<[Run; 2]> = (0..trials).into_par_iter().map(of_trial).collect();
             for (trial, runs) in found.iter().enumerate() {
                 for (points, run) in [2, 4].into_iter().zip(runs) {
@@ -133,6 +134,8 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     report
 }
 
+/// The number of iterations by formula, by the paper, and the simulated probability of success with
+/// it.
 fn table_1(options: &ExperimentOptions) -> Table {
     let mut table = Table::new(&[
         ("points", "points"),
@@ -166,14 +169,15 @@ fn table_1(options: &ExperimentOptions) -> Table {
     table
 }
 
-/// A point of the ground, and the pixel that is said to show it.
+/// A ground point (or a pixel of a reference, as x and y) and the pixel that it is matched to. May
+/// be an outlier.
 #[derive(Clone, Copy)]
 pub(super) struct Match {
     pub ground: Vec3,
     pub image: ImagePoint,
 }
 
-/// How one picture went with one method.
+/// The result of one method on one picture.
 #[derive(Clone, Copy)]
 struct Run {
     right: bool,
@@ -181,7 +185,7 @@ struct Run {
     ms: f64,
 }
 
-/// How many pictures went.
+/// Statistics of one method over several pictures.
 struct Outcome {
     success: f64,
     rounds: f64,
@@ -203,7 +207,7 @@ impl Outcome {
     }
 }
 
-/// One picture by both methods: two points, four points.
+/// Draws a picture's matches and runs both methods on them: two points, four points.
 fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
     let base = Preset::Paper.shoot().main_camera(SIZE);
     let ptz = Ptz::from_degrees(
@@ -212,6 +216,7 @@ fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
         rng.random_range(1300.0..2600.0),
     );
     let camera = PtzCamera::new(base, ptz);
+    // Ground points at random pixels, within 160 m of the camera.
     let exact: Vec<Match> = std::iter::repeat_with(|| pixel(rng))
         .take(50 * MATCHES)
         .filter_map(|image| {
@@ -223,6 +228,7 @@ fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
         .filter(|seen| (seen.ground - base.position_m).norm() < 160.0)
         .take(MATCHES)
         .collect();
+    // The first matches become outliers at random pixels; the others get noise.
     let wrong = (outliers * exact.len() as f64).round() as usize;
     let mut matches = exact.clone();
     for (index, seen) in matches.iter_mut().enumerate() {
@@ -272,7 +278,8 @@ fn timed<T>(work: impl FnOnce() -> (Option<T>, usize)) -> (Option<T>, usize, f64
     (found, rounds, start.elapsed().as_secs_f64() * 1e3)
 }
 
-/// Plain RANSAC: samples of `N` matches, a model from each, the one that most matches agree with.
+/// Plain RANSAC: fits models to samples of `N` matches, and returns the model with most inliers,
+/// these inliers, and the number of iterations.
 fn ransac<const N: usize, M: Clone>(
     matches: &[Match],
     rng: &mut Pcg64Mcg,
@@ -291,6 +298,8 @@ fn ransac<const N: usize, M: Clone>(
         for model in models(sampled) {
             let count = matches.iter().filter(|seen| agrees(&model, seen)).count();
             if best.as_ref().is_none_or(|(_, most)| count > *most) {
+                // Each better model raises the estimated share of inliers and lowers the iterations
+                // still needed: ln(1 − p) / ln(1 − wᴺ) (Fischler and Bolles 1981).
                 let all_right = (count as f64 / matches.len() as f64).powi(N as i32);
                 let needed = if all_right < 1.0 {
                     (1.0 - SUCCESS).ln() / (1.0 - all_right).ln()
@@ -313,6 +322,8 @@ fn ransac<const N: usize, M: Clone>(
     (best, rounds)
 }
 
+/// RANSAC with the two-point solver and a known base, then refinement on all inliers. Returns the
+/// camera and the number of iterations.
 fn by_two_points(base: &CameraBase, matches: &[Match], rng: &mut Pcg64Mcg) -> (Option<Ptz>, usize) {
     let models = |[one, two]: [Match; 2]| -> Vec<PtzCamera> {
         let found = solve_two_points(base, [one.ground, two.ground], [one.image, two.image]);
@@ -334,8 +345,8 @@ fn by_two_points(base: &CameraBase, matches: &[Match], rng: &mut Pcg64Mcg) -> (O
     (fitted, rounds)
 }
 
-/// The homography that most matches agree with, fitted to them, and the rounds that finding it
-/// took.
+/// RANSAC with four-point homographies, then a fit to all inliers. Returns the homography and the
+/// number of iterations.
 pub(super) fn by_four_points(matches: &[Match], rng: &mut Pcg64Mcg) -> (Option<Mat3>, usize) {
     let fitted = |matches: &[Match]| {
         let pairs: Vec<(Vec2, Vec2)> = matches
@@ -356,7 +367,7 @@ pub(super) fn by_four_points(matches: &[Match], rng: &mut Pcg64Mcg) -> (Option<M
     )
 }
 
-/// How many matches agree with a homography.
+/// Number of inliers of a homography.
 pub(super) fn agreeing(h: &Mat3, matches: &[Match]) -> usize {
     let agrees = |seen: &&Match| {
         through(h, seen.ground).is_some_and(|at| at.distance_px(seen.image) <= AGREES_PX)
@@ -364,7 +375,7 @@ pub(super) fn agreeing(h: &Mat3, matches: &[Match]) -> usize {
     matches.iter().filter(agrees).count()
 }
 
-/// Where a homography brings a point of the ground (x and y).
+/// Maps a ground point (x and y) by a homography. None if the result is at infinity.
 pub(super) fn through(h: &Mat3, ground: Vec3) -> Option<ImagePoint> {
     let image = h * Vec3::new(ground.x, ground.y, 1.0);
     let (x, y) = (image.x / image.z, image.y / image.z);

@@ -1,4 +1,4 @@
-//! Experiments by name.
+//! Runs an experiment by its name.
 
 use super::progress::Progress;
 use super::{
@@ -8,10 +8,10 @@ use super::{
 use touchline_documents::report::Report;
 
 impl Experiment {
-    /// Runs it.
+    /// Runs the experiment.
     ///
     /// # Errors
-    /// What it needs is missing or cannot be read.
+    /// Its data is missing or cannot be read, or its frames cannot be drawn.
     pub fn run(self, inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
         match self {
             Self::Synthetic => Ok(synthetic::run(&inputs.options, progress)),

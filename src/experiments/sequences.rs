@@ -1,4 +1,5 @@
-//! Sequences asked of other sequences, and games asked of themselves: tables 2 and 3 of the paper.
+//! Relocalizing sequences with other sequences as references, and games with their own frames:
+//! tables 2 and 3 of the paper.
 
 use super::answers::{
     AskedFrame, TALLY_EXPLAINED, Tally, by_name, difference, frame_table, tally_table,
@@ -16,10 +17,10 @@ use touchline_documents::report::figure::{Axis, Figure, Series};
 use touchline_documents::report::{Cell, Report, SheetFrame, Table, Verdict, contact_sheet};
 use touchline_vision::media::FrameReader;
 
-/// How many frames the contact sheet shows.
+/// Number of frames on the contact sheet.
 const SHEET_FRAMES: usize = 6;
 
-/// Says what the frames are.
+/// Adds a paragraph that describes the frames.
 pub fn introduce(report: &mut Report, sets: &[FrameSet], words: &str) {
     let Some(set) = sets.first() else { return };
     let seeds = match sets.len() {
@@ -29,7 +30,7 @@ pub fn introduce(report: &mut Report, sets: &[FrameSet], words: &str) {
     report.text(format!("Frames: {}{seeds}. {} {words}", set.title, set.protocol).trim_end());
 }
 
-/// The settings of the drawn highlights, for those who compare.
+/// Describes the setting of the synthetic highlights.
 const DRAWN_HIGHLIGHTS: &str = "The setting is the paper's: the base of its published sequence (behind a corner, 6.4 m up), a field of 118 × 70 \
     yards, for each sequence the ranges of pan, tilt and focal length of its table 2, each reached; sequences 1 and 2 are of one game, 3 and 4 of \
     another. Spectators lean and stand up from frame to frame, one in ten is another person in each sequence and nine in ten in the other game; a \
@@ -38,12 +39,13 @@ const DRAWN_HIGHLIGHTS: &str = "The setting is the paper's: the base of its publ
     features in their boxes and on the score graphic. What a drawn stadium lacks against a real one: turf and stands \
     are static apart from this, there are no cuts, flags, smoke, rain or moving shadows, and the base is exactly known.";
 
-/// The settings of the drawn games.
+/// Describes the setting of the synthetic games.
 const DRAWN_WORLD_CUP: &str = "The paper does not state the cameras of its World Cup frames. Here each game has a stadium and a main camera of its own \
     (66 m from the middle, 18 m up), focal length 1300 to 4200 px; spectators, boards, exposure and picture as for the highlights, players \
     not masked.";
 
-/// Four sequences of 29 frames, each asked of the other three (the paper's `highlights`).
+/// Four sequences of 29 frames, each relocalized with the other three as references (the paper's
+/// `highlights`).
 pub fn highlights(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let kind = sets[0].kind;
@@ -97,7 +99,7 @@ pub fn worldcup(inputs: &SharedInputs, progress: Progress) -> Result<Report, Exp
             .map(|(.., [_, theirs])| theirs.mean)
             .sum::<f64>()
             / TABLE_3.len() as f64;
-        // The paper states two decimals.
+        // The paper rounds to two decimals.
         report.claim(
             Verdict::above(default.iou_interval, stated - 0.005),
             &format!("Table 3, IoU: {theirs}"),
@@ -112,6 +114,7 @@ pub fn worldcup(inputs: &SharedInputs, progress: Progress) -> Result<Report, Exp
     Ok(report)
 }
 
+/// Adds the claims that compare the synthetic highlights with table 2.
 fn claims_of_table_2(
     report: &mut Report,
     inputs: &SharedInputs,
@@ -153,7 +156,7 @@ fn claims_of_table_2(
     let Some((_, third)) = by_sequence.get(2) else {
         return Ok(());
     };
-    // The difference to the one that is next to it in weakness.
+    // The smallest lead of the other sequences over sequence 3, by mean `IoU`.
     let others = by_sequence
         .iter()
         .enumerate()
@@ -176,8 +179,8 @@ fn claims_of_table_2(
     Ok(())
 }
 
-/// The tables of all frames asked; the tallies of all frames together by the default forest, by the
-/// published one, and by the default one masked, where the set is drawn.
+/// Adds tables, figures and the contact sheet of all test frames. For synthetic sets, returns the
+/// tallies of all frames: default forest, published forest, and default forest with masks.
 fn tables(
     report: &mut Report,
     inputs: &SharedInputs,
@@ -223,7 +226,7 @@ fn tables(
     }
     let asked = inputs.answers(which, ForestKind::Default, Masks::AsTheyAre, progress)?;
     let parts = by_name(&sets[0], asked);
-    // Drawn frames have no wrong labels.
+    // Labels of synthetic frames are exact, so overlays would add nothing.
     if !is_drawn {
         overlays(report, &sets[0], asked, &parts);
     }
@@ -288,6 +291,7 @@ fn tallies(set: &FrameSet, asked: &[AskedFrame]) -> Vec<(Cell, Tally)> {
         .collect()
 }
 
+/// Median and 90 % times of the two steps for one frame, beside the paper's.
 fn step_times(asked: &[AskedFrame], which: Sets) -> Table {
     let mut times = Table::new(&[
         ("step", "step"),
@@ -321,7 +325,7 @@ fn step_times(asked: &[AskedFrame], which: Sets) -> Table {
     times
 }
 
-/// Six of the frames asked, from the worst to the best.
+/// Six test frames, evenly spread from the worst to the best.
 fn worst_to_best<'a>(
     sets: &'a [FrameSet],
     asked: &[AskedFrame],
@@ -353,6 +357,7 @@ fn worst_to_best<'a>(
     chosen.map(sheet_frame).collect()
 }
 
+/// The ranges of pan, tilt and focal length of a sequence.
 fn ranges_row(sets: &[FrameSet], name: &str, asked: &[&AskedFrame]) -> Vec<Cell> {
     let range = |of: &dyn Fn(&AskedFrame) -> f64, digits: usize| -> Cell {
         let values = asked.iter().map(|asked| of(asked));

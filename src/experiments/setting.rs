@@ -1,5 +1,5 @@
-//! The setting of the paper's synthetic experiment: its camera, its ranges, points around its
-//! field.
+//! The setting of the paper's synthetic experiment: the camera, the ranges of its parameters, and
+//! the points that it sees.
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
@@ -7,24 +7,27 @@ use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, rotation};
 
-/// The size of its pictures.
+/// Size of the pictures.
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
-/// Pan, tilt (degrees) and focal length (px), from the least to the greatest.
+/// The ranges of pan and tilt (degrees) and focal length (px).
 const PAN_DEG: [f64; 2] = [15.0, 75.0];
 const TILT_DEG: [f64; 2] = [-14.0, -5.0];
 const FOCAL_PX: [f64; 2] = [1500.0, 5000.0];
-/// Rays of one picture.
+/// Number of rays in a picture.
 pub const RAYS: usize = 200;
-/// The share of them that should show something outside the field.
+/// Share of the rays to points outside the field.
 const OUTSIDE: f64 = 0.9;
 /// Length and width of the paper's field, yards.
 pub const FIELD_YD: [f64; 2] = [118.0, 70.0];
-/// Half the field's sides, m, and how far outside it boards and stands begin.
+/// Half the length and width of the field, m; and the distance of boards and stands from it, m.
 const HALF_FIELD_M: [f64; 2] = [53.9496, 32.004];
 const AROUND_M: f64 = 8.0;
 
-/// A generator for one place of an experiment; places differ in all their draws.
+/// A random generator for one part of an experiment, which `place` identifies. Different places
+/// give independent numbers.
 pub fn rng(seed: u64, place: [u64; 2]) -> Pcg64Mcg {
+    // Multiply and shift, with the constants of SplitMix64, so that neighbouring places get
+    // unrelated seeds.
     let mut mixed = seed;
     for number in place {
         mixed = (mixed ^ number.wrapping_add(0x9e37_79b9_7f4a_7c15))
@@ -34,8 +37,8 @@ pub fn rng(seed: u64, place: [u64; 2]) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(mixed)
 }
 
-/// The base of the published sequence `soccer2_seq2`, its origin moved from the field's corner to
-/// its middle. The camera stands low behind the corner and looks across the field.
+/// The base of the published sequence `soccer2_seq2`, with the origin moved from the field's corner
+/// to its centre. The camera is low behind the corner and looks across the field.
 pub fn base() -> CameraBase {
     let position_m = Vec3::new(
         114.32318 - HALF_FIELD_M[0],
@@ -47,7 +50,7 @@ pub fn base() -> CameraBase {
     CameraBase::new(position_m, base_from_world, SIZE.centre())
 }
 
-/// A camera within the ranges.
+/// A camera pose drawn uniformly from the ranges.
 pub fn drawn_ptz(rng: &mut Pcg64Mcg) -> Ptz {
     let mut within = |[from, to]: [f64; 2]| rng.random_range(from..to);
     Ptz::from_degrees(within(PAN_DEG), within(TILT_DEG), within(FOCAL_PX))
@@ -58,22 +61,22 @@ pub fn normal(rng: &mut Pcg64Mcg) -> f64 {
     rng.sample(StandardNormal)
 }
 
-/// Three of them.
+/// Three independent standard normal numbers.
 pub fn normals(rng: &mut Pcg64Mcg) -> Vec3 {
     Vec3::from_fn(|_, _| normal(rng))
 }
 
-/// A pixel and the point of the world that it shows, exactly.
+/// A pixel and the world point that it shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
     pub image: ImagePoint,
     pub world: Vec3,
-    /// Whether the point lies on the field.
+    /// Whether the point is on the field.
     pub on_field: bool,
 }
 
 impl Sighting {
-    /// The same with noise of this 1-σ on both coordinates of the pixel, px.
+    /// Adds normal noise to both coordinates of the pixel, with this 1-σ, px.
     pub fn noisy(&self, sigma_px: f64, rng: &mut Pcg64Mcg) -> Self {
         let offset = Vec2::new(normal(rng), normal(rng)) * sigma_px;
         Self {
@@ -83,8 +86,8 @@ impl Sighting {
     }
 }
 
-/// What random pixels show: [`RAYS`] of them, nine in ten outside the field where the picture has
-/// room for that.
+/// The world points at [`RAYS`] random pixels. Nine in ten are outside the field, unless the
+/// picture shows too little of the outside; then others fill up.
 pub fn sightings(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Sighting> {
     let outside = (RAYS as f64 * OUTSIDE) as usize;
     let (mut wanted, mut spare) = (Vec::with_capacity(RAYS), Vec::new());
@@ -113,7 +116,8 @@ pub fn sightings(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Sighting> {
     wanted
 }
 
-/// What a pixel shows: the ground within the boards, else the wall of boards and stands around it.
+/// The world point at a pixel: on the ground if that is nearer than the boards, otherwise on the
+/// vertical wall of boards and stands.
 fn sighting(camera: &PtzCamera, image: ImagePoint) -> Option<Sighting> {
     let from = camera.base().position_m;
     let direction = camera.world_direction_from_image(image).ok()?;

@@ -1,4 +1,4 @@
-//! The gate on descriptors' distances: table 4 of the paper.
+//! The threshold on distances of descriptors: table 4 of the paper.
 
 use super::answers::{
     AskedFrame, RayCount, TALLY_EXPLAINED, Tally, describe_difference, difference,
@@ -14,25 +14,25 @@ use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Table, Verdict};
 use touchline_vision::relocalize::{PredictOptions, RelocalizeOptions};
 
-/// The gates, squared distances of descriptors of unit length. None can be larger than 2: the last
-/// is no gate.
+/// The thresholds: squared distances of descriptors of unit length. These are at most 2, so the
+/// last threshold accepts all.
 const GATES: [f32; 7] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 4.0];
 const PUBLISHED_GATE: f32 = 0.2;
 const NO_GATE: f32 = 4.0;
 
-/// What was measured at one gate.
+/// The results with one threshold.
 struct AtGate {
     gate: f32,
     asked: Vec<AskedFrame>,
     tally: Tally,
-    /// Of each seed.
+    /// Counts for each seed.
     rays: Vec<RayCount>,
 }
 
 /// Runs the experiment.
 ///
 /// # Errors
-/// The frames cannot be had.
+/// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let mut report = Report::new(
@@ -115,7 +115,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
 }
 
 impl AtGate {
-    /// The rays of all seeds.
+    /// The counts of all seeds.
     fn all_rays(&self) -> RayCount {
         self.rays
             .iter()
@@ -123,18 +123,18 @@ impl AtGate {
             .fold(RayCount::default(), RayCount::plus)
     }
 
-    /// The share of passing rays that are right.
+    /// The share of accepted rays that are correct.
     fn inliers(&self) -> f64 {
         inliers(self.all_rays())
     }
 }
 
-/// The share of passing rays that are right.
+/// The share of accepted rays that are correct.
 fn inliers(rays: RayCount) -> f64 {
     rays.right as f64 / rays.passing.max(1) as f64
 }
 
-/// Trains once and asks at every gate.
+/// Trains each set's forests once, and relocalizes with each threshold.
 fn measure(sets: &[FrameSet], kind: ForestKind, gates: &[f32], progress: Progress) -> Vec<AtGate> {
     let mut asked = vec![Vec::new(); gates.len()];
     let mut rays = vec![Vec::new(); gates.len()];
@@ -200,6 +200,7 @@ fn gate_table(measured: &[AtGate], with_paper: bool) -> Table {
         .with_column("paper_iou", "paper: IoU", stated(1))
 }
 
+/// Adds the claims that compare both forests with table 4.
 fn claims(report: &mut Report, default: &[AtGate], published: &[AtGate]) {
     fn pair(measured: &[AtGate]) -> Option<[&AtGate; 2]> {
         let at = |gate: f32| measured.iter().find(|at| at.gate == gate);

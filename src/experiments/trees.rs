@@ -1,4 +1,4 @@
-//! One to ten trees: the distribution of 1 − `IoU`.
+//! The number of trees, from one to ten: its effect on the distribution of 1 − `IoU`.
 
 use super::answers::{AskedFrame, difference, mean_sd};
 use super::forests::{ForestKind, Trained};
@@ -12,20 +12,20 @@ use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Column, Report, Table, Verdict};
 use touchline_vision::relocalize::TrainOptions;
 
-/// The quantiles of 1 − `IoU` that are shown.
+/// The quantiles of 1 − `IoU` in tables and figures.
 const QUANTILES: [(f64, &str); 4] = [
     (0.5, "median"),
     (0.75, "75 %"),
     (0.9, "90 %"),
     (0.95, "95 %"),
 ];
-/// A mean `IoU` that is greater by no more than this is no better.
+/// A gain of mean `IoU` up to this counts as none.
 const IMPROVES: f64 = 0.005;
 
 /// Runs the experiment.
 ///
 /// # Errors
-/// The frames cannot be had.
+/// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let mut report = Report::new("trees", &sets[0].heading("Trees: how many are needed"));
@@ -101,7 +101,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         let gain = |to: usize, from: usize| {
             difference(&published[to], &published[from], |tally| tally.iou_mean)
         };
-        // Beyond, no number of trees is better by more than chance makes it.
+        // Contradicted if more trees are better by more than [`IMPROVES`], by the whole interval.
         let verdict = match Verdict::above(gain(at, 0), 0.0) {
             Verdict::Confirmed
                 if (at + 1..counts.len()).any(|more| gain(more, at)[0] > IMPROVES) =>
@@ -131,7 +131,7 @@ fn lost(asked: &[AskedFrame]) -> Vec<f64> {
     lost
 }
 
-/// All frames asked, for each number of trees.
+/// The results of all test frames, for each number of trees.
 fn measure(
     sets: &[FrameSet],
     kind: ForestKind,

@@ -7,28 +7,28 @@ use egui::{
     pos2, vec2,
 };
 
-/// The height of a row, points.
+/// Height of a row, points.
 const ROW: f32 = 20.0;
-/// The column of the numbers, points.
+/// Width of the column of numbers, points.
 const NUMBER: f32 = 48.0;
 
-/// A name, a bar and a number in a row that can be clicked.
+/// A row with name, bar and number. It can be clicked.
 pub struct Bar<'a> {
     /// The name.
     pub name: &'a str,
     /// The number as text.
     pub value: &'a str,
-    /// The bar's length, 0 to 1.
+    /// Length of the bar, 0 to 1; larger values are drawn as 1.
     pub share: f64,
     /// Where a mark across the bar shows the expected value, 0 to 1.
     pub expected: Option<f64>,
-    /// The bar's colour; none: the accent.
+    /// Colour of the bar; the accent colour if `None`.
     pub colour: Option<Color32>,
     /// Whether the row is about the shown frame.
     pub selected: bool,
-    /// The column of the bars, points.
+    /// Width of the column of bars, points.
     pub width: f32,
-    /// Room for a button at the end, points.
+    /// Room for a button at the right end, points.
     pub tail: f32,
 }
 
@@ -48,7 +48,8 @@ impl Default for Bar<'_> {
 }
 
 impl Bar<'_> {
-    /// Shows the row.
+    /// Shows the row. Returns its rectangle, in which the caller may put a button, and the
+    /// response.
     pub fn show(&self, ui: &mut Ui) -> (Rect, Response) {
         let (rect, response) =
             ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
@@ -60,6 +61,7 @@ impl Bar<'_> {
                 format!("{}: {}", self.name, self.value),
             )
         });
+        // Rows out of view only take their place.
         if !ui.is_rect_visible(rect) {
             return (rect, response);
         }
@@ -72,6 +74,7 @@ impl Bar<'_> {
             };
             painter.rect_filled(rect, CornerRadius::same(4), ground);
         }
+        // From right to left: the number, the bar, and the name in the rest.
         let right = rect.right() - self.tail - 2.0;
         let number = pos2(right, rect.center().y);
         painter.text(
@@ -95,6 +98,7 @@ impl Bar<'_> {
             galley,
             ui.palette().text,
         );
+        // The bar on its track, with the mark of the expected value.
         let track =
             Rect::from_min_size(pos2(bar_left, rect.center().y - 3.0), vec2(self.width, 6.0));
         painter.rect_filled(track, CornerRadius::same(2), ui.palette().line);

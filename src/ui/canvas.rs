@@ -1,8 +1,8 @@
-//! Canvases of the render room inside the window.
+//! Places in the window that the renderer of [`touchline_application::render`] draws.
 //!
-//! The window's wgpu renderer keeps one [`Renderer`]; a canvas is a paint callback that hands it
-//! the layers of this frame. Without wgpu (a test without a GPU) a canvas says so and everything
-//! else works.
+//! The window's wgpu state keeps one [`Renderer`]. A canvas is an egui paint callback that hands it
+//! the layers of this frame of the window. Without wgpu (in a test without a GPU) a canvas shows a
+//! message, and everything else works.
 
 use eframe::egui_wgpu::{
     Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor,
@@ -10,14 +10,14 @@ use eframe::egui_wgpu::{
 use egui::{Align2, Color32, FontId, Id, Painter, Rect};
 use touchline_application::render::{CanvasId, Gpu, Layer, Renderer, View};
 
-/// The frame's picture.
+/// The picture of the shown frame.
 pub const VIEWPORT: CanvasId = CanvasId(1);
-/// The magnified place under a point that is being placed.
+/// The loupe around a point that is being placed.
 pub const LOUPE: CanvasId = CanvasId(2);
-/// The field from above.
+/// The field map.
 pub const FIELD_MAP: CanvasId = CanvasId(3);
 
-/// Builds the renderer in the window's wgpu; without one, canvases only show a message.
+/// Creates the renderer in the window's wgpu state. Without one, canvases show a message.
 pub fn install(ctx: &egui::Context, render_state: Option<&RenderState>) {
     let Some(state) = render_state else { return };
     let renderer = Renderer::new(&state.device, state.target_format);
@@ -29,7 +29,7 @@ fn installed_id() -> Id {
     Id::NULL.with("canvases can be drawn")
 }
 
-/// Draws layers into a box of the window, given in points and lying on whole physical px.
+/// Draws layers into `rect`, which is in points and must lie on whole physical px.
 pub fn paint(painter: &Painter, id: CanvasId, rect: Rect, view: View, layers: Vec<Layer>) {
     if painter
         .ctx()
@@ -53,7 +53,7 @@ pub fn paint(painter: &Painter, id: CanvasId, rect: Rect, view: View, layers: Ve
     }
 }
 
-/// The physical px that a box of the window covers, as the renderer will round it.
+/// Size of a rectangle of the window in physical px, rounded like the renderer's viewport.
 pub fn size_px(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
     let side = |from: f32, to: f32| {
         ((to * pixels_per_point).round() - (from * pixels_per_point).round()).clamp(0.0, 32768.0)
@@ -65,6 +65,7 @@ pub fn size_px(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
     ]
 }
 
+/// What one canvas draws in this frame of the window.
 struct Canvas {
     id: CanvasId,
     view: View,

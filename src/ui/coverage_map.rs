@@ -1,4 +1,7 @@
-//! The map of pan and tilt: where references look, and where one is missing.
+//! A map over pan and tilt that shows how many references see each direction, and where one is
+//! missing.
+//!
+//! Pan runs to the right and tilt upwards. The map may cross ±180° of pan.
 
 use super::Panel;
 use super::theme::{Palette, Themed as _};
@@ -11,19 +14,19 @@ use touchline_calibration::proposals::Coverage;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{Angle, ImageSize};
 
-/// The number of references from which the colour no longer changes.
+/// Number of references from which on the colour no longer changes.
 const PLENTY: f32 = 4.0;
-/// A map on the screen; the caller draws further marks on it.
+/// A map on the screen. The caller draws further marks on it.
 pub struct CoverageMap<'a> {
     coverage: &'a Coverage,
     rect: Rect,
     /// The map as a control.
     pub response: Response,
-    /// A painter that is clipped to it.
+    /// A painter that is clipped to the map.
     pub painter: Painter,
 }
 
-/// One sentence about where no reference looks.
+/// Says in one sentence where on the field no reference looks.
 pub fn missing(coverage: &Coverage) -> String {
     coverage.missing_pan_deg.map_or_else(
         || "References see all of the field.".to_owned(),
@@ -36,7 +39,7 @@ pub fn missing(coverage: &Coverage) -> String {
     )
 }
 
-/// Where a label of this camera helps most, degrees of pan.
+/// The pan at which a label of this camera helps most, degrees, according to the review's advice.
 pub fn label_next(panel: &Panel<'_>, coverage: &Coverage) -> Option<f64> {
     let next = panel.app.review().advice.next?;
     let frame = panel.app.open()?.frame(next.frame)?;
@@ -44,8 +47,8 @@ pub fn label_next(panel: &Panel<'_>, coverage: &Coverage) -> Option<f64> {
 }
 
 impl<'a> CoverageMap<'a> {
-    /// Shows a map of some height, points: the more references see a place, the brighter; the field
-    /// where none looks in red.
+    /// Shows a map of this height, points. The more references see a direction, the stronger its
+    /// colour; directions of the field that none sees have a colour of their own.
     pub fn show(ui: &mut Ui, coverage: &'a Coverage, height: f32, sense: Sense) -> Self {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), sense);
         let description = format!("Map of pan and tilt. {}", missing(coverage));
@@ -60,7 +63,7 @@ impl<'a> CoverageMap<'a> {
         map
     }
 
-    /// The pans at the left and the right border, below the map.
+    /// Writes the pans of the left and the right border, below the map.
     pub fn borders(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             let weak = ui.palette().weak;
@@ -76,7 +79,7 @@ impl<'a> CoverageMap<'a> {
         });
     }
 
-    /// Where a pan and a tilt lie.
+    /// Where a pan and a tilt, degrees, are on the screen.
     pub fn at(&self, pan_deg: f64, tilt_deg: f64) -> Pos2 {
         place(
             self.coverage,
@@ -86,7 +89,7 @@ impl<'a> CoverageMap<'a> {
         )
     }
 
-    /// The cell under a point of the screen, and the pan and tilt there.
+    /// The index of the cell under a place on the screen, and pan and tilt there, degrees.
     pub fn under(&self, pointer: Pos2) -> Option<(usize, [f64; 2])> {
         let share = (pointer - self.rect.min) / self.rect.size();
         if !(0.0..1.0).contains(&share.x) || !(0.0..1.0).contains(&share.y) {
@@ -95,6 +98,7 @@ impl<'a> CoverageMap<'a> {
         let (columns, rows) = self.columns_and_rows();
         let cell = (share.y * rows as f32) as usize * columns + (share.x * columns as f32) as usize;
         let Coverage { pan, tilt_deg, .. } = self.coverage;
+        // Tilt decreases downwards.
         let tilt_deg = tilt_deg.end() - f64::from(share.y) * (tilt_deg.end() - tilt_deg.start());
         Some((
             cell,
@@ -102,7 +106,8 @@ impl<'a> CoverageMap<'a> {
         ))
     }
 
-    /// The outline of what a camera sees, in one piece wherever on the map its middle is.
+    /// Draws the outline of what a camera sees. The corners are placed relative to the middle of
+    /// the view, so that the outline stays in one piece if it crosses the border of the map.
     pub fn outline(&self, camera: &PtzCamera, size: ImageSize) {
         let (middle, width) = (camera.ptz().pan, self.coverage.pan.width().radians());
         let at_middle = self.coverage.pan.share(middle);
@@ -115,6 +120,7 @@ impl<'a> CoverageMap<'a> {
             place(self.coverage, self.rect, share, ray.tilt.degrees())
         });
         let points: Vec<Pos2> = points.collect();
+        // A corner without a direction: no outline.
         if points.len() == 4 {
             self.painter.add(Shape::closed_line(
                 points,
@@ -123,7 +129,7 @@ impl<'a> CoverageMap<'a> {
         }
     }
 
-    /// A pointer from above at a pan.
+    /// Draws a pointer at the top of the map, at a pan in degrees.
     pub fn pointer(&self, pan_deg: f64) {
         let x = self
             .at(pan_deg, 0.0)
@@ -139,7 +145,8 @@ impl<'a> CoverageMap<'a> {
         ));
     }
 
-    /// A small square in the middle of each cell that others see, the larger the more.
+    /// Draws a small square in each cell that another set of frames sees; more frames make a larger
+    /// one.
     pub fn dots(&self, others: &Coverage, colour: Color32) {
         for (index, cell) in others
             .cells
@@ -156,11 +163,13 @@ impl<'a> CoverageMap<'a> {
         }
     }
 
+    /// Numbers of columns and rows of cells, at least one each.
     fn columns_and_rows(&self) -> (usize, usize) {
         let columns = self.coverage.columns.max(1);
         (columns, (self.coverage.cells.len() / columns).max(1))
     }
 
+    /// The rectangle of a cell; cells are stored row by row from the upper left.
     fn cell(&self, index: usize) -> Rect {
         let (columns, rows) = self.columns_and_rows();
         let size = self.rect.size() / vec2(columns as f32, rows as f32);
@@ -168,6 +177,7 @@ impl<'a> CoverageMap<'a> {
         Rect::from_min_size(self.rect.min + place * size, size)
     }
 
+    /// Draws the cells.
     fn cells(&self) {
         let palette = self.painter.palette();
         for (index, cell) in self.coverage.cells.iter().enumerate() {
@@ -176,14 +186,14 @@ impl<'a> CoverageMap<'a> {
                 0 => palette.outside,
                 references => seen_by(palette, references),
             };
-            // A gap between cells shows that they are counts, not measurements.
+            // Gaps between the cells show that they are counts in bins.
             self.painter
                 .rect_filled(self.cell(index).shrink(0.5), 0.0, colour);
         }
     }
 }
 
-/// The colour of a place that a number of references see.
+/// The colour of a direction that this number of references sees.
 pub fn seen_by(palette: &Palette, references: u32) -> Color32 {
     let share = (references as f32 / PLENTY).min(1.0);
     palette
@@ -191,7 +201,7 @@ pub fn seen_by(palette: &Palette, references: u32) -> Color32 {
         .lerp_to_gamma(palette.accent, 0.15 + 0.55 * share)
 }
 
-/// Where a share of the map's width and a tilt lie.
+/// Where a share of the map's width, 0 to 1, and a tilt, degrees, are on the screen.
 fn place(coverage: &Coverage, rect: Rect, share: f64, tilt_deg: f64) -> Pos2 {
     let tilts = &coverage.tilt_deg;
     let down = (tilts.end() - tilt_deg) / (tilts.end() - tilts.start());

@@ -1,4 +1,4 @@
-//! The start screen, shown in place of the picture while nothing is open.
+//! The start screen. It takes the place of the picture while nothing is open.
 
 use super::{
     Panel,
@@ -9,9 +9,9 @@ use egui::{Align, Button, Id, Key, Layout, Margin, RichText, TextEdit, Ui, vec2}
 use std::path::PathBuf;
 use touchline_application::app::{Action, Command};
 
-/// How many recent documents are listed.
+/// Maximum number of recent documents in the list.
 const RECENT: usize = 5;
-/// The width of the column.
+/// Width of the column, points.
 const WIDTH: f32 = 560.0;
 
 /// Shows the start screen.
@@ -30,6 +30,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .color(ui.palette().text),
         );
         ui.add_space(theme::SPACE);
+        // While something is being opened, it can only be cancelled.
         if let Some(opening) = &panel.app.session.disk.opening {
             ui.spinner();
             ui.label(RichText::new(opening).color(ui.palette().accent));
@@ -65,7 +66,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// A path typed or pasted, where there are no file dialogs.
+/// A field for a typed or pasted path, for systems without file dialogs.
 fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
     let memory = Id::unique("typed path");
     let mut typed: String = ui.data_mut(|data| data.get_temp(memory).unwrap_or_default());
@@ -80,6 +81,7 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
             let response = ui.add(field).accessible_name("Path to open").on_hover_text(
                 "The path of a project, a folder of frames or a video; Enter opens it.",
             );
+            // A text field loses the focus with Enter.
             let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             let open = ui.add_enabled(
                 !typed.trim().is_empty(),
@@ -98,6 +100,7 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.data_mut(|data| data.insert_temp(memory, typed));
 }
 
+/// Lists the documents that were opened last.
 fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.settings.recent.is_empty() {
         return;

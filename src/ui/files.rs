@@ -1,40 +1,42 @@
-//! The system's file dialogs, on a thread of their own so that the window never waits.
+//! The system's file dialogs. Each runs on a thread of its own, so that the window never waits.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use touchline_application::app::{Action, Question, ViewAction};
 use touchline_application::jobs::{Background, BackgroundReport, Wake};
 
-/// Image, video and document files as the dialogs filter them.
+/// Extensions of video files, for the filter of the dialog.
 const VIDEOS: &[&str] = &[
     "mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg",
 ];
 
-/// A dialog that is cancelled faster than this was never shown: a missing dialog reports
-/// "cancelled" at once, on a busy machine after some tenths of a second, and nobody reads a dialog
-/// and closes it that fast.
+/// A dialog that was cancelled faster than this never appeared.
+///
+/// If the system has no dialogs, the library reports "cancelled" at once, on a busy machine after
+/// some tenths of a second. A user cannot read and close a dialog that fast.
 const NO_DIALOG: Duration = Duration::from_millis(400);
 
-/// What became of a dialog.
+/// The result of a dialog.
 enum Picked {
     /// A path was chosen.
     Path(PathBuf),
-    /// It was closed without a choice.
+    /// The user closed it without a choice.
     Nothing,
-    /// There was none.
+    /// No dialog appeared.
     NoDialog,
 }
 
-/// At most one file dialog.
+/// The file dialog of the window; there is at most one.
 pub struct Files {
     wake: Wake,
+    /// The question of the open dialog, and the thread that shows it.
     open: Option<(Question, Background<(), Picked>)>,
-    /// What no thread could be started for.
+    /// The question for which no thread could be started.
     failed: Option<Question>,
 }
 
 impl Files {
-    /// No dialog is open.
+    /// Without an open dialog. `wake` makes the window look at the result.
     pub const fn new(wake: Wake) -> Self {
         Self {
             wake,
@@ -43,7 +45,7 @@ impl Files {
         }
     }
 
-    /// Opens a dialog, near a folder if one is given; one that is open already stays.
+    /// Opens a dialog, in the folder `near` if given. If one is open already, nothing happens.
     pub fn ask(&mut self, question: Question, near: Option<&Path>) {
         if self.open.is_some() {
             return;
@@ -60,8 +62,8 @@ impl Files {
         }
     }
 
-    /// What was chosen, once it has been; nothing if cancelled. Where no dialog could open, the
-    /// path is typed instead.
+    /// The answer, once there is one; `None` while the dialog is open or if the user cancelled. If
+    /// no dialog could appear, the user is shown a field for typing the path.
     pub fn poll(&mut self) -> Option<Action> {
         if let Some(question) = self.failed.take() {
             return Some(Action::View(ViewAction::TypePath(question)));
@@ -69,6 +71,7 @@ impl Files {
         let (question, task) = self.open.as_mut()?;
         let (question, report) = (*question, task.poll()?);
         self.open = None;
+        // Without a dialog, or if it failed, the user types the path.
         match report {
             BackgroundReport::Done(Picked::Path(path)) => Some(Action::Answer(question, path)),
             BackgroundReport::Done(Picked::NoDialog) | BackgroundReport::Panicked(_) => {
@@ -79,7 +82,8 @@ impl Files {
     }
 }
 
-/// Shows a dialog. How long it took is measured here: the window may look at the result much later.
+/// Runs a dialog. Its duration is measured here, on its own thread, because the window may look at
+/// the result much later.
 fn ask_and_time(pick: impl FnOnce() -> Option<PathBuf>) -> Picked {
     let since = Instant::now();
     match pick() {
@@ -89,6 +93,7 @@ fn ask_and_time(pick: impl FnOnce() -> Option<PathBuf>) -> Picked {
     }
 }
 
+/// The dialog for a question: title, folder, filter of file names.
 fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
     let dialog = rfd::FileDialog::new().set_title(match question {
         Question::Project => "Open a project or dataset",
@@ -121,6 +126,8 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
     }
 }
 
+/// Shows the dialog in the variant for the question: a folder, an existing file, or a file to be
+/// written.
 fn pick(question: Question, dialog: rfd::FileDialog) -> Option<PathBuf> {
     match question {
         Question::Folder | Question::CopyTo | Question::DatasetTo => dialog.pick_folder(),

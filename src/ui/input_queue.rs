@@ -1,37 +1,39 @@
-//! Keys one at a time: each is applied before the next one is interpreted.
+//! Limits the input of the window to one key stroke or button press per frame of the window.
 //!
-//! A key, a click and the next key can arrive within one frame of the window. The meaning of the
-//! second may depend on the effect of the first, which is known only in the next frame: a list
-//! opens, a text field takes the focus, another frame is shown. So the window gets at most one key
-//! stroke or button press per frame; the rest waits.
+//! A key, a click and the next key may arrive within one frame of the window. What the second means
+//! may depend on the effect of the first, which shows in the next frame only: a list opens, a text
+//! field takes the focus, another frame is shown. So events beyond the first stroke or press wait
+//! for the next frame. Their order never changes.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
 use std::collections::VecDeque;
 
-/// Holds back the input that has to wait for the next frame of the window.
+/// Keeps the events that wait for a later frame of the window.
 #[derive(Debug, Default)]
 pub struct InputQueue {
     waiting: VecDeque<Event>,
-    /// The keys that are down: which key of the keyboard, and what it meant when it went down.
+    /// The keys that are down: the physical key, and the logical key that it was when it went down.
     down: Vec<(Key, Key)>,
 }
 
-/// What a frame of the window has been given so far.
+/// What a frame of the window has received so far.
 #[derive(Debug, Default)]
 struct Given {
-    /// The key that went down, if it was one, and whether its text has followed.
+    /// The key that went down (`None` for text or the clipboard), and whether its text has
+    /// followed.
     stroke: Option<(Option<Key>, bool)>,
-    /// Something of the pointer.
+    /// Whether it has an event of the pointer.
     pointer: bool,
-    /// A button of the pointer went down or up.
+    /// Whether a button of the pointer went down or up.
     button: bool,
 }
 
 impl Given {
-    /// Takes an event in, or refuses because it has to be read on its own.
+    /// Accepts an event, or refuses it because it must wait for the next frame. The first refusal
+    /// ends the frame.
     fn accepts(&mut self, event: &Event) -> bool {
         match event {
-            // The modifiers of this frame have to be those of the key stroke or the button.
+            // The modifiers must be those at the time of the key stroke or button press.
             Event::ModifiersChanged(_) => self.stroke.is_none() && !self.button,
             Event::WindowFocused(_) => true,
             Event::Key {
@@ -39,6 +41,7 @@ impl Given {
                 key,
                 ..
             } => !self.pointer && self.stroke.is_none_or(|(down, _)| down != Some(*key)),
+            // The text that a key types belongs to its stroke.
             Event::Text(_) if matches!(self.stroke, Some((Some(_), false))) => {
                 self.stroke = self.stroke.map(|(key, _)| (key, true));
                 true
@@ -51,6 +54,7 @@ impl Given {
             | Event::Paste(_)
             | Event::PasteImage(_)
             | Event::MiddleClickPaste { .. } => self.accepts_stroke(None),
+            // A click may end in the frame in which it began, but a second press waits.
             Event::PointerButton { pressed, .. } => {
                 let free = self.stroke.is_none() && !(*pressed && self.button);
                 (self.pointer, self.button) = (true, true);
@@ -63,6 +67,7 @@ impl Given {
         }
     }
 
+    /// Accepts a key stroke if the frame has no other stroke and no event of the pointer.
     fn accepts_stroke(&mut self, key: Option<Key>) -> bool {
         let free = !self.pointer && self.stroke.is_none();
         self.stroke = Some((key, false));
@@ -76,12 +81,13 @@ impl InputQueue {
         let mut text_of_repeat = false;
         for event in events {
             if event == Event::WindowFocused(false) {
-                // What is let go elsewhere is not heard of.
+                // Another window receives the events of keys that go up there.
                 self.down.clear();
             }
             let event = self.released_as_pressed(event);
             match &event {
-                // Repeats of a held key do not pile up in a slow window.
+                // Repeats of a key that stays down are dropped while one waits, so that they do not
+                // pile up in a slow window; so is the text that each of them types.
                 Event::Key {
                     key, pressed: true, ..
                 } if self.is_down_at_end(*key) => {
@@ -102,9 +108,10 @@ impl InputQueue {
         self.waiting.drain(..count).collect()
     }
 
-    /// A key goes up as what it went down as. Where Shift is let go before the slash, a question
-    /// mark went down and a slash would come up, so that the question mark would stay down and its
-    /// next press would be a repeat.
+    /// Makes a key go up as the logical key that it went down as.
+    ///
+    /// Otherwise, if Shift goes up before the slash, a question mark has gone down and a slash goes
+    /// up. The question mark would stay down, and its next press would count as a repetition.
     fn released_as_pressed(&mut self, event: Event) -> Event {
         let Event::Key {
             key,
@@ -134,7 +141,7 @@ impl InputQueue {
         }
     }
 
-    /// Whether the last queued event of a key is a press.
+    /// Whether the last waiting event of a key is a press.
     fn is_down_at_end(&self, wanted: Key) -> bool {
         let last = self.waiting.iter().rev().find_map(|event| match event {
             Event::Key { key, pressed, .. } if *key == wanted => Some(*pressed),
@@ -186,7 +193,7 @@ mod tests {
         }
     }
 
-    /// The events of each frame of the window, for events that arrive together.
+    /// The events of each frame of the window, if these events arrive together.
     fn frames(events: &[Event]) -> Vec<Vec<Event>> {
         let mut queue = InputQueue::default();
         let first = queue.exchange(events.to_vec());

@@ -1,17 +1,19 @@
-//! Keys: from what was pressed to actions, through the user's keymap.
+//! From keys to actions, through the user's keymap.
 //!
-//! Plain keys do nothing while a text field has the focus, and while a name or a reason is being
-//! chosen (those lists read letters and digits themselves).
+//! A plain key does nothing while a text field has the focus, or while a list of names or reasons
+//! is open: those read letters and digits themselves, before this module. A dialog closes with
+//! Escape or with the key that opens it. It takes all other keys, unless it is about appearance.
 
 use super::dialogs;
 use egui::{Event, FocusDirection, Key, Modifiers};
 use touchline_application::app::session::{Dialog, Held, Mode};
 use touchline_application::app::{Action, App, Chord, Command, EditAction, ViewAction};
 
-/// How far an arrow key moves the selected point, px of the picture: alone, with Shift, with Alt.
+/// Distance by which an arrow key moves the selected point, px of the picture: alone, with Shift,
+/// with Alt.
 const NUDGE_PX: [f64; 3] = [0.1, 1.0, 10.0];
 
-/// Commands that repeat while their key is held down.
+/// Commands that repeat while their key stays down.
 const REPEATED: [Command; 8] = [
     Command::NextFrame,
     Command::PreviousFrame,
@@ -26,22 +28,22 @@ const REPEATED: [Command; 8] = [
 /// A key that went down or up.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyStroke {
-    /// The logical key of the keyboard layout.
+    /// The logical key, which depends on the keyboard layout.
     pub key: Key,
-    /// The physical key.
+    /// The physical key, if the platform reports it.
     pub physical: Option<Key>,
-    /// Down.
+    /// Whether the key went down.
     pub pressed: bool,
-    /// Still held.
+    /// Whether this is an automatic repetition while the key stays down.
     pub repeat: bool,
     /// The modifiers.
     pub modifiers: Modifiers,
 }
 
-/// What else has the keyboard focus.
+/// What has the keyboard focus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Focus {
-    /// Nobody.
+    /// Nothing.
     #[default]
     Free,
     /// A button or similar, reached by Tab: it handles Enter, Space, Tab and arrows itself.
@@ -90,10 +92,13 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
             Action::Command(Command::NextClick | Command::PreviousClick)
         )
     };
+    // egui moves the focus with Tab by itself.
     if asked.iter().any(steps_clicks) {
-        // Tab was a command: the focus must not move.
+        // Tab was a command here, so the focus must not move.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
+    // A key that goes up over another window sends no event. So the loss of the focus ends all
+    // commands that last while a key is down.
     if !window_focused && app.session.picture.held != Held::default() {
         asked.push(Action::Hold(Command::HideOverlay, false));
         asked.push(Action::Hold(Command::Compare, false));
@@ -102,10 +107,12 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
     actions.extend(asked);
 }
 
-/// What a key means right now.
+/// The action of a key stroke in the present state, if any.
 pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     let stroke = question_mark(stroke);
     let command = command_of(app, &stroke);
+    // A key goes up: it ends the command that lasts while it is down. Modifiers and focus do not
+    // matter, they may have changed in the meantime.
     if !stroke.pressed {
         return Command::all()
             .filter(|command| command.is_held() && is_held_down(app, *command))
@@ -118,6 +125,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
             })
             .map(|command| Action::Hold(command, false));
     }
+    // A dialog is open. Only those about appearance leave the other keys to the picture below them.
     if let Some(dialog) = &app.session.dialog {
         let opens_it = command.is_some_and(|command| opens(command, dialog));
         if stroke.key == Key::Escape
@@ -137,10 +145,12 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     }
     let plain = !stroke.modifiers.command && !stroke.modifiers.alt;
     match &app.session.mode {
-        // The lists of names and reasons have already read their keys.
+        // The lists of names and reasons have read their keys already; only Escape is left.
         Mode::Naming(_) | Mode::Rejecting { .. } if plain => {
             return (command == Some(Command::Cancel)).then_some(Action::Command(Command::Cancel));
         }
+        // While a point is dragged or a number is edited, only Escape and commands that last while
+        // a key is down work.
         Mode::Dragging { .. } | Mode::Editing if command != Some(Command::Cancel) => {
             return command
                 .filter(|command| command.is_held() && !stroke.repeat)
@@ -148,12 +158,14 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
         }
         _ => {}
     }
+    // Any other mode: commands that last while their key is down, then the rest. An arrow key
+    // without a command moves the selected point.
     match command {
         Some(command) if command.is_held() => {
             (!stroke.repeat).then_some(Action::Hold(command, true))
         }
         Some(command) if stroke.repeat && !REPEATED.contains(&command) => None,
-        // Without points Tab moves the focus as usual.
+        // Without points Tab moves the focus, as usual.
         Some(Command::NextClick | Command::PreviousClick)
             if app.session.quality.open
                 || app.frame().is_none_or(|frame| frame.clicks.is_empty()) =>
@@ -165,7 +177,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     }
 }
 
-/// An arrow key moves the selected point.
+/// Moves the selected point by an arrow key.
 fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
     let (dx, dy) = match stroke.key {
         Key::ArrowLeft => (-1.0, 0.0),
@@ -195,7 +207,7 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
     }))
 }
 
-/// Whether a key is not used by the focused control.
+/// Whether the focused control leaves this key to the program.
 fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
     let function_key = stroke.key.name().len() > 1 && stroke.key.name().starts_with('F');
     match focus {
@@ -211,7 +223,8 @@ fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
                 | Key::ArrowUp
                 | Key::ArrowDown
         ),
-        // Its own undo, cursor and clipboard keys.
+        // A text field has its own undo, cursor and clipboard keys. Only function keys and a few
+        // shortcuts are left.
         Focus::Text => {
             function_key
                 || stroke.modifiers.command
@@ -223,7 +236,8 @@ fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
     }
 }
 
-/// Some layouts report no logical key for the question mark: there it is Shift with the slash key.
+/// Replaces Shift with the slash key by the question mark, because some layouts report no logical
+/// key for it.
 fn question_mark(stroke: KeyStroke) -> KeyStroke {
     let is_slash = stroke.key == Key::Slash
         && stroke
@@ -239,7 +253,7 @@ fn question_mark(stroke: KeyStroke) -> KeyStroke {
     }
 }
 
-/// The command of a key: by its logical key, else by its physical one.
+/// The command of a key stroke: by the logical key, else by the physical one.
 fn command_of(app: &App, stroke: &KeyStroke) -> Option<Command> {
     let by = |matches: &dyn Fn(&Chord) -> bool| {
         Command::all().find(|command| app.settings.keys.chords(*command).iter().any(matches))
@@ -247,6 +261,8 @@ fn command_of(app: &App, stroke: &KeyStroke) -> Option<Command> {
     by(&|chord| is_logically(chord, stroke)).or_else(|| by(&|chord| is_physically(chord, stroke)))
 }
 
+/// Whether a chord names this stroke's logical key. For a punctuation key a surplus Shift is
+/// allowed, because the layout may need it to produce the sign.
 fn is_logically(chord: &Chord, stroke: &KeyStroke) -> bool {
     let modifiers = stroke.modifiers;
     key_of(chord) == Some(stroke.key)
@@ -255,7 +271,8 @@ fn is_logically(chord: &Chord, stroke: &KeyStroke) -> bool {
         && (chord.shift == modifiers.shift || is_sign(stroke.key) && !chord.shift)
 }
 
-/// On some layouts Shift with the dot is a colon: there the physical key counts.
+/// Whether a chord names this stroke's physical key. Only for punctuation: on some layouts Shift
+/// with the dot is a colon, and then the dot's key counts.
 fn is_physically(chord: &Chord, stroke: &KeyStroke) -> bool {
     let modifiers = stroke.modifiers;
     is_sign(stroke.key)
@@ -265,7 +282,7 @@ fn is_physically(chord: &Chord, stroke: &KeyStroke) -> bool {
             == (modifiers.command, modifiers.alt, modifiers.shift)
 }
 
-/// A key whose Shift depends on the layout: a plus needs it here and not there.
+/// Whether a key is a punctuation sign, so that the layout decides whether it needs Shift.
 const fn is_sign(key: Key) -> bool {
     matches!(
         key,
@@ -293,6 +310,7 @@ pub fn key_of(chord: &Chord) -> Option<Key> {
     Key::from_name(&chord.key)
 }
 
+/// Whether a command opens this dialog. The same key closes it again.
 fn opens(command: Command, dialog: &Dialog) -> bool {
     matches!(
         (command, dialog),
@@ -304,6 +322,7 @@ fn opens(command: Command, dialog: &Dialog) -> bool {
     )
 }
 
+/// Whether a command that lasts while its key is down is active.
 fn is_held_down(app: &App, command: Command) -> bool {
     match command {
         Command::HideOverlay => app.session.picture.held.hide_overlay,

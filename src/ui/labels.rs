@@ -1,14 +1,14 @@
-//! The texts of a drawing, written with the window's own font.
+//! Texts on plates over a picture, in the window's own font. The renderer draws shapes only.
 
 use super::placement::Placement;
 use egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};
 use touchline_application::scene::drawing::{Colour, Label};
 use touchline_core::geometry::ImagePoint;
 
-/// How far the plate reaches beyond the letters, points.
+/// Margin of the plate around the letters, points.
 const PADDING: egui::Vec2 = vec2(4.0, 1.5);
 
-/// Writes the labels of a drawing.
+/// Writes the labels of a drawing. Labels far outside the picture are skipped.
 pub fn paint<'a>(
     painter: &Painter,
     placement: &Placement,
@@ -25,7 +25,7 @@ pub fn paint<'a>(
     }
 }
 
-/// How a text on a plate looks.
+/// Font and colours of a text on a plate.
 pub struct PlateStyle {
     font: FontId,
     letters: Color32,
@@ -33,7 +33,7 @@ pub struct PlateStyle {
 }
 
 impl PlateStyle {
-    /// Letters of this font and colour on a plate of that colour.
+    /// Letters in a font and colour, on a plate of the second colour.
     pub const fn new(font: FontId, letters: Color32, behind: Color32) -> Self {
         Self {
             font,
@@ -43,7 +43,7 @@ impl PlateStyle {
     }
 }
 
-/// Writes a text on a plate and returns the box that the plate fills.
+/// Writes a text on a plate. Returns the rectangle of the plate.
 pub fn plate(painter: &Painter, at: Pos2, align: Align2, text: &str, style: PlateStyle) -> Rect {
     let galley = painter.layout_no_wrap(text.to_owned(), style.font, style.letters);
     let rect = align.anchor_size(at, galley.size());
@@ -53,7 +53,7 @@ pub fn plate(painter: &Painter, at: Pos2, align: Align2, text: &str, style: Plat
     around
 }
 
-/// A drawing's colour as an egui colour.
+/// The colour of a drawing as an egui colour.
 pub fn colour(colour: Colour) -> Color32 {
     Color32::from_rgba_unmultiplied(colour.r, colour.g, colour.b, colour.a)
 }

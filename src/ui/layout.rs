@@ -1,4 +1,8 @@
-//! The layout of all panels.
+//! The layout of the window.
+//!
+//! From top to bottom: menu row, tour, picture, timeline, filmstrip, row of messages, status row.
+//! The side panel is to the right of picture, timeline and filmstrip. The quality page takes the
+//! place of these four.
 
 use super::resizing::{Edge, Resized};
 use super::{
@@ -10,15 +14,16 @@ use egui::{Frame, Margin, Ui};
 use touchline_application::app::session::SidePanel;
 use touchline_application::app::{Action, SettingsAction};
 
-/// The height of the menu row, the row of messages and the status row, points.
+/// Height of the menu row, the row of messages and the status row, points.
 const ROW: f32 = 24.0;
-/// From this width on there is room for wider panels, points.
+/// Width of the window from which the default sizes of the panels are larger, points.
 const WIDE: f32 = 1800.0;
 
-/// The picture is at least this large however large the panels are made, points.
+/// Minimum size of the picture, points. It limits the sizes of the panels.
 const LEAST_PICTURE: [f32; 2] = [480.0, 260.0];
 
-/// Remembers sizes of panels that were dragged.
+/// Stores the sizes of panels that were dragged, in the settings. The edges are side panel and
+/// filmstrip.
 fn resized(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>; 2]) {
     let of = |edge: usize| match edges[edge] {
         Resized::No => remembered[edge],
@@ -36,10 +41,11 @@ fn resized(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>;
     }
 }
 
-/// Reads keys and pointer; their actions are carried out before anything is drawn.
+/// Reads keys and pointer, before anything is drawn. The lists of names and of reasons come first
+/// and remove the keys that they use.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if panel.app.session.quality.open {
-        // The picture is hidden, so its keys do nothing.
+        // The picture is hidden, and so are its lists of names and reasons.
         keys::read(panel.app, panel.actions, ctx);
         return;
     }
@@ -49,13 +55,14 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     viewport::read(panel, ctx);
 }
 
-/// Shows every panel; what the user asks for is in the panel's actions afterwards.
+/// Shows every panel. The actions of the user are in `panel.actions` afterwards.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let (filmstrip_height, side_width) = if ui.available_width() >= WIDE {
         (110.0, 380.0)
     } else {
         (92.0, 300.0)
     };
+    // The side panel and the filmstrip have edges that can be dragged.
     let edges = [
         Edge {
             id: "side panel",
@@ -78,6 +85,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .fill(ui.palette().panel)
         .inner_margin(Margin::symmetric(8, 0));
     let side = Frame::new().fill(ui.palette().panel);
+    // egui lays panels out from the window's border inwards, in the order of these calls; the rest
+    // is for the central panel.
     egui::Panel::top("menu")
         .exact_size(ROW)
         .resizable(false)

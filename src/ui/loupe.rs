@@ -1,4 +1,7 @@
-//! The loupe: a magnified view around a point that is being placed or dragged, with the overlay.
+//! The loupe: a magnified view of the picture, with the overlay, around a point that is placed or
+//! dragged.
+//!
+//! It stands beside the point, on the side where it hides least of the lines that the user aims at.
 
 use super::canvas;
 use super::labels::{PlateStyle, plate};
@@ -12,17 +15,18 @@ use touchline_application::app::settings::Loupe;
 use touchline_application::render::{Layer, View};
 use touchline_core::geometry::ImagePoint;
 
-/// No loupe is needed where the picture is enlarged by more than this share of what the loupe
-/// would.
+/// The loupe is not shown if the picture itself is enlarged by at least this share of the loupe's
+/// magnification.
 const NOT_NEEDED_FROM: f64 = 0.625;
-/// From the point to the nearest border of the loupe, points.
+/// Distance from the point to the nearest border of the loupe, points.
 const GAP: f32 = 36.0;
-/// The cost of changing sides, as the length of line that the loupe would hide, points.
+/// Cost of changing sides, in points of hidden line. It keeps the loupe from jumping to and fro.
 const STAY: f32 = 80.0;
-/// The gap of the crosshair around the point, points.
+/// Free radius of the crosshair around the point, points.
 const OPEN: f32 = 9.0;
 
-/// The sides of a point on which the loupe can stand.
+/// The sides of a point on which the loupe can stand, as directions on the screen (y down). The
+/// first are preferred where the costs are equal.
 const SIDES: [Vec2; 8] = [
     egui::vec2(1.0, -1.0),
     egui::vec2(-1.0, -1.0),
@@ -34,8 +38,8 @@ const SIDES: [Vec2; 8] = [
     egui::vec2(-1.0, 0.0),
 ];
 
-/// Shows the loupe of a place, with what lies over the picture there at a zoom (physical px per px
-/// of the picture).
+/// Shows the loupe around `at`, px of the picture. `overlay` gives what is drawn over the picture
+/// at a zoom in physical px per px of the picture.
 pub fn show(
     ui: &egui::Ui,
     look: Loupe,
@@ -51,6 +55,7 @@ pub fn show(
     let pixels_per_point = ui.pixels_per_point();
     let overlay = overlay(magnification * f64::from(pixels_per_point));
     let point = placement.screen_from_image(at);
+    // The side is remembered from the previous frame of the window while a point is dragged.
     let side_id = side_id();
     let before = ui.data(|data| data.get_temp::<usize>(side_id));
     let side = free_side(
@@ -68,6 +73,7 @@ pub fn show(
 
     let response = ui.interact(rect, side_id, Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Loupe"));
+    // Above all panels: the loupe may extend beyond the picture.
     let painter = ui
         .ctx()
         .layer_painter(LayerId::new(Order::Tooltip, side_id));
@@ -106,16 +112,17 @@ pub fn show(
     );
 }
 
-/// Forgets the side: no point is held.
+/// Forgets the side when no point is dragged, so that the next drag chooses freely.
 pub fn rest(ui: &egui::Ui) {
     ui.data_mut(|data| data.remove_temp::<usize>(side_id()));
 }
 
+/// Where the index of the side is stored.
 fn side_id() -> Id {
     Id::NULL.with("loupe's side")
 }
 
-/// Places the picture so that one of its points lies exactly in the middle.
+/// The view that has the point `at` exactly in the middle of `rect`.
 fn view(at: ImagePoint, rect: Rect, magnification: f64, pixels_per_point: f32) -> View {
     let scale = magnification * f64::from(pixels_per_point);
     let size_px = canvas::size_px(rect, pixels_per_point);
@@ -132,7 +139,7 @@ fn view(at: ImagePoint, rect: Rect, magnification: f64, pixels_per_point: f32) -
     }
 }
 
-/// A crosshair whose centre stays free.
+/// Draws a crosshair with an open centre and a dot on the point, bright on dark.
 fn crosshair(painter: &egui::Painter, rect: Rect) {
     let centre = rect.center();
     let reach = rect.width() / 2.0 - 24.0;
@@ -148,6 +155,7 @@ fn crosshair(painter: &egui::Painter, rect: Rect) {
     painter.circle_filled(centre, 1.0, Color32::WHITE);
 }
 
+/// The rectangle of the loupe on a side of the point. `length` is its side, points.
 fn on_side(point: Pos2, length: f32, side: usize) -> Rect {
     Rect::from_center_size(
         point + SIDES[side % SIDES.len()] * (GAP + length / 2.0),
@@ -155,8 +163,11 @@ fn on_side(point: Pos2, length: f32, side: usize) -> Rect {
     )
 }
 
-/// The side on which the loupe hides least of the overlay's lines, with a preference for the
-/// current side.
+/// The index of the side with the least cost.
+///
+/// The cost is the length of the overlay's lines below the loupe, plus [`STAY`] for a change of
+/// sides, plus the loupe's area outside the bounds. The area, in square points, outweighs the
+/// lengths as soon as the loupe is outside by more than a narrow strip.
 fn free_side(
     point: Pos2,
     length: f32,
@@ -180,7 +191,7 @@ fn free_side(
         .unwrap_or(0)
 }
 
-/// The lines of the overlay on the screen.
+/// The lines of the overlay as segments on the screen.
 fn lines(overlay: &Overlay, placement: &Placement) -> Vec<[Pos2; 2]> {
     let on_screen =
         |[x, y]: [f32; 2]| placement.screen_from_image(ImagePoint::new(f64::from(x), f64::from(y)));
@@ -195,7 +206,10 @@ fn lines(overlay: &Overlay, placement: &Placement) -> Vec<[Pos2; 2]> {
         .collect()
 }
 
-/// How much of a piece of line lies within a box (Liang and Barsky 1984).
+/// Length of the part of a segment within a box (Liang and Barsky 1984).
+///
+/// The segment is a + t·(b − a) with t in 0..1. Each border of the box raises the lower or lowers
+/// the upper limit of t; a segment parallel to a border is inside or outside as a whole.
 fn length_within([a, b]: [Pos2; 2], rect: Rect) -> f32 {
     let along = b - a;
     let (mut from, mut to) = (0.0_f32, 1.0_f32);

@@ -1,5 +1,5 @@
-//! Masks on the picture: boxes that are excluded from feature detection, each with its scope and a
-//! delete button.
+//! Masks on the picture: boxes that are excluded from feature detection. Each shows for which
+//! frames it is, and a button that deletes it.
 
 use super::Panel;
 use super::labels::{PlateStyle, plate};
@@ -10,21 +10,22 @@ use egui::{
 use touchline_application::app::{Action, App, EditAction, MaskList};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
-/// The side of a cross, points.
+/// Side of the delete button, points.
 const CROSS: f32 = 18.0;
 
-/// A mask that is shown, and its place in its list.
+/// A mask that is shown, and its place in the document.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownMask {
-    /// The list that it is in.
+    /// The list that has it.
     pub list: MaskList,
-    /// Which, from 0.
+    /// Its index in that list.
     pub index: usize,
-    /// The box, px.
+    /// The box, px of the picture.
     pub pixel_box: PixelBox,
 }
 
-/// The masks that cover the shown frame, the camera's first; none unless masks are shown.
+/// The masks that cover the shown frame: those of the camera for every frame, those for a range of
+/// frames, those of the frame. None unless masks are shown.
 pub fn shown(app: &App) -> Vec<ShownMask> {
     let Some(frame) = app.frame().filter(|_| app.session.picture.masks) else {
         return Vec::new();
@@ -66,13 +67,14 @@ pub fn shown(app: &App) -> Vec<ShownMask> {
 }
 
 impl ShownMask {
-    /// Where the mask lies on the screen.
+    /// Where the mask is on the screen.
     fn on_screen(&self, placement: &Placement) -> Rect {
         on_screen(&self.pixel_box, placement)
     }
 
-    /// Where its cross lies on the screen.
+    /// Where its delete button is on the screen: in the upper right corner of its visible part.
     pub fn cross(&self, placement: &Placement) -> Rect {
+        // A mask may extend beyond the view; its button must not.
         let corner = self
             .on_screen(placement)
             .intersect(placement.rect)
@@ -81,7 +83,7 @@ impl ShownMask {
     }
 }
 
-/// Where a box of the picture lies on the screen.
+/// Where a box of the picture is on the screen.
 fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
     let &PixelBox {
         x,
@@ -93,7 +95,7 @@ fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
     Rect::from_min_max(corner(x, y), corner(x + width, y + height))
 }
 
-/// Says what a mask is for, in its lower left corner, where it is wide enough for that.
+/// Writes for which frames a mask is, in its lower left corner, if it is wide enough.
 fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
     let shown = mask.intersect(placement.rect);
     let (font, letters) = (FontId::proportional(11.0), Color32::from_gray(225));
@@ -113,9 +115,11 @@ fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
     }
 }
 
-/// Shows the scope of each mask and its delete button.
+/// Shows for which frames each mask is, and its delete button. The boxes themselves belong to the
+/// overlay.
 pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let painter = ui.painter_at(placement.rect);
+    // Boxes that look burnt in, about which the user is yet to decide.
     for asked in panel.app.asked_masks() {
         let whole = on_screen(&asked, placement);
         if whole.intersects(placement.rect) {
@@ -133,6 +137,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
             MaskList::Frame => ("this frame", "frame"),
         };
         label(&painter, whole, placement, what);
+        // The delete button, drawn by hand: it is on the picture, not in a layout.
         let rect = mask.cross(placement);
         let id = Id::NULL.with(("mask", mask.list, mask.index));
         let response = ui

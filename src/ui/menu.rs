@@ -1,4 +1,8 @@
-//! The top row: menus, the open document, and whether it is saved.
+//! The top row: menus, the open document with frame and shot, background work, and whether every
+//! edit is saved.
+//!
+//! The menus contain every command. Their order is that of [`Command::all`]; [`SECTIONS`] and
+//! [`SUBMENUS`] divide them.
 
 use super::{
     Panel,
@@ -16,7 +20,7 @@ use touchline_application::scene;
 use touchline_documents::document::Frame;
 use touchline_documents::store::{PROJECT_FILE, PROJECT_SUFFIX};
 
-/// A line is drawn above these.
+/// Commands with a line above them.
 const SECTIONS: [Command; 18] = [
     Command::Save,
     Command::LoadCamera,
@@ -38,7 +42,7 @@ const SECTIONS: [Command; 18] = [
     Command::About,
 ];
 
-/// Commands of a long menu, in groups of their own at its top.
+/// Groups of commands that are submenus at the top of their menu.
 const SUBMENUS: [(&str, &[Command]); 5] = [
     (
         "Go to",
@@ -116,6 +120,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(title));
         }
         ui.add_space(2.0 * theme::SPACE);
+        // From the right: saving and background work; the document takes the rest.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             saving(panel, ui);
             jobs(panel, ui);
@@ -126,8 +131,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The menu that a key opens: the first one, or with the focus on a title the neighbour of the open
-/// one, by the arrows.
+/// The title of the menu that a key opens now: the first one, or from an open menu the neighbour to
+/// which an arrow key points.
 fn opened_by_key<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a Response> {
     if first {
         return titles.first();
@@ -135,7 +140,7 @@ fn opened_by_key<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a
     let is_open = |title: &Response| {
         egui::Popup::is_id_open(ui.ctx(), egui::Popup::default_response_id(title))
     };
-    // The focus may stay on the title of a menu that was open before.
+    // The keys belong to a menu only while a title has the focus.
     if !titles.iter().any(Response::has_focus) {
         return None;
     }
@@ -148,12 +153,12 @@ fn opened_by_key<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a
     if step == 0 {
         return None;
     }
-    // The arrow must not move the focus as well.
+    // The arrow key must not move the focus as well.
     ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     titles.get((at as isize + step).rem_euclid(titles.len() as isize) as usize)
 }
 
-/// Whether F10 was pressed, or Alt tapped alone.
+/// Whether F10 was pressed, or Alt was pressed and released alone.
 fn is_menu_key(ui: &Ui) -> bool {
     let (f10, alt, busy) = ui.input_mut(|input| {
         let f10 = input.consume_key(Modifiers::NONE, Key::F10);
@@ -172,7 +177,8 @@ fn is_menu_key(ui: &Ui) -> bool {
             input.pointer.any_down() || !input.focused || input.events.iter().any(is_other),
         )
     });
-    // Alt is tapped alone if nothing else happens until it is let go.
+    // Alt counts if nothing else happens from when it goes down until it goes up. Remembered:
+    // whether Alt was down, and whether it was alone so far.
     let memory = Id::unique("alt is held alone");
     let tapped = ui.data_mut(|data| {
         let before = data.get_temp::<(bool, bool)>(memory).unwrap_or_default();
@@ -183,6 +189,7 @@ fn is_menu_key(ui: &Ui) -> bool {
     f10 || tapped
 }
 
+/// The tooltip of a menu.
 const fn tip(group: MenuGroup) -> &'static str {
     match group {
         MenuGroup::File => "Open, save, export.",
@@ -194,6 +201,7 @@ const fn tip(group: MenuGroup) -> &'static str {
     }
 }
 
+/// Shows the entries of a menu: submenus first.
 fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
     ui.set_min_width(232.0);
     let grouped = |command: &Command| {
@@ -218,7 +226,7 @@ fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
     }
 }
 
-/// Entries of a submenu or of a context menu.
+/// Shows the entries of a submenu or of a context menu.
 pub fn entries(panel: &mut Panel<'_>, ui: &mut Ui, commands: &[Command]) {
     ui.set_min_width(216.0);
     for command in commands {
@@ -226,7 +234,7 @@ pub fn entries(panel: &mut Panel<'_>, ui: &mut Ui, commands: &[Command]) {
     }
 }
 
-/// One entry; if it is not available, its tooltip gives the reason.
+/// Shows an entry. One that is not available is disabled, with the reason in its tooltip.
 fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     let why_not = panel.app.why_not(command);
     let button = Button::new(command.name()).shortcut_text(panel.app.settings.keys.shown(command));
@@ -236,6 +244,7 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
         let name =
             ui.painter()
                 .layout_no_wrap(command.name().to_owned(), font, Color32::PLACEHOLDER);
+        // The tick comes after the name.
         let after = ui.spacing().button_padding.x + name.size().x + theme::SPACE;
         let within = Rect::from_center_size(
             response.rect.left_center() + vec2(after, 0.0),
@@ -257,6 +266,7 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     }
 }
 
+/// Whether a command that switches something on and off is on; then its entry has a tick.
 fn is_on(app: &App, command: Command) -> bool {
     match command {
         Command::ShowMasks => app.session.picture.masks,
@@ -281,6 +291,7 @@ fn is_on(app: &App, command: Command) -> bool {
     }
 }
 
+/// Shows the submenu of documents that were opened before.
 fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
     let none = panel.app.settings.recent.is_empty();
     ui.add_enabled_ui(!none, |ui| {
@@ -303,7 +314,7 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The name of a document: its folder if it is a project, else its file.
+/// The name of a document: of its folder if it is a project, else of its file.
 pub fn document_name(file: &Path) -> String {
     let is_project = file.file_name().is_some_and(|name| name == PROJECT_FILE);
     let named = if is_project {
@@ -319,7 +330,7 @@ pub fn document_name(file: &Path) -> String {
         .map_or_else(|| name.clone(), str::to_owned)
 }
 
-/// Document, frame and shot.
+/// Shows document, frame and shot.
 fn place(app: &App, ui: &mut Ui) {
     let Some(open) = app.open() else { return };
     let name = shortened(&document_name(&open.file), LONGEST_NAME);
@@ -355,15 +366,16 @@ fn place(app: &App, ui: &mut Ui) {
     }
 }
 
-/// Longer names are cut here, letters; the tooltip has them whole.
+/// Maximum length of a name in the row, characters; the tooltip has the whole name.
 const LONGEST_NAME: usize = 48;
 
-/// The beginning and the end of a text that is longer than so many letters.
+/// A text of at most `most` characters: longer ones lose their middle.
 fn shortened(text: &str, most: usize) -> String {
     let letters: Vec<char> = text.chars().collect();
     if letters.len() <= most {
         return text.to_owned();
     }
+    // Two thirds from the beginning, one third from the end: both distinguish names.
     let (head, tail) = (most * 2 / 3, most / 3 - 1);
     let ends = [&letters[..head], &['…'], &letters[letters.len() - tail..]];
     ends.into_iter().flatten().collect()
@@ -374,7 +386,7 @@ pub fn file_name(path: &str) -> String {
     path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned()
 }
 
-/// Whether every edit is on disk.
+/// Shows whether every edit is on disk, and what to do if not.
 fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.session.disk.changed_outside.is_some() {
         let choose = Button::new(RichText::new("Changed outside").color(ui.palette().on_accent))
@@ -420,7 +432,7 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Background work.
+/// Shows the background work that is going on.
 fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(opening) = &panel.app.session.disk.opening {
         ui.add(egui::Spinner::new().size(12.0));
@@ -447,7 +459,7 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// How far the search for cuts has come; a click stops it.
+/// Shows how far the search for cuts is; a click stops it.
 fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
     let state = &panel.app.operations.shot_search;
     let Some(search) = state.running() else {
@@ -471,7 +483,7 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// How far an export has come; a click shows its dialog, which can stop it.
+/// Shows how far an export is; a click shows its dialog, in which it can be stopped.
 fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(running) = panel.app.operations.transfer.writing() else {
         return;
@@ -496,7 +508,7 @@ fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// What the trainer is doing, in short; a click shows its panel.
+/// Shows what the trainer is doing; a click shows its panel.
 fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
     let status = &panel.app.session.trainer.status;
     let (text, colour) = match (&status.trouble, status.doing.in_brief()) {

@@ -1,4 +1,4 @@
-//! A thumbnail of a frame with the lines of its camera: enough to see whether a proposal is right.
+//! A thumbnail of a frame with the field's lines, large enough to see whether a proposal is right.
 
 use super::{Panel, theme::Themed as _};
 use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, pos2};
@@ -7,11 +7,12 @@ use touchline_core::geometry::ImagePoint;
 use touchline_core::markings::{MarkingOptions, project_lines};
 use touchline_documents::document::FrameStatus;
 
-/// How far a line may be from its curve, px of the picture: invisible at this size.
+/// Maximum distance of a drawn line from its curve, px of the picture. It is not visible at this
+/// size.
 const TOLERANCE_PX: f64 = 4.0;
 
-/// Paints a frame's thumbnail into a box, and the field's lines as its camera has them; dashed
-/// where it is proposed.
+/// Draws a frame's thumbnail into a box, with the field's lines as its camera projects them; dashed
+/// if the camera is a proposal.
 pub fn paint(
     panel: &mut Panel<'_>,
     painter: &Painter,
@@ -29,12 +30,13 @@ pub fn paint(
     )
     .max(egui::Vec2::splat(1.0));
     let scale = (within.width() / size.x).min(within.height() / size.y);
+    // The picture in its own shape, in the middle of the box.
     let picture = Rect::from_center_size(within.center(), size * scale);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture.id(), picture, whole, Color32::WHITE);
     }
-    // The shown frame's field is used for all frames that share it.
+    // Only the shown frame's field is at hand. Other frames get lines if they share it.
     let Some(field) = panel.app.current().field() else {
         return;
     };
@@ -51,6 +53,7 @@ pub fn paint(
         margin_px: 0.0,
     };
     let [red, green, blue] = panel.app.overlay_style().colour;
+    // The lines, cut at the border of the picture.
     let stroke = Stroke::new(1.0, Color32::from_rgb(red, green, blue));
     let clipped = painter.with_clip_rect(painter.clip_rect().intersect(picture));
     for line in project_lines(field, &camera, frame.image_size, &options) {

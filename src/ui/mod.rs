@@ -1,7 +1,25 @@
-//! The window: panels as functions of the state.
+//! The window. Panels are functions of the application's state.
 //!
-//! A panel reads the [`App`] and pushes [`Action`]s; only the shell hands them to `App::update` and
-//! carries effects out. Everything that can be tested without widgets lives in `app`.
+//! A panel reads the [`App`] and pushes [`Action`]s. Only the shell hands them to `App::update` and
+//! carries out the effects that come back. Everything that can be tested without widgets is in
+//! `app`, so that this room has little besides layout.
+//!
+//! | what | where |
+//! |---|---|
+//! | the window, its repaint cycle and layout | `window`, `shell`, `layout`, `resizing` |
+//! | keys and their order | `input_queue`, `keys`, `typing`, `rejecting` |
+//! | the picture and what is drawn over it | `viewport`, `overlay`, `labels`, `masks` |
+//! | naming and placing a click | `naming`, `loupe` |
+//! | pictures, conversion of coordinates, the renderer | `pictures`, `placement`, `canvas` |
+//! | side panels | `inspector`, `camera_panel`, `trainer`, `review`, `reclick` |
+//! | rows and strips | `menu`, `tour`, `timeline`, `filmstrip`, `notices`, `status` |
+//! | in place of the picture | `quality`, `empty` |
+//! | above everything | `dialogs`, `files` (the system's file dialogs) |
+//! | maps and plots that several panels use | `field_map`, `coverage_map`, `miniature`, `plot` |
+//! | controls that several panels use | `bar`, `number`, `symbol`, `theme` |
+//!
+//! A *frame* is a picture of the document; a repaint of the window is called a *frame of the
+//! window*. Lengths on the screen are in egui's points, lengths in a picture in px.
 
 mod bar;
 mod camera_panel;
@@ -53,14 +71,14 @@ pub use window::{WindowError, run};
 
 use touchline_application::app::{Action, App};
 
-/// What every panel is given.
+/// What every panel receives.
 pub struct Panel<'a> {
-    /// The state.
+    /// The state, read only.
     pub app: &'a App,
     /// Pictures and thumbnails of frames.
     pub pictures: &'a mut Pictures,
-    /// What the user asks for.
+    /// The actions of the user, to which the panel appends.
     pub actions: &'a mut Vec<Action>,
-    /// The graphics adapter's name and interface, for the diagnostic report.
+    /// Name and interface of the graphics adapter, for the diagnostic report.
     pub adapter: &'a str,
 }

@@ -1,4 +1,7 @@
 //! The list of names beside a point that has no name yet.
+//!
+//! The candidates come ranked from the application; `typing.rs` reads the keys. This file draws the
+//! list and reads the pointer.
 
 use super::placement::Placement;
 use super::{Panel, theme::Themed as _};
@@ -9,17 +12,17 @@ use touchline_application::app::naming::NameCandidate;
 use touchline_application::app::session::{Mode, Naming, OFFERED};
 use touchline_application::app::{Action, EditAction, Navigation};
 
-/// The least width of the list, so that its hint fits, points.
+/// Minimum width of the list, points: the hint fits into it.
 const LEAST_WIDTH: f32 = 300.0;
-/// Where the labels begin, points from a row's left end.
+/// Where the labels begin, points from the left end of a row.
 const LABEL: f32 = 28.0;
-/// Between a row's columns and at its right end, points.
+/// Gap between the columns of a row and at its right end, points.
 const SPACE: f32 = 10.0;
-/// The height of a row, of the title and of the hint, points.
+/// Height of a row, of the title and of the hint, points.
 const ROW: f32 = 24.0;
-/// From the point to the list, points: the marker and its ring stay free.
+/// Horizontal gap between the point and the list, points. The marker and its ring stay visible.
 const GAP: f32 = 32.0;
-/// Around the list, points.
+/// Margin around the list, points.
 const MARGIN: f32 = 6.0;
 
 /// Shows the list beside its point.
@@ -68,10 +71,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
         });
 }
 
-/// Where a list of a given size is placed: beside its point, never over it, within the bounds if
-/// they are wide enough.
+/// Where a list of this size goes: beside its point, never over it; within the bounds if they are
+/// wide enough. To the right, unless only the left has room.
 fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
-    // If the point is out of view the list stays at the border.
+    // If the point is out of view, the list stays at the border.
     let point = point.clamp(bounds.min, bounds.max);
     let right = point.x + GAP;
     let left = point.x - GAP - size.x;
@@ -85,6 +88,7 @@ fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
     pos2(x.round(), y.round())
 }
 
+/// Shows what is to be chosen, or what was typed so far.
 fn title(ui: &mut egui::Ui, naming: &Naming) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let what = if naming.lines {
@@ -106,8 +110,7 @@ fn title(ui: &mut egui::Ui, naming: &Naming) {
     );
 }
 
-/// The widths of the columns, points: wide enough for every candidate, so that filtering moves
-/// nothing.
+/// Widths of the columns, points. They fit every candidate, so that filtering moves nothing.
 struct Columns {
     label: f32,
     code: f32,
@@ -115,6 +118,8 @@ struct Columns {
 }
 
 impl Columns {
+    /// Measures all candidates. The last column exists if a candidate has a distance or is the name
+    /// of another point.
     fn of(ui: &egui::Ui, naming: &Naming) -> Self {
         let measure = |text: &str, font| {
             ui.painter()
@@ -146,6 +151,7 @@ impl Columns {
         }
     }
 
+    /// Width of a row, points.
     fn width(&self) -> f32 {
         let distance = self.distance.map_or(0.0, |width| SPACE + width);
         (LABEL + self.label + SPACE + self.code + distance + SPACE)
@@ -154,7 +160,7 @@ impl Columns {
     }
 }
 
-/// What stands beside a name that another point has.
+/// The text beside a name that another point has: the two names are exchanged.
 fn in_use(other: usize) -> String {
     format!("swap with point {}", other + 1)
 }
@@ -171,7 +177,8 @@ fn distance_font() -> FontId {
     FontId::proportional(12.0)
 }
 
-/// One candidate: its number, label, code and distance.
+/// Shows a candidate: number, label, code, and distance from the click. Returns what the pointer
+/// did.
 fn row(
     ui: &mut egui::Ui,
     columns: &Columns,
@@ -196,6 +203,7 @@ fn row(
         (ui.palette().weak, ui.palette().text)
     };
     let at = |x| pos2(x, rect.center().y);
+    // From left to right: number, label, code, distance.
     painter.text(
         at(rect.left() + LABEL / 2.0),
         Align2::CENTER_CENTER,
@@ -230,11 +238,13 @@ fn row(
     if response.clicked() {
         return Some(Action::Edit(EditAction::TakeName(index)));
     }
-    // Only a moving pointer takes the highlight over from the arrow keys.
+    // The list may open under a resting pointer. Only a moving one takes the highlight from the
+    // arrow keys.
     let pointed = response.hovered() && ui.input(|input| input.pointer.delta() != Vec2::ZERO);
     (pointed && !highlighted).then_some(Action::Navigate(Navigation::HighlightName(index)))
 }
 
+/// Says that no name matches.
 fn nothing(ui: &mut egui::Ui, naming: &Naming) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let kind = if naming.lines { "line" } else { "landmark" };
@@ -249,6 +259,7 @@ fn nothing(ui: &mut egui::Ui, naming: &Naming) {
     );
 }
 
+/// Shows which keys choose, filter and cancel.
 fn hint(ui: &mut egui::Ui, naming: &Naming) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let other = if naming.lines { "landmarks" } else { "lines" };

@@ -1,5 +1,6 @@
-//! The row of messages, between filmstrip and status row: they inform, may offer remedies, never
-//! lie over the picture and never take the focus. What goes by stays in the list of messages.
+//! The row of messages, between filmstrip and status row. Messages inform and may name remedies.
+//! They never cover the picture and never take the focus. Messages that have left the row stay in
+//! the list of messages.
 
 use super::symbol::{self, Symbol};
 use super::{
@@ -11,18 +12,18 @@ use std::time::Duration;
 use touchline_application::app::session::{Level, Notice, in_row};
 use touchline_application::app::{Action, App, Command, ViewAction};
 
-/// Information without a button leaves the row after this time, s; not while the pointer is on it.
+/// Time after which information without a button leaves the row, s, unless the pointer is on it.
 const INFO_SECONDS: f64 = 8.0;
-/// It fades during the last part of it, s.
+/// Last part of that time, in which it fades, s.
 const FADE_SECONDS: f64 = 0.6;
-/// The least time that a message stays after the pointer has left it, s.
+/// Minimum time that a message stays after the pointer has left it, s.
 const HOVERED_SECONDS: f64 = 2.0;
 
-/// A message by its number and text (numbers begin anew with every document), and since when it is
-/// in the row.
+/// A message and the time at which it appeared in the row. A message is identified by number and
+/// text, because numbers begin anew with every document.
 type Seen = ((u64, String), f64);
 
-/// Shows one message, the number of the others, and the way to all of them.
+/// Shows one message with its remedies, the number of the others, and the button that lists all.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     let shown = in_row(&app.session.messages.notices);
@@ -43,7 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
         others(app, panel.actions, ui);
         let Some(notice) = shown else { return };
-        // They are laid out from the right.
+        // The layout runs from right to left, so the last remedy comes first.
         for &(says, command) in notice.offers.iter().rev() {
             if ui
                 .add(Button::new(says).small())
@@ -67,7 +68,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// How many more messages wait; a click lists them all.
+/// Shows how many more messages wait; a click lists all of them.
 fn others(app: &App, actions: &mut Vec<Action>, ui: &mut Ui) {
     if app.session.messages.log.is_empty() {
         return;
@@ -88,7 +89,7 @@ fn others(app: &App, actions: &mut Vec<Action>, ui: &mut Ui) {
     }
 }
 
-/// How a level looks.
+/// Symbol and colour of a level.
 pub const fn look(palette: &Palette, level: Level) -> (Symbol, Color32) {
     match level {
         Level::Info | Level::Question => (Symbol::Info, palette.accent),
@@ -97,8 +98,8 @@ pub const fn look(palette: &Palette, level: Level) -> (Symbol, Color32) {
     }
 }
 
-/// How solid a message is: information without a button fades and leaves the row, everything else
-/// stays until it is answered or dismissed.
+/// The opacity of a message, 0 to 1. Information without a button fades and leaves the row;
+/// everything else stays until the user answers or dismisses it.
 fn opacity(actions: &mut Vec<Action>, ui: &Ui, notice: &Notice) -> f32 {
     if notice.level != Level::Info || !notice.offers.is_empty() {
         return 1.0;
@@ -117,6 +118,7 @@ fn opacity(actions: &mut Vec<Action>, ui: &Ui, notice: &Notice) -> f32 {
             *seen = (key, now);
         }
         let left = INFO_SECONDS - (now - seen.1);
+        // The pointer on the message stops the time shortly before its end.
         if hovered {
             seen.1 = now - INFO_SECONDS + left.max(HOVERED_SECONDS);
         }
@@ -125,6 +127,7 @@ fn opacity(actions: &mut Vec<Action>, ui: &Ui, notice: &Notice) -> f32 {
     if left <= 0.0 && !hovered {
         actions.push(Action::View(ViewAction::DismissNotice(notice.id)));
     }
+    // Repaints when the fading begins, and often during it.
     let wait = if left > FADE_SECONDS {
         left - FADE_SECONDS
     } else {

@@ -1,5 +1,7 @@
-//! Number fields: dragged or typed, one step of undo each. What is typed and cannot be used stays
-//! in the field with the reason below it; Enter in a field never means the frame.
+//! Number fields that can be dragged or typed. Each change is one step of undo.
+//!
+//! A typed text that cannot be used stays in the field, with the reason below it. Enter in a field
+//! ends typing and never accepts the frame.
 
 use super::theme::Themed as _;
 use egui::{
@@ -11,12 +13,12 @@ use std::ops::RangeInclusive;
 use touchline_application::app::session::Mode;
 use touchline_application::app::{Action, App, EditAction};
 
-/// How long a field says why it did not take what was typed, s.
+/// Time for which the reason for refusing a text is shown, s.
 const TOLD_S: f64 = 8.0;
-/// The width of that, points.
+/// Maximum width of the reason, points.
 const TOLD_WIDTH: f32 = 260.0;
 
-/// A number that can be dragged and typed.
+/// A number field.
 pub struct Number<'a> {
     /// Its accessible name.
     pub name: &'a str,
@@ -24,24 +26,26 @@ pub struct Number<'a> {
     pub step: &'static str,
     /// Its tooltip: meaning and unit.
     pub tip: &'a str,
-    /// The current value.
+    /// The present value.
     pub value: f64,
-    /// How much it changes per point of dragging.
+    /// Change of the value for each point of dragging.
     pub speed: f64,
-    /// Digits after the point.
+    /// Number of decimals.
     pub decimals: usize,
-    /// The allowed range.
+    /// The values that are accepted.
     pub range: RangeInclusive<f64>,
-    /// Why it is this: "a camera stands above the field".
+    /// The reason for that range, in words: "a camera stands above the field".
     pub why: &'a str,
-    /// Its unit, written after the number.
+    /// The unit, written after the number.
     pub suffix: &'a str,
-    /// The field's width, points.
+    /// Width of the field, points.
     pub width: f32,
 }
 
 impl Number<'_> {
-    /// Shows the field; `change` says what a new value does.
+    /// Shows the field. `change` makes the action for a new value. The actions of one drag or of
+    /// one typed text are between `Begin` and `End`, so that they are one step of undo; Escape
+    /// aborts the step.
     pub fn show(
         self,
         ui: &mut Ui,
@@ -50,6 +54,7 @@ impl Number<'_> {
         change: impl FnOnce(f64) -> Action,
     ) -> Response {
         let mut value = self.value;
+        // The parser cannot return a reason, so it leaves it here.
         let problem = RefCell::new(None);
         let read = |text: &str| match self.read(text) {
             Ok(number) => number,
@@ -76,6 +81,8 @@ impl Number<'_> {
             .accessible_name(self.name)
             .on_hover_text(tip)
             .on_disabled_hover_text(self.tip);
+        // How typing ended: with Escape, with a text that was refused, or with a number. After
+        // Enter with a refused text the focus stays, so that the user can correct it.
         let given_up = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
         let left = response.lost_focus();
         let problem = problem.take().filter(|_| left && !given_up);
@@ -83,6 +90,7 @@ impl Number<'_> {
         if stays {
             response.request_focus();
         }
+        // The reason goes away with the next input.
         told(
             ui,
             &response,
@@ -94,14 +102,15 @@ impl Number<'_> {
         if begins {
             actions.push(Action::Edit(EditAction::Begin(self.step)));
         }
-        // A drag that Escape cancelled does not start again by itself.
+        // Escape cancels a drag although the button is still down. The drag must not begin again.
         let abandoned = response.dragged() && !begins && app.session.mode != Mode::Editing;
-        // A field that was entered and left reports its rounded number, which is no change.
+        // A field that the user has entered and left returns its rounded number. That is no change.
         let same = !response.dragged()
             && (value - self.value).abs() <= 0.5 * 10_f64.powi(-(self.decimals as i32));
         if response.changed() && !abandoned && !same && !forgets && value.is_finite() {
             actions.push(change(value));
         }
+        // The end of the step of undo.
         if given_up {
             actions.push(Action::Edit(EditAction::Abort));
         } else if response.drag_stopped() || left && !stays {
@@ -112,12 +121,13 @@ impl Number<'_> {
 }
 
 impl Number<'_> {
-    /// A typed text as a number; none where it says what the field says already.
+    /// Reads a typed text. Returns `None` if it is what the field shows already.
     ///
     /// # Errors
-    /// In one sentence: it is no number, or out of the range.
+    /// One sentence for the user: it is not a number, or it is out of range.
     fn read(&self, text: &str) -> Result<Option<f64>, String> {
         let unit = self.suffix.trim();
+        // The minus sign of typography and the unit may be typed, too.
         let digits = text.replace('−', "-");
         let digits = digits.trim().trim_end_matches(unit).trim();
         let Some(number) = digits
@@ -127,6 +137,7 @@ impl Number<'_> {
         else {
             return Err(format!("“{}” is not a number.", text.trim()));
         };
+        // The field shows a rounded number; reading that back must not change the value.
         if digits.parse() == format!("{:.*}", self.decimals, self.value).parse::<f64>() {
             return Ok(None);
         }
@@ -143,7 +154,7 @@ impl Number<'_> {
     }
 }
 
-/// A number with as many of two digits after the point as it needs.
+/// A number with at most two decimals and no trailing zeros.
 fn shortest(number: f64) -> String {
     let rounded = (100.0 * number).round() / 100.0;
     if rounded == 0.0 {
@@ -153,7 +164,7 @@ fn shortest(number: f64) -> String {
     }
 }
 
-/// Shows below a field why what was typed was not taken, for [`TOLD_S`] seconds or until something
+/// Shows below a field why the typed text was refused, for [`TOLD_S`] seconds or until something
 /// else is entered.
 fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
     let (memory, now) = (response.id.with("problem"), ui.input(|input| input.time));
@@ -188,8 +199,9 @@ fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
         });
 }
 
-/// Whether Escape left this field in one of the last two frames of the window: a field says for two
-/// frames that it has lost the focus, and in the second one it would take what was typed after all.
+/// Whether Escape ended typing in this field in this frame of the window or one of the two before.
+/// egui reports for two frames that a field has lost the focus, and in the second one it would
+/// accept the text after all.
 fn was_given_up(ui: &Ui, response: &Response, now: bool) -> bool {
     let (memory, frame) = (response.id.with("given up"), ui.ctx().cumulative_frame_nr());
     ui.data_mut(|data| {

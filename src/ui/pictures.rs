@@ -1,4 +1,9 @@
-//! Pictures of frames as the window draws them: the shown one, and thumbnails on the graphics card.
+//! Pictures of frames for the window: the shown one, and thumbnails as textures on the graphics
+//! card.
+//!
+//! Decoding runs in the background ([`jobs::Pictures`]). In each frame of the window,
+//! [`Pictures::update`] receives what has arrived, the panels ask for thumbnails, and
+//! [`Pictures::finish`] requests those that are missing.
 
 use lru::LruCache;
 use std::io;
@@ -7,7 +12,7 @@ use touchline_application::app::{Action, App, OpenProject};
 use touchline_application::jobs::{self, PictureState, SharedPictures, Wake, picture_source};
 use touchline_vision::media::{FrameRef, Picture};
 
-/// How many thumbnails stay on the GPU; a filmstrip shows about thirty.
+/// Number of thumbnails that stay on the graphics card. A filmstrip shows about thirty.
 const TEXTURES: NonZeroUsize = NonZeroUsize::MIN.saturating_add(599);
 
 /// Pictures and thumbnails of the open document's frames.
@@ -18,20 +23,21 @@ pub struct Pictures {
     in_view: ThumbnailProgress,
 }
 
-/// How many of the visible thumbnails are available.
+/// How many of the thumbnails in view are available.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ThumbnailProgress {
-    /// Available, or known to fail.
+    /// Number of those that are available or cannot be made.
     pub done: usize,
-    /// All that are visible.
+    /// Number of all in view.
     pub wanted: usize,
 }
 
 impl Pictures {
-    /// Starts the decoder and the maker of thumbnails; `wake` asks for a repaint.
+    /// Starts the decoder and the thumbnail job. `wake` requests a repaint when something has
+    /// arrived.
     ///
     /// # Errors
-    /// The operating system gives no thread.
+    /// The operating system provides no thread.
     pub fn start(wake: Wake) -> io::Result<Self> {
         Ok(Self {
             decoded: jobs::Pictures::start(wake)?,
@@ -41,52 +47,55 @@ impl Pictures {
         })
     }
 
-    /// The decoded frames, for the jobs that need some of them.
+    /// The decoded frames, for background work that needs them.
     #[must_use]
     pub fn shared(&self) -> SharedPictures {
         self.decoded.shared()
     }
 
-    /// The shown frame's picture.
+    /// The picture of the shown frame, or its state.
     #[must_use]
     pub fn current(&self) -> PictureState {
         self.decoded.current()
     }
 
-    /// The places of the frames that are decoded, in no order.
+    /// The positions in the document of the frames that are decoded, in no order.
     #[must_use]
     pub fn decoded(&self) -> Vec<usize> {
         self.decoded.decoded()
     }
 
-    /// The decoded picture nearest to a place: see [`jobs::Pictures::nearest`].
+    /// The decoded picture of the frame nearest to a position in the document; see
+    /// [`jobs::Pictures::nearest`].
     pub fn nearest(&mut self, place: usize) -> Option<(u64, Picture)> {
         self.decoded.nearest(place)
     }
 
-    /// A frame's thumbnail; if it is not there yet it is made in the background.
+    /// The thumbnail of a frame. If it is missing, it is requested at the end of this frame of the
+    /// window.
     pub fn thumbnail(&mut self, open: &OpenProject, frame: usize) -> Option<egui::TextureHandle> {
         let frame = picture_source(open, frame)?;
         self.wanted.push(frame.clone());
         self.textures.get(&frame).cloned()
     }
 
-    /// Whether a frame's thumbnail cannot be made.
+    /// Whether the thumbnail of a frame cannot be made.
     #[must_use]
     pub fn has_no_thumbnail(&self, open: &OpenProject, frame: usize) -> bool {
         picture_source(open, frame).is_some_and(|frame| self.decoded.has_no_thumbnail(&frame))
     }
 
-    /// How many of the visible thumbnails are available.
+    /// How many of the thumbnails in view were available in the last frame of the window.
     #[must_use]
     pub const fn thumbnails_in_view(&self) -> ThumbnailProgress {
         self.in_view
     }
 
-    /// Requests what the window is about to show and receives what has arrived. To be called before
-    /// the panels.
+    /// Requests the pictures that the window is about to show and receives what has arrived. Call
+    /// it before the panels are drawn.
     pub fn update(&mut self, app: &App, ctx: &egui::Context) -> Vec<Action> {
         let news = self.decoded.update(app);
+        // Another document was opened: the textures of the previous one are of no use.
         if news.forget {
             self.textures.clear();
         }
@@ -102,7 +111,7 @@ impl Pictures {
         news.actions
     }
 
-    /// Sends this repaint's requests to the thumbnail job. To be called after the panels.
+    /// Requests the thumbnails that the panels want. Call it after the panels are drawn.
     pub fn finish(&mut self) {
         let wanted = std::mem::take(&mut self.wanted);
         let asked = wanted.len();
@@ -110,6 +119,7 @@ impl Pictures {
             .into_iter()
             .filter(|frame| !self.textures.contains(frame))
             .collect();
+        // A thumbnail that cannot be made does not count as missing.
         let waiting = missing
             .iter()
             .filter(|frame| !self.decoded.has_no_thumbnail(frame))

@@ -1,4 +1,8 @@
-//! Where the picture lies in the viewport.
+//! Where a picture is on the screen: conversion between px of the picture, points and physical px
+//! of the screen.
+//!
+//! With offset o (physical px), scale s (physical px per px) and density d (physical px per point):
+//! point = corner + (px · s + o) / d. Positions in the picture count from its upper left corner.
 
 use crate::ui::canvas;
 use egui::{Pos2, Rect, pos2};
@@ -7,33 +11,36 @@ use touchline_application::app::session::PictureView;
 use touchline_application::render::View;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
-/// A picture in a box of the window. Scales are physical px of the screen per px of the picture.
+/// A picture in a rectangle of the window. Scales are physical px of the screen per px of the
+/// picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// The box, points.
+    /// The rectangle, points.
     pub rect: Rect,
-    /// The picture, px.
+    /// Size of the picture, px.
     pub image_size: ImageSize,
-    /// The scale that is shown.
+    /// The scale at which the picture is shown.
     pub scale: f64,
-    /// The scale at which the picture just fits.
+    /// The scale at which all of the picture just fits.
     pub fit_scale: f64,
     pixels_per_point: f32,
-    /// The point of the picture in the middle of the box, up to the rounding of `offset_px`.
+    /// The point of the picture in the middle of the rectangle, apart from the rounding of
+    /// `offset_px`.
     centre: ImagePoint,
-    /// The picture's corner from the box's corner in whole physical px, so that at 100 % pixels are
-    /// aligned.
+    /// The picture's corner relative to the rectangle's corner, physical px. Whole numbers, so that
+    /// at 100 % the pixels of picture and screen coincide.
     offset_px: [f64; 2],
 }
 
 impl Placement {
-    /// Places a picture in a box.
+    /// Places a picture in a rectangle. A view below the fitting scale becomes the fitted view.
     pub fn new(
         rect: Rect,
         pixels_per_point: f32,
         image_size: ImageSize,
         view: PictureView,
     ) -> Self {
+        // An empty rectangle or picture counts as one pixel, so that no scale is zero or infinite.
         let size_px = canvas::size_px(rect, pixels_per_point).map(|side| f64::from(side.max(1)));
         let image_px = [image_size.width, image_size.height].map(|side| f64::from(side.max(1)));
         let fit_scale = (size_px[0] / image_px[0]).min(size_px[1] / image_px[1]);
@@ -43,6 +50,7 @@ impl Placement {
             }
             _ => (fit_scale, image_size.centre()),
         };
+        // Rounded to whole physical pixels.
         let offset_px = [
             size_px[0] / 2.0 - centre.x * scale,
             size_px[1] / 2.0 - centre.y * scale,
@@ -59,7 +67,7 @@ impl Placement {
         }
     }
 
-    /// The same box with another view of the picture.
+    /// The same rectangle with another view of the picture.
     pub fn showing(&self, view: PictureView) -> Self {
         Self::new(self.rect, self.pixels_per_point, self.image_size, view)
     }
@@ -69,7 +77,7 @@ impl Placement {
         self.scale / f64::from(self.pixels_per_point)
     }
 
-    /// A screen position as a point of the picture; also beyond its borders.
+    /// The point of the picture at a place on the screen; also outside the picture.
     pub fn image_from_screen(&self, at: Pos2) -> ImagePoint {
         let pixels_per_point = f64::from(self.pixels_per_point);
         let along = |screen: f32, corner: f32, offset: f64| {
@@ -81,7 +89,7 @@ impl Placement {
         )
     }
 
-    /// A point of the picture on the screen.
+    /// The place on the screen of a point of the picture.
     pub fn screen_from_image(&self, at: ImagePoint) -> Pos2 {
         let pixels_per_point = f64::from(self.pixels_per_point);
         let along = |px: f64, corner: f32, offset: f64| {
@@ -93,12 +101,12 @@ impl Placement {
         )
     }
 
-    /// A screen offset as an offset in the picture.
+    /// A vector on the screen, points, as a vector in the picture, px.
     pub fn image_from_screen_vector(&self, along: egui::Vec2) -> Vec2 {
         Vec2::new(f64::from(along.x), f64::from(along.y)) / self.points_per_px()
     }
 
-    /// The placement for the renderer.
+    /// The placement in the form that the renderer takes.
     pub fn render_view(&self) -> View {
         View {
             scale: self.scale as f32,
@@ -108,12 +116,15 @@ impl Placement {
         }
     }
 
-    /// The view after zooming by a factor, with the picture held still under `at`.
+    /// The view after zooming by a factor. The point of the picture under `at` keeps its place on
+    /// the screen.
     pub fn zoomed(&self, factor: f64, at: Pos2) -> PictureView {
         let scale = (self.scale * factor).min(MAX_SCALE);
         if !(scale > self.fit_scale) {
             return PictureView::Fit;
         }
+        // The point under `at` stays, so its distance from the centre shrinks by the ratio of the
+        // scales.
         let held = self.image_from_screen(at);
         let centre = held.moved(self.centre.offset_from(held) * (self.scale / scale));
         PictureView::Zoomed {
@@ -122,7 +133,7 @@ impl Placement {
         }
     }
 
-    /// The view after the picture was moved by a screen offset.
+    /// The view after moving the picture by a vector on the screen, points.
     pub fn panned(&self, along: egui::Vec2) -> PictureView {
         if self.scale <= self.fit_scale {
             return PictureView::Fit;
@@ -135,7 +146,7 @@ impl Placement {
     }
 }
 
-/// The middle of the box stays on the picture, so that it cannot be lost.
+/// The centre of a view, limited to the picture, so that the picture cannot leave the window.
 fn within(centre: ImagePoint, image_size: ImageSize) -> ImagePoint {
     ImagePoint::new(
         centre.x.clamp(0.0, f64::from(image_size.width)),

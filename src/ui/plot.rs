@@ -1,46 +1,46 @@
-//! A small plot: a box with two scales, lines and numbers at its sides.
+//! A small plot: a rectangle with two scales, lines and numbers at its sides.
 
 use super::theme::Themed as _;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2};
 use touchline_documents::report::figure::Ruler;
 
-/// The size of the numbers, points.
+/// Size of the numbers, points.
 const NUMBER: f32 = 10.0;
 
-/// A box with two scales. What lies outside of a scale is drawn at its end.
+/// A rectangle with two linear scales. Values outside a scale are drawn at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plot {
-    /// Where the values lie.
+    /// The rectangle on the screen.
     pub area: Rect,
-    /// What its left and its right border stand for.
+    /// The values at its left and its right border.
     pub x: [f64; 2],
-    /// What its lower and its upper border stand for.
+    /// The values at its lower and its upper border.
     pub y: [f64; 2],
 }
 
 impl Plot {
-    /// Where a value lies from left to right.
+    /// The x on the screen of a horizontal value.
     pub fn x_of(&self, x: f64) -> f32 {
         self.area.left() + self.area.width() * share(self.x, x)
     }
 
-    /// Where a value lies from bottom to top.
+    /// The y on the screen of a vertical value.
     pub fn y_of(&self, y: f64) -> f32 {
         self.area.bottom() - self.area.height() * share(self.y, y)
     }
 
-    /// Where a pair of values lies.
+    /// The place on the screen of a pair of values.
     pub fn at(&self, x: f64, y: f64) -> Pos2 {
         pos2(self.x_of(x), self.y_of(y))
     }
 
-    /// The value that a place from left to right stands for.
+    /// The horizontal value at an x on the screen; not limited to the scale.
     pub fn x_at(&self, at: f32) -> f64 {
         let along = f64::from((at - self.area.left()) / self.area.width().max(1.0));
         self.x[0] + along * (self.x[1] - self.x[0])
     }
 
-    /// Lines across at a ruler's numbers, and the numbers to the left of them.
+    /// Draws a horizontal line at each tick of a ruler, with its number to the left.
     pub fn levels(&self, painter: &Painter, ruler: &Ruler) {
         for (value, words) in &ruler.ticks {
             let y = self.y_of(*value);
@@ -60,7 +60,7 @@ impl Plot {
         }
     }
 
-    /// Numbers below the box, with a stroke at each.
+    /// Writes numbers below the rectangle, with a short stroke at each.
     pub fn steps<'a>(&self, painter: &Painter, ticks: impl IntoIterator<Item = (f64, &'a str)>) {
         for (value, words) in ticks {
             let at = pos2(self.x_of(value), self.area.bottom());
@@ -79,7 +79,7 @@ impl Plot {
         }
     }
 
-    /// What the plot shows, in its upper left corner.
+    /// Writes in the upper left corner what the plot shows.
     pub fn caption(&self, painter: &Painter, words: &str) {
         let place = self.area.left_top() + egui::vec2(4.0, 1.0);
         painter.text(
@@ -92,11 +92,12 @@ impl Plot {
     }
 }
 
-/// How a plot's numbers are written.
+/// The font of a plot's numbers.
 pub fn small() -> FontId {
     FontId::proportional(NUMBER)
 }
 
+/// Where a value is between two borders, 0 to 1; the middle if the scale is empty.
 fn share([from, upto]: [f64; 2], value: f64) -> f32 {
     let share = (value - from) / (upto - from);
     if share.is_finite() {

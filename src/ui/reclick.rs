@@ -1,4 +1,4 @@
-//! The right panel during a blind round: the landmark to click, its place on the field, and the
+//! The side panel during a blind round: the landmark to click, its place on the field, and the
 //! progress.
 
 use super::{
@@ -9,7 +9,7 @@ use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
 use touchline_application::app::{Action, Command};
 use touchline_documents::document::Target;
 
-/// Shows the panel.
+/// Shows the panel. Nothing outside a round.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(round) = panel.app.round() else {
         return;

@@ -1,5 +1,5 @@
-//! Why a frame cannot be calibrated: a short list at the top of the picture, keys 1 to 6; in two
-//! rows over a narrow one.
+//! The choice of the reason why a frame cannot be calibrated: a short list at the top of the
+//! picture, also by the keys 1 to 6. Over a narrow picture it wraps into two rows.
 
 use super::Panel;
 use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
@@ -7,7 +7,7 @@ use touchline_application::app::session::{Mode, reason_label};
 use touchline_application::app::{Action, EditAction};
 use touchline_documents::document::RejectReason;
 
-/// Reads the keys 1 to 6 while a reason is being chosen; nothing else gets them then.
+/// Reads the keys 1 to 6 while a reason is chosen, and removes them from the input.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if !matches!(panel.app.session.mode, Mode::Rejecting { .. }) || ctx.text_edit_focused() {
         return;

@@ -1,38 +1,38 @@
-//! Edges of panels that can be dragged. A size is remembered in the settings once the edge is let
-//! go; a double click gives the default back.
+//! Edges of panels that can be dragged. The size is stored in the settings when the button goes up;
+//! a double click restores the default.
 
 use super::theme::Themed as _;
 use egui::{Context, CursorIcon, Id, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
-/// How near to an edge the pointer takes hold of it, points.
+/// Distance from an edge within which the pointer grabs it, points.
 const REACH: f32 = 5.0;
 
-/// An edge that is dragged.
+/// An edge that can be dragged.
 pub struct Edge {
-    /// Tells edges apart.
+    /// Distinguishes the edges.
     pub id: &'static str,
     /// Its accessible name.
     pub name: &'static str,
-    /// The panel lies to the right of the edge and not below it.
+    /// Whether the panel is to the right of the edge; otherwise it is below.
     pub panel_is_right: bool,
-    /// The smallest and largest size of the panel, points.
+    /// Minimum and maximum size of the panel, points.
     pub range: [f32; 2],
 }
 
-/// What became of a panel's size.
+/// What the pointer did to the size of a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Resized {
-    /// It is as it was.
+    /// Nothing that is to be stored.
     No,
-    /// It is this, points.
+    /// A drag ended with this size, points.
     To(f32),
-    /// It is the default.
+    /// A double click restored the default.
     Default,
 }
 
 impl Edge {
-    /// The panel's size while its edge is dragged, else as it is remembered, else the default;
-    /// within the range.
+    /// The size of the panel, points, within the range: the one of the present drag, else the
+    /// stored one, else the default.
     pub fn size(&self, ctx: &Context, remembered: Option<f32>, default: f32) -> f32 {
         let live = ctx.data(|data| data.get_temp::<f32>(Id::unique(self.id)));
         let [least, most] = self.range;
@@ -42,9 +42,10 @@ impl Edge {
             .round()
     }
 
-    /// Reads the pointer on the edge of a panel that takes `panel`.
+    /// Reads the pointer on the edge of the panel, which takes the rectangle `panel`.
     pub fn read(&self, ui: &Ui, panel: Rect) -> Resized {
-        // Within the panel: beside it lies the picture, where a press places a point.
+        // The grip is within the panel. Beside it is the picture, where a press would place a
+        // point.
         let (edge, grip) = if self.panel_is_right {
             let edge = [panel.left_top(), panel.left_bottom()];
             (
@@ -70,6 +71,7 @@ impl Edge {
             ui.painter()
                 .line_segment(edge, Stroke::new(2.0, ui.palette().accent));
         }
+        // A double click restores the default.
         if response.double_clicked() {
             ui.data_mut(|data| data.remove::<f32>(memory));
             return Resized::Default;
@@ -79,6 +81,7 @@ impl Edge {
         } else {
             panel.height()
         };
+        // The size follows the pointer during the drag and is stored at its end.
         if response.dragged()
             && let Some(at) = response.interact_pointer_pos()
         {

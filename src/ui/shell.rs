@@ -1,4 +1,9 @@
-//! The window as a whole: passes actions to the app and carries out its effects.
+//! The window as a whole. It hands the actions of all panels to the application and carries out the
+//! effects that it returns.
+//!
+//! One frame of the window: results of background work and dialogs come in (`logic`); keys and
+//! pointer are read and their actions carried out; then everything is drawn, and the actions of
+//! widgets are carried out for the next frame.
 
 use super::files::Files;
 use super::input_queue::InputQueue;
@@ -10,7 +15,7 @@ use touchline_application::app::session::Level;
 use touchline_application::app::{Action, App, DiskReport, Effect, ViewAction, WindowPlace};
 use touchline_application::jobs::{Request, Runner, Wake, load_settings, save_settings};
 
-/// The window's program.
+/// The program of the window.
 pub struct Shell {
     app: App,
     pictures: Pictures,
@@ -18,17 +23,18 @@ pub struct Shell {
     files: Files,
     adapter: String,
     settings_path: Option<PathBuf>,
-    /// Where the window is, to open it there again.
+    /// Where the window is, so that it opens there again; `None` until it is known.
     place: Option<WindowPlace>,
+    /// Whether the application has agreed to close.
     may_close: bool,
 }
 
 impl Shell {
-    /// A window on an application; `document` is opened at once. Settings are kept in
+    /// Creates the application and opens `document`. Settings are read from and kept in
     /// `settings_path`, if given.
     ///
     /// # Errors
-    /// The operating system gives no thread.
+    /// The operating system provides no thread.
     pub fn new(
         creation: &eframe::CreationContext<'_>,
         settings_path: Option<PathBuf>,
@@ -40,7 +46,7 @@ impl Shell {
         // Quitting goes through the application, which warns before edits are lost.
         creation.egui_ctx.options_mut(|options| {
             options.quit_shortcuts.clear();
-            // The size of texts is a setting.
+            // The size of texts is a setting and not changed by keys.
             options.zoom_with_keyboard = false;
         });
         let (settings, trouble) = settings_path
@@ -76,8 +82,8 @@ impl Shell {
         &self.app
     }
 
-    /// Reads keys and pointer and carries out their actions, so that everything drawn afterwards is
-    /// up to date.
+    /// Reads keys and pointer and carries out their actions, so that everything that is drawn
+    /// afterwards is up to date.
     fn read_input(&mut self, ctx: &egui::Context) {
         let mut actions = Vec::new();
         let mut panel = Panel {
@@ -88,8 +94,8 @@ impl Shell {
         };
         layout::read(&mut panel, ctx);
         self.apply(actions);
-        // Only now is it known which frame is shown; its lines must never lie over another frame's
-        // picture.
+        // After these actions the shown frame is settled. Its picture is requested now, because a
+        // frame's lines must never be drawn over another frame's picture.
         let actions = self.pictures.update(&self.app, ctx);
         self.apply(actions);
     }
@@ -100,7 +106,7 @@ impl Shell {
         matches!(self.pictures.current(), PictureState::Ready(..))
     }
 
-    /// Whether every visible thumbnail is available.
+    /// Whether every thumbnail in view is available.
     #[must_use]
     pub const fn has_thumbnails(&self) -> bool {
         let progress = self.pictures.thumbnails_in_view();
@@ -113,7 +119,8 @@ impl Shell {
         !self.runner.is_busy()
     }
 
-    /// Notifies once per adapter that drawing runs on the processor.
+    /// Notifies the user, once for each adapter, that the processor draws in place of a graphics
+    /// card.
     fn tell_about_adapter(&mut self, creation: &eframe::CreationContext<'_>) {
         let Some(state) = &creation.wgpu_render_state else {
             return;
@@ -133,7 +140,7 @@ impl Shell {
         }
     }
 
-    /// Carries out actions.
+    /// Hands actions to the application and carries out their effects.
     pub fn apply(&mut self, actions: impl IntoIterator<Item = Action>) {
         for action in actions {
             let effects = self.app.update(action);
@@ -141,6 +148,8 @@ impl Shell {
         }
     }
 
+    /// Carries out effects. Background work goes to the runner; file dialogs, settings and closing
+    /// are the window's.
     fn carry_out(&mut self, effects: Vec<Effect>) {
         for effect in effects {
             match self.runner.carry_out(effect) {
@@ -155,6 +164,7 @@ impl Shell {
         }
     }
 
+    /// Writes the settings; a failure is shown as a message.
     fn save_settings(&mut self) {
         if let Some(path) = &self.settings_path
             && let Err(error) = save_settings(&self.app.settings, path)
@@ -163,7 +173,8 @@ impl Shell {
         }
     }
 
-    /// Receives what came from background work, dialogs and other programs.
+    /// Receives the results of background work, the answers of file dialogs, and a dropped file. If
+    /// several files are dropped, the first is opened.
     fn take_in(&mut self, ctx: &egui::Context) {
         let actions = self.runner.poll();
         self.apply(actions);
@@ -182,6 +193,7 @@ impl Shell {
 }
 
 impl eframe::App for Shell {
+    // The application decides whether to close, because it may have to ask about unsaved edits.
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         if ctx.input(|input| input.viewport().close_requested()) && !self.may_close {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
@@ -210,7 +222,7 @@ impl eframe::App for Shell {
         layout::show(&mut panel, ui);
         self.pictures.finish();
         if !actions.is_empty() {
-            // The effect of a button is shown in the next frame of the window.
+            // The effect of a widget is drawn in the next frame of the window.
             ui.ctx().request_repaint();
         }
         self.apply(actions);
@@ -221,6 +233,7 @@ impl eframe::App for Shell {
             self.app.settings.window = self.place;
             self.save_settings();
         }
+        // The window is gone, so a failure to save can only be reported on the terminal.
         for action in self.runner.close() {
             if let Action::Disk(DiskReport::SaveFailed(message)) = action {
                 eprintln!("touchline: NOT SAVED: {message}");
@@ -229,12 +242,14 @@ impl eframe::App for Shell {
     }
 }
 
+/// Name and interface of a graphics adapter.
 fn adapter_of(state: &eframe::egui_wgpu::RenderState) -> String {
     let info = state.adapter.get_info();
     format!("{} ({:?})", info.name, info.backend)
 }
 
-/// Where a window is; none while it is minimised.
+/// Position and size of a window, `None` while it is minimised. A maximised one has no position of
+/// its own.
 fn place_of(viewport: &egui::ViewportInfo) -> Option<WindowPlace> {
     let inner = viewport
         .inner_rect

@@ -6,15 +6,15 @@ use touchline_application::app::guidance::{Guidance, next_step};
 use touchline_application::app::session::PictureView;
 use touchline_application::app::{Action, App, Command};
 
-/// What the zoom and the pointer's position take, points.
+/// Widths of the zoom and of the pointer's position, points.
 const ZOOM: f32 = 72.0;
 const POINTER: f32 = 112.0;
-/// A button without its word, and the button that leads to those that have no room, points.
+/// Widths of a button without its text, and of the menu of buttons that have no room, points.
 const AROUND: f32 = 24.0;
 const MORE: f32 = 72.0;
 
-/// Shows the row. In a narrow window the next step comes first: buttons but the first go into a
-/// menu, then the name of the step that undo would revert leaves, then the pointer's position.
+/// Shows the row. In a narrow window the next step takes precedence: its second and later buttons
+/// go into a menu, then the text of undo is left out, then the pointer's position.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let guidance = next_step(panel.app);
     let undo = undo_text(panel.app);
@@ -23,6 +23,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ZOOM,
         least_offers(ui, &guidance.offers),
     ];
+    // The room that the next step leaves is given away in the order of importance.
     let mut room = ui.available_width() - needed.iter().sum::<f32>();
     let mut has_room = |width: f32| {
         let has = width <= room;
@@ -31,6 +32,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     };
     let shows_pointer = has_room(POINTER);
     let undo = undo.filter(|text| has_room(width(ui, text) + AROUND));
+    // From the right: undo, zoom, pointer; the next step takes the rest.
     ui.horizontal_centered(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if let Some(text) = undo {
@@ -47,7 +49,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// How wide a text is, points.
+/// Width of a text, points.
 fn width(ui: &Ui, text: &str) -> f32 {
     ui.painter()
         .layout_no_wrap(
@@ -59,7 +61,7 @@ fn width(ui: &Ui, text: &str) -> f32 {
         .x
 }
 
-/// The least room for the buttons, points: the first, and a menu of the others.
+/// Minimum width of the buttons, points: the first button, and a menu with the others.
 fn least_offers(ui: &Ui, offers: &[(&str, Command)]) -> f32 {
     let first = offers
         .first()
@@ -67,6 +69,7 @@ fn least_offers(ui: &Ui, offers: &[(&str, Command)]) -> f32 {
     first + if offers.len() > 1 { MORE } else { 0.0 }
 }
 
+/// Shows the next step with its buttons.
 fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
     let offers = &guidance.offers;
     let room = ui.available_width();
@@ -77,7 +80,7 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
             .map(|(says, _)| width(ui, says) + AROUND)
             .sum::<f32>()
     };
-    // As many buttons as there is room for beside the text; at least the first, or all in a menu.
+    // All buttons if they fit beside the text; otherwise the first and a menu, or a menu alone.
     let shown = match offers.len() {
         count if text + buttons(offers) <= room => count,
         0 => 0,
@@ -104,6 +107,7 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
     }
 }
 
+/// Shows a button for a command.
 fn offer(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
     if ui
         .add(Button::new(says).small())
@@ -115,7 +119,7 @@ fn offer(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
     }
 }
 
-/// The step that undo would revert, and its frame where that is another one.
+/// The step that undo would revert, with its frame if that is not the shown one.
 fn undo_text(app: &App) -> Option<String> {
     let open = app.open()?;
     let step = open.history.next_undo()?;
@@ -130,6 +134,7 @@ fn undo_text(app: &App) -> Option<String> {
     Some(format!("Undo: {}{place}", step.name))
 }
 
+/// Shows the button that reverts the last step.
 fn undo_button(panel: &mut Panel<'_>, ui: &mut Ui, text: String) {
     let button = Button::new(RichText::new(text).color(ui.palette().weak)).frame(false);
     if ui
@@ -142,6 +147,7 @@ fn undo_button(panel: &mut Panel<'_>, ui: &mut Ui, text: String) {
     ui.separator();
 }
 
+/// Shows the zoom in physical px per px of the picture; a click fits the picture.
 fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.frame().is_none() {
         return;
@@ -164,6 +170,7 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
+/// Shows the pointer's position in the picture, px from its upper left corner.
 fn pointer(app: &App, ui: &mut Ui) {
     let Some(at) = app.session.points.hover else {
         return;

@@ -1,5 +1,5 @@
-//! Symbols drawn as shapes, independent of fonts; each button that shows one has an accessible
-//! name.
+//! Symbols that are drawn as shapes, so that they do not depend on fonts. Each button with a symbol
+//! has an accessible name.
 
 use super::theme::{self, Themed as _};
 use egui::{
@@ -17,7 +17,7 @@ pub enum Symbol {
     OnLine,
     /// A point on a landmark.
     Landmark,
-    /// Chosen, with others.
+    /// Selected.
     Tick,
     /// The Enter key.
     Return,
@@ -25,17 +25,17 @@ pub enum Symbol {
     Warning,
     /// Information.
     Info,
-    /// To unfold.
+    /// Collapsed; a click expands.
     Folded,
-    /// To fold.
+    /// Expanded; a click collapses.
     Unfolded,
-    /// To play.
+    /// Play.
     Play,
-    /// To pause.
+    /// Pause.
     Pause,
 }
 
-/// Draws a symbol into the middle of a box.
+/// Draws a symbol into the middle of a rectangle. Coordinates are points from the centre, y down.
 pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
     let centre = within.center();
     let at = |x: f32, y: f32| pos2(centre.x + x, centre.y + y);
@@ -109,6 +109,7 @@ pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
     }
 }
 
+/// A filled triangle.
 fn triangle(painter: &Painter, corners: [Pos2; 3], colour: Color32) {
     painter.add(Shape::convex_polygon(
         corners.to_vec(),
@@ -117,14 +118,14 @@ fn triangle(painter: &Painter, corners: [Pos2; 3], colour: Color32) {
     ));
 }
 
-/// Shows a symbol that does nothing.
+/// Shows a symbol that is not a button.
 pub fn show(ui: &mut Ui, symbol: Symbol, colour: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(16.0, 16.0), Sense::hover());
     paint(ui.painter(), symbol, rect, colour);
     response
 }
 
-/// A button that shows only a symbol; `name` is its accessible name.
+/// A button with a symbol. `name` is its accessible name.
 pub fn button(ui: &mut Ui, symbol: Symbol, name: &str, colour: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(theme::SYMBOL, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), name));
@@ -132,7 +133,7 @@ pub fn button(ui: &mut Ui, symbol: Symbol, name: &str, colour: Color32) -> Respo
     response
 }
 
-/// A toggle button that shows only a symbol.
+/// A button with a symbol that is on or off. `colour` is that of the on state.
 pub fn toggle(ui: &mut Ui, symbol: Symbol, name: &str, on: bool, colour: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(theme::SYMBOL, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), on, name));
@@ -150,9 +151,11 @@ pub fn toggle(ui: &mut Ui, symbol: Symbol, name: &str, on: bool, colour: Color32
     response
 }
 
+/// Draws the symbol of a button, brighter with a ground under the pointer or with the focus.
 fn paint_button(ui: &Ui, response: &Response, rect: Rect, symbol: Symbol, colour: Color32) {
     if ui.is_rect_visible(rect) {
         let painter = ui.painter();
+        // The focus looks like the pointer, so that keyboard users see where they are.
         let lit = response.hovered() || response.has_focus();
         if lit {
             painter.rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);

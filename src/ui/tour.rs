@@ -1,5 +1,5 @@
-//! The bar of the tour, below the menus: the step, what is to be done, and the way out. It lies
-//! over nothing.
+//! The bar of the tour, below the menus: the step, what to do, and how to leave. It takes its own
+//! row and covers nothing.
 
 use super::{Panel, theme::Themed as _};
 use egui::{
@@ -8,7 +8,7 @@ use egui::{
 use touchline_application::app::tour::TourStep;
 use touchline_application::app::{Action, Command};
 
-/// Shows the bar while there is a tour.
+/// Shows the bar during a tour.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(step) = panel
         .app
@@ -57,7 +57,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// What else the bar offers, from the right.
+/// The commands that the bar offers, from right to left.
 const fn buttons(step: TourStep) -> &'static [Command] {
     match step {
         TourStep::Finished => &[Command::LeaveTour, Command::Guide],
@@ -65,8 +65,9 @@ const fn buttons(step: TourStep) -> &'static [Command] {
     }
 }
 
-/// One dot a step: those that are done are filled.
+/// Draws one dot for each step, filled if the step is done.
 fn dots(ui: &mut Ui, step: TourStep) {
+    // After the last step all are done.
     let done = step
         .number()
         .map_or(TourStep::ALL.len(), |number| number - 1);

@@ -1,37 +1,50 @@
-//! What keys mean to a hand that names the point it has just placed.
+//! Decides whether a key after a click names the new point or is a command.
 //!
-//! A hand that types a code does not stop because the program has named the point itself, and a
-//! letter that comes late is no command for that. So after a point has named itself letters are its
-//! name until the hand does something else: places another point, moves the pointer away, or
-//! confirms. Enter first confirms; only a second one, struck for itself, accepts the frame. Time is
-//! counted in what the window has drawn, so that a slow machine cuts no word in two.
+//! # Problem
+//!
+//! The program often names a new point by itself. An annotator who types its code does not notice
+//! in time and types on; the rest of the code must not be read as commands. And an Enter that was
+//! meant to choose the name must not accept the frame.
+//!
+//! # Rules
+//!
+//! 1. After a point was named automatically, letters change its name, until the annotator places
+//!    another point, moves the pointer away, or confirms the name.
+//! 2. Enter first confirms the name. Only a second Enter, after a pause, accepts the frame.
+//! 3. Keys in quick succession are one word: what begins as a name ends as one.
+//!
+//! Time is counted in frames of the window that were drawn, each for at most [`TICK_S`]. A frame
+//! that takes 2 s to draw therefore cannot split a word.
 
 use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Pos2};
 use touchline_application::app::session::{Mode, Naming, OFFERED};
 use touchline_application::app::{Action, App, Command, EditAction, Navigation};
 
-/// The pointer has left the point when it is this far from where it placed it, points.
+/// Distance from where the pointer placed the point at which it has moved away, points.
 const LEFT_POINTS: f32 = 30.0;
-/// For this long after a point was placed Enter only confirms its name, s.
+/// Time after placing a point during which Enter only confirms its name, s.
 const CONFIRMING_S: f64 = 5.0;
-/// Strokes that follow each other within this time are one word, s.
+/// Maximum time between two keys of one word, s.
 const WORD_S: f64 = 0.4;
-/// A frame of the window counts at most this much, s: what came while it was drawn came at once.
+/// Maximum time that one frame of the window counts, s. All events that arrive while it is drawn
+/// are treated as simultaneous.
 const TICK_S: f64 = 0.1;
 
-/// What the hand did last, kept from frame to frame of the window.
+/// What the annotator did last. It is stored from one frame of the window to the next.
 #[derive(Clone, Copy, Debug, Default)]
 struct Hand {
-    /// Runs while the window draws, s.
+    /// Time that counts only while the window draws, s.
     clock_s: f64,
-    /// The toolkit's time of the frame of the window before, s.
+    /// egui's time of the previous frame of the window, s.
     seen_s: f64,
-    /// The point that has named itself, when, and where the pointer was.
+    /// The point that was named automatically, if that name can still be changed by typing.
     placed: Option<Placed>,
-    /// When a key last belonged to a name.
+    /// When a key last belonged to a name, in `clock_s`.
     stroke_s: Option<f64>,
 }
 
+/// A point that was named automatically: its index, when (in `clock_s`), where the pointer was on
+/// the screen, and whether the pointer has moved away since.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     click: usize,
@@ -41,10 +54,11 @@ struct Placed {
 }
 
 impl Hand {
-    /// Brings it up to this frame of the window.
+    /// Advances the clock to this frame of the window and follows point and pointer.
     fn follow(mut self, app: &App, time_s: f64, pointer: Option<Pos2>) -> Self {
         self.clock_s += (time_s - self.seen_s).clamp(0.0, TICK_S);
         self.seen_s = time_s;
+        // Another point was named, or none is any more: begin again.
         let named = app
             .session
             .points
@@ -70,13 +84,13 @@ impl Hand {
         self
     }
 
-    /// Whether a stroke now is part of the word that was typed before it.
+    /// Whether a key stroke now continues the word that was typed before it.
     fn is_in_word(&self) -> bool {
         self.stroke_s
             .is_some_and(|stroke_s| self.clock_s - stroke_s < WORD_S)
     }
 
-    /// Whether letters are the name of the point that has named itself.
+    /// Whether letters change the name of the point that was named automatically.
     fn names(&self) -> bool {
         self.placed
             .is_some_and(|placed| !placed.has_left || self.is_in_word())
@@ -88,7 +102,7 @@ impl Hand {
             .is_some_and(|placed| self.clock_s - placed.at_s < CONFIRMING_S || self.names())
     }
 
-    /// Whether time has to go on while nothing else happens.
+    /// Whether the window must be drawn again to advance the clock, even if nothing happens.
     fn waits(&self) -> bool {
         self.is_in_word()
             || self
@@ -97,17 +111,19 @@ impl Hand {
     }
 }
 
+/// Where [`Hand`] is stored.
 fn memory() -> Id {
     Id::unique("the hand that types a name")
 }
 
-/// Whether letters are the name of the point that has just named itself.
+/// Whether letters change the name of the point that was named automatically.
 pub fn names_placed(ctx: &Context) -> bool {
     ctx.data(|data| data.get_temp::<Hand>(memory()))
         .is_some_and(|hand| hand.names())
 }
 
-/// Reads the keys that are about names, before anything else gets them.
+/// Reads the keys that concern names and removes them from the input, before anything else reads
+/// them.
 pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &Context) {
     let (time_s, pointer) = ctx.input(|input| (input.time, input.pointer.latest_pos()));
     let before = ctx
@@ -126,16 +142,16 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &Context) {
     ctx.data_mut(|data| data.insert_temp(memory(), hand));
 }
 
-/// Whether a text field, a dialog or a menu has the keys.
+/// Whether a text field, a dialog or a menu receives the keys.
 fn keys_are_taken(app: &App, ctx: &Context) -> bool {
     ctx.text_edit_focused() || app.session.dialog.is_some() || egui::Popup::is_any_open(ctx)
 }
 
-/// The keys while names are offered.
+/// Reads the keys while the list of names is open.
 fn read_list(naming: &Naming, hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
     let mut typed = naming.typed.clone();
     let offered = naming.offered().len();
-    // A digit's key takes a row; the text that it types as well is nothing more.
+    // A digit's key takes a row. The text event that follows it must not type the digit as well.
     let mut digit = false;
     ctx.input_mut(|input| {
         input.events.retain(|event| {
@@ -170,9 +186,10 @@ fn read_list(naming: &Naming, hand: &mut Hand, actions: &mut Vec<Action>, ctx: &
     ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
 }
 
-/// The keys while no name is asked for: letters refine the name that a point was given unasked,
-/// Enter confirms it, and what follows a name without a pause is a part of it.
+/// Reads the keys while no list is open: letters change an automatic name, Enter confirms it, and
+/// keys without a pause after a name are swallowed as part of it.
 fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
+    // The state before this frame's events: all of them are treated as simultaneous.
     let (names, confirms, in_word) = (hand.names(), hand.confirms(), hand.is_in_word());
     if !(names || confirms || in_word) {
         return;
@@ -212,21 +229,24 @@ fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
     });
 }
 
+/// Whether a key with these modifiers types a character.
 fn is_typing(modifiers: Modifiers) -> bool {
     !modifiers.command && !modifiers.alt
 }
 
-/// The row of the list that a digit's key takes, from 0: by its place on the keyboard, since on a
-/// French one digits need Shift.
+/// The row of the list that a digit's key takes, from 0. The physical key counts, because digits
+/// need Shift on a French keyboard.
 fn row_of(key: Key) -> Option<usize> {
     const DIGITS: [Key; OFFERED] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
     DIGITS.iter().position(|digit| *digit == key)
 }
 
+/// Takes the name in a row, if the row exists.
 fn take_row(row: usize, offered: usize) -> Option<Action> {
     (row < offered).then_some(Action::Edit(EditAction::TakeName(row)))
 }
 
+/// The action of a key in the list of names. Backspace shortens `typed`.
 fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
     match key {
         Key::Enter => Some(Action::Edit(EditAction::TakeName(naming.highlighted))),
@@ -246,7 +266,8 @@ fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Opti
     }
 }
 
-/// A digit takes a row, a capital L changes to lines and back, everything else filters.
+/// The action of a text in the list of names: a digit takes a row, a capital L switches between
+/// landmarks and lines, everything else filters.
 fn on_text(text: &str, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
     if let Some(number) = text
         .parse::<usize>()
@@ -294,7 +315,7 @@ mod tests {
             .unwrap()
     }
 
-    /// A window without panels: what it reads, it does.
+    /// A window without panels that carries out the actions it reads.
     struct Hands {
         app: App,
         ctx: Context,
@@ -303,7 +324,7 @@ mod tests {
     }
 
     impl Hands {
-        /// On three frames, the shown one with two points that give its camera.
+        /// Three frames; the shown one has two points that determine its camera.
         fn new() -> Self {
             let mut document = Document::new(FieldSpec::new("soccer"));
             let mut camera = Camera::new("main".into(), SIZE);
@@ -334,7 +355,7 @@ mod tests {
             }
         }
 
-        /// One frame of the window, so long after the one before.
+        /// Draws one frame of the window, `after_s` after the previous one.
         fn frame(&mut self, after_s: f64, mut events: Vec<Event>) {
             self.time_s += after_s;
             events.insert(0, Event::PointerMoved(self.pointer));
@@ -347,7 +368,7 @@ mod tests {
             let mut actions = Vec::new();
             read(&self.app, &mut actions, &self.ctx);
             keys::read(&self.app, &mut actions, &self.ctx);
-            // Nobody draws what these frames upload.
+            // Nothing draws what these frames upload.
             self.ctx.end_pass().textures_delta.clear();
             for action in actions {
                 self.app.update(action);
@@ -428,7 +449,7 @@ mod tests {
         hands.place("penalty_mark_left");
         hands.pointer.x += 200.0;
         hands.stroke(0.1, Key::Enter, "");
-        // A key that bounces.
+        // A key that bounces sends two strokes.
         hands.stroke(0.1, Key::Enter, "");
         assert_eq!(
             (hands.status(), hands.app.session.points.named_unasked),
@@ -469,7 +490,7 @@ mod tests {
             panic!("{:?}", hands.app.session.mode)
         };
         let second = naming.offered()[1].target.clone();
-        // On a French keyboard the key of the 2 is an é.
+        // On a French keyboard the physical key 2 types an é.
         let press = |pressed| Event::Key {
             key: Key::Num2,
             physical_key: Some(Key::Num2),
@@ -481,7 +502,7 @@ mod tests {
         assert_eq!(hands.app.frame().unwrap().clicks[2].target, Some(second));
     }
 
-    /// More with `TOUCHLINE_SEQUENCES=10000`.
+    /// `TOUCHLINE_SEQUENCES=10000` tries more sequences.
     #[test]
     fn no_burst_of_letters_after_a_click_accepts_or_touches_another_frame() {
         let bursts = std::env::var("TOUCHLINE_SEQUENCES")

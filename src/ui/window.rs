@@ -1,4 +1,4 @@
-//! Opens the window, and says what ended it.
+//! Opens the window, and reports why it ended.
 
 use super::Shell;
 use std::path::PathBuf;
@@ -6,14 +6,14 @@ use thiserror::Error;
 use touchline_application::app::WindowPlace;
 use touchline_application::jobs::{Panicked, load_settings, settings_path, until_it_panics};
 
-/// Why there is no window, or none any more.
+/// Why there is no window, or no longer one.
 #[derive(Debug, Error)]
 pub enum WindowError {
-    /// There is no display or no way to draw on it.
+    /// There is no display, or no way to draw on it.
     #[error("{0}")]
     Closed(#[from] eframe::Error),
-    /// The window system's code or the program's own gave up while the window was open, as the
-    /// former does when the display goes away.
+    /// Code of the program or of the window system panicked while the window was open. The window
+    /// system does so when the display disappears.
     #[error("{0}")]
     BrokeDown(#[from] Panicked),
 }
@@ -21,9 +21,10 @@ pub enum WindowError {
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
-/// There is no display or no way to draw on it, or the window broke down.
+/// [`WindowError`]: there is no display or no way to draw on it, or the window broke down.
 pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
-    // What is wrong with the settings is told by the window itself.
+    // Only the window's place is needed here. The window reads the settings again and reports what
+    // is wrong with them.
     let known = settings_path()
         .as_deref()
         .map(load_settings)

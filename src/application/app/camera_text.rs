@@ -1,6 +1,6 @@
-//! A frame's camera as text to paste elsewhere: JSON, all digits. Pixels are in the document's
-//! convention: (0, 0) is the top-left corner of the top-left pixel; OpenCV's, with (0, 0) in its
-//! middle, is half a pixel less.
+//! A frame's camera as text for use in other programs: JSON with all digits. Pixels follow the
+//! document's convention: (0, 0) is the top-left corner of the top-left pixel. OpenCV has (0, 0) at
+//! the centre of that pixel, so its coordinates are smaller by 0.5.
 
 use serde_json::{Value, json};
 use touchline_core::camera::PtzCamera;
@@ -13,17 +13,17 @@ pub enum CameraText {
     Ptz,
     /// Intrinsics, rotation and translation.
     KRt,
-    /// From the ground plane (metres) to the picture, without the lens's distortion.
+    /// Homography from the ground plane (m) to the picture (px), without lens distortion.
     Homography,
-    /// The projection matrix, 3 × 4.
+    /// Projection matrix, 3 × 4, without lens distortion.
     Projection,
 }
 
 impl CameraText {
-    /// All of them.
+    /// All texts, in the order of the buttons.
     pub const ALL: [Self; 4] = [Self::Ptz, Self::KRt, Self::Homography, Self::Projection];
 
-    /// What the button says.
+    /// The label of the button.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -34,7 +34,7 @@ impl CameraText {
         }
     }
 
-    /// What it is, with its frame and unit.
+    /// The tooltip, with frame and unit.
     #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
@@ -53,12 +53,13 @@ impl CameraText {
         }
     }
 
-    /// The text.
+    /// The text for a camera.
     #[must_use]
     pub fn of(self, camera: &PtzCamera) -> String {
         let ptz = camera.ptz();
         let translation_m = camera.cam_from_world_point(Vec3::zeros());
         let axis = |unit: Vec3| camera.cam_from_world_point(unit) - translation_m;
+        // The columns of the rotation are the axes of the world in the camera's frame.
         let rotation = Mat3::from_columns(&[axis(Vec3::x()), axis(Vec3::y()), axis(Vec3::z())]);
         let centre = camera.base().principal_point;
         let k = Mat3::new(
@@ -81,6 +82,7 @@ impl CameraText {
                 "k1": camera.lens().k1, "k2": camera.lens().k2,
             }),
             Self::Homography => {
+                // Points on the ground have z = 0, so K [r₁ r₂ t] maps (x, y, 1) to the picture.
                 let plane = Mat3::from_columns(&[
                     rotation.column(0).into(),
                     rotation.column(1).into(),
@@ -105,7 +107,7 @@ impl CameraText {
     }
 }
 
-/// A matrix by its rows.
+/// The rows of a matrix.
 fn rows(matrix: &Mat3) -> Value {
     matrix
         .row_iter()

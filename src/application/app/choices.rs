@@ -2,33 +2,34 @@
 
 use touchline_documents::document::CameraId;
 
-/// How a click on the filmstrip adds to the selection.
+/// How a click on the filmstrip changes the selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Selecting {
-    /// From the shown frame to this one, as far as the filter shows them.
+    /// Selects the range from the shown frame to the clicked one, without frames that the filter
+    /// hides.
     Range,
-    /// This one too, or no longer.
+    /// Adds or removes the clicked frame.
     Toggle,
 }
 
-/// Which frames are meant.
+/// The frames to which a change applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {
-    /// The shown one.
+    /// The shown frame.
     Frame,
-    /// The selected ones.
+    /// The selected frames.
     Selected,
-    /// All of the shown frame's shot and camera.
+    /// All frames of the shown frame's shot and camera.
     Shot,
-    /// The shown one and all after it of its camera.
+    /// The shown frame and all later ones of its camera.
     Onwards,
 }
 
 impl Scope {
-    /// Every scope, the smallest first.
+    /// All scopes, smallest first.
     pub const ALL: [Self; 4] = [Self::Frame, Self::Selected, Self::Shot, Self::Onwards];
 
-    /// What a person reads.
+    /// The label.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -40,46 +41,45 @@ impl Scope {
     }
 }
 
-/// A camera of the document, or one to be made.
+/// A camera of the document, or a new one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CameraChoice {
-    /// The document has it.
+    /// A camera of the document.
     Known(CameraId),
-    /// It gets this name, and pictures like those of the shown frame's camera.
+    /// A new camera with this name, for pictures like those of the shown frame's camera.
     New(CameraId),
 }
 
-/// One of the lists of masks that cover a frame.
+/// The lists of masks that cover a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MaskList {
-    /// Those of the camera for all of its frames.
+    /// Masks of the camera for all of its frames.
     Camera,
-    /// Those of the camera that have a range of frames, or were found.
+    /// Masks of the camera with a range of frames, or found automatically.
     Ranged,
-    /// Those of the frame alone.
+    /// Masks of the frame.
     Frame,
 }
 
-/// Which frames a mask is to cover.
+/// The frames that a mask covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaskScope {
-    /// Every frame of the camera.
+    /// All frames of the camera.
     All,
     /// The shown frame's shot.
     Shot,
-    /// The frames that are selected on the filmstrip; of a video all between the first and the
-    /// last.
+    /// The frames selected on the filmstrip. In a video: all from the first to the last of them.
     Selected,
-    /// The shown frame of a video and those after it.
+    /// The shown frame of a video and all later ones.
     FromHere,
-    /// The shown frame of a video and those before it.
+    /// The shown frame of a video and all earlier ones.
     UpToHere,
-    /// The shown frame alone.
+    /// The shown frame.
     Frame,
 }
 
 impl MaskScope {
-    /// Every scope, the largest first.
+    /// All scopes, largest first.
     pub const ALL: [Self; 6] = [
         Self::All,
         Self::Shot,
@@ -89,7 +89,7 @@ impl MaskScope {
         Self::Frame,
     ];
 
-    /// What a person reads.
+    /// The label.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -103,25 +103,25 @@ impl MaskScope {
     }
 }
 
-/// What time is counted in.
+/// The unit of time on the quality page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TimeAxis {
-    /// The frame's position in the document, from 0.
+    /// The index of the frame in the document.
     #[default]
     Frame,
     /// Seconds of the video.
     Video,
 }
 
-/// What a person chose on the quality page.
+/// The user's choices on the quality page.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct QualityChoice {
-    /// The page takes the window.
+    /// Whether the page is open.
     pub open: bool,
-    /// The camera it speaks of; none: the shown frame's.
+    /// The camera; none: the shown frame's.
     pub camera: Option<CameraId>,
-    /// What time is counted in.
+    /// The unit of time.
     pub axis: TimeAxis,
-    /// The part of the time that is shown; none: all of it.
+    /// The part of the time that is shown, from and to; none: all.
     pub span: Option<[f64; 2]>,
 }

@@ -1,13 +1,14 @@
-//! What a user can ask for: the menu, the keys and the palette all list the same commands.
+//! Commands: what the user can start by menu, key or palette. All three list the same commands.
 //!
-//! A command carries no details ("undo", "next frame"); an [`super::Action`] changes state. Every
-//! command has a name, a sentence for its tooltip, a group and default keys.
-//! [`super::App::why_not`] decides whether it is available and gives the reason if it is not.
+//! A command has no arguments ("undo", "next frame"). Each has a name, a sentence for its tooltip,
+//! a menu, a kind and default keys, in one table. [`super::App::why_not`] decides whether a command
+//! is available, and why not. An [`super::Action`] is more general: it has arguments, and one of
+//! its variants is a command.
 
 use super::command_kind::CommandKind;
 use super::menu_group::MenuGroup;
 
-/// Something a user can ask for by menu, key or palette.
+/// Something that the user can start by menu, key or palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(
     missing_docs,
@@ -275,55 +276,56 @@ impl Command {
     }
 
     fn row(self) -> &'static Row {
-        // The table is short and may be in another order than the enum.
+        // The table is short, and its order may differ from that of the enum. Every command must
+        // have a row; one without would get the first.
         ROWS.iter()
             .find(|row| row.command == self)
             .unwrap_or(&ROWS[0])
     }
 
-    /// The stable name in the settings file.
+    /// The name in the settings file; it never changes.
     #[must_use]
     pub fn id(self) -> &'static str {
         self.row().id
     }
 
-    /// The command of a stable name.
+    /// The command with this name in the settings file.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         ROWS.iter().find(|row| row.id == id).map(|row| row.command)
     }
 
-    /// What the menu says.
+    /// The text in the menu.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// What the tooltip says.
+    /// The text of the tooltip.
     #[must_use]
     pub fn about(self) -> &'static str {
         self.row().about
     }
 
-    /// The menu that lists it.
+    /// The menu that lists the command.
     #[must_use]
     pub fn group(self) -> MenuGroup {
         self.row().group
     }
 
-    /// What it acts on.
+    /// What the command acts on.
     #[must_use]
     pub fn kind(self) -> CommandKind {
         self.row().kind
     }
 
-    /// The keys it has unless the user changes them.
+    /// The default keys.
     #[must_use]
     pub fn default_keys(self) -> &'static [&'static str] {
         self.row().keys
     }
 
-    /// Whether it acts while its key is held down.
+    /// Whether the command acts while its key is down, rather than once.
     #[must_use]
     pub const fn is_held(self) -> bool {
         matches!(self, Self::HideOverlay | Self::Compare | Self::Snap)

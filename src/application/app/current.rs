@@ -1,5 +1,6 @@
-//! What follows from the document and the session for the frame that is shown: derived, never
-//! stored.
+//! Values derived for the shown frame: its solution, camera, verdict and preview. They are
+//! recomputed when the document, the shown frame or the point that is being placed changes, and
+//! never stored.
 
 use super::OpenProject;
 use super::naming::{self, NamingScene, NeighbourClick, TakenName};
@@ -22,82 +23,85 @@ use touchline_core::solve::{
 use touchline_documents::document::{Click, Frame, FramePtz, Solution, SolutionSource};
 use touchline_vision::relocalize::CERTAIN;
 
-/// How many solved frames of other shots, on either side, tell where a camera usually looks.
+/// Number of solved frames of other shots, on either side, that serve as examples of where a camera
+/// usually looks.
 const ELSEWHERE: usize = 20;
-/// How many labelled frames around are asked what was clicked there.
+/// Number of labelled frames, on either side, that serve as examples of where names were clicked.
 const REMEMBERED_FRAMES: usize = 3;
 
-/// The shown frame, solved.
+/// The shown frame with all values derived for it.
 #[derive(Debug, Default)]
 pub struct Current {
     /// The field of the frame's camera.
     pub field: Option<Result<Arc<FieldModel>, FieldError>>,
-    /// The base of the frame's camera, if known.
+    /// The base of the frame's camera, if it has one.
     pub base: Option<CameraBase>,
-    /// What the clicks say; none if there is nothing to solve yet.
+    /// The solution from the clicks. None if there is nothing to solve, or the camera does not come
+    /// from clicks (set by hand, or aligned to paint).
     pub solution: Option<Result<FrameSolution, CalibrationError>>,
-    /// Where the clicks lie as seen from a camera that does not come from them: snapped, proposed,
-    /// set manually.
+    /// Distances of the clicks from a camera that does not come from them: aligned to paint,
+    /// proposed, set by hand.
     pub residuals: Vec<ClickResidual>,
-    /// One word and its reason; none without a solution.
+    /// The verdict and its reason; none without a solution.
     pub judgement: Option<Judgement>,
-    /// The camera as the frame has it pointed, unless it is a suggestion that does not hold: what
-    /// the overlay draws.
+    /// The frame's camera, which the overlay draws; none for a suggestion that failed, see
+    /// [`Frame::is_hopeless`].
     pub camera: Option<PtzCamera>,
-    /// The camera as it would be with what is being placed or named; while no base is known, the
-    /// camera that four landmarks of this frame give by themselves. Drawn dashed.
+    /// The camera that would result from the point that is being placed or named. While the camera
+    /// has no base: the camera from four landmarks of this frame alone. Drawn dashed.
     pub preview: Option<PtzCamera>,
-    /// The frame with an estimated base that waits for a decision.
+    /// The frame with the estimated base that waits for a decision, if there is one.
     pub proposal: Option<WithProposal>,
-    /// Where a further click would gain most, the best first.
+    /// The further clicks that would reduce the uncertainty most, best first.
     pub next_clicks: Vec<NextClick>,
-    /// Numbers by hand hold, and not what the clicks say.
+    /// Whether the camera was set by hand; the clicks are then not solved.
     pub by_hand: bool,
-    /// The clicks that something contradicts: the other clicks, or the estimate of the base; in
-    /// order.
+    /// The indices of clicks that the other clicks or the estimate of the base contradict,
+    /// ascending.
     pub disputed: Vec<usize>,
-    /// Another camera of the document, which fits the clicks where the frame's own does not.
+    /// Another camera of the document that fits the clicks, if the frame's own does not.
     pub better_camera: Option<BetterCamera>,
-    /// How the frame lies to its neighbours, where it disagrees with them.
+    /// The disagreement with the neighbouring frames, if it exceeds the limit of [`disagrees`].
     pub off_neighbours: Option<Disagreement>,
-    /// What the frames of this camera say about its base.
+    /// The data available for an estimate of the camera's base.
     pub readiness: BaseReadiness,
     basis: Basis,
 }
 
-/// What [`Current`] was derived from: what has not changed is not derived again.
+/// The inputs of [`Current`]. A part whose inputs are unchanged is not recomputed.
 #[derive(Debug, Default)]
 struct Basis {
-    /// The frame's place and the document's version; none before anything was derived.
+    /// The index of the frame and the version of the document; none at first.
     shown: Option<(usize, u64)>,
-    /// The click that the preview is for.
+    /// The click of the preview.
     trial: Option<Trial>,
-    /// The base that the proposal shows.
+    /// The base of the proposal.
     proposed: Option<Arc<EstimatedBase>>,
 }
 
-/// A click that is being placed or named, as the preview has it.
+/// A click that is being placed or named, as the preview solves it.
 #[derive(Clone, Debug, PartialEq)]
 struct Trial {
     click: Click,
-    /// The click of the frame that it stands for; none while it is being placed.
+    /// The index of the click that it replaces; none while it is being placed.
     replaced: Option<usize>,
 }
 
-/// What a frame's clicks gave when they were solved to be recorded: it need not be found again.
+/// The solution of a frame's clicks that was just recorded in the document, so that [`Current`]
+/// need not compute it again.
 #[derive(Debug)]
 pub(super) struct FreshSolve {
-    /// Which frame.
+    /// The index of the frame.
     pub frame: usize,
-    /// The document's version once it was recorded.
+    /// The version of the document after the solution was recorded.
     pub version: u64,
-    /// What the clicks gave.
+    /// The solution.
     pub result: Result<FrameSolution, CalibrationError>,
 }
 
 impl Current {
-    /// Derives what has changed since the last time: the shown frame, what is being placed, what is
-    /// proposed.
+    /// Recomputes whatever has outdated inputs: the values of the shown frame, the preview, the
+    /// proposal.
     pub(super) fn refresh(
         &mut self,
         open: Option<&mut OpenProject>,
@@ -118,7 +122,8 @@ impl Current {
             *self = Self::of_frame(open, session.frame, fresh);
             self.basis.shown = Some(shown);
         }
-        // Without a base the preview is the frame's own, whatever is being placed.
+        // Without a base the preview depends on the frame alone, not on the point that is being
+        // placed.
         let trial = self
             .base
             .and_then(|_| trial(session, open.frame(session.frame)?));
@@ -126,6 +131,7 @@ impl Current {
             self.preview = self.previewed(open, session.frame, trial.as_ref());
             self.basis.trial = trial;
         }
+        // A different estimate is a different allocation.
         let same = match (proposed, &self.basis.proposed) {
             (Some(now), Some(before)) => Arc::ptr_eq(now, before),
             (now, before) => now.is_none() && before.is_none(),
@@ -137,7 +143,7 @@ impl Current {
         }
     }
 
-    /// Solves a frame, unless it has just been.
+    /// Computes the values of a frame. Solves its clicks unless `fresh` is their solution.
     fn of_frame(
         open: &mut OpenProject,
         index: usize,
@@ -154,6 +160,7 @@ impl Current {
             .document
             .camera_of(frame)
             .and_then(|camera| camera.base_for(frame));
+        // Where the camera comes from: numbers set by hand, an alignment to paint, or the clicks.
         let by_hand = frame
             .solution
             .as_ref()
@@ -168,6 +175,7 @@ impl Current {
         } else {
             None
         };
+        // Looks for a better camera only if the solve suspects another one.
         let better_camera = match &solution {
             Some(Ok(solved))
                 if solved
@@ -191,13 +199,14 @@ impl Current {
             }),
             _ => None,
         };
-        // A document may hold clicks that nobody has solved yet.
+        // A frame may have clicks that have not been solved yet, so that it has no camera recorded.
         let from_clicks = || Some(PtzCamera::new(base?, solution.as_ref()?.as_ref().ok()?.ptz));
         let pointed = open
             .document
             .pointed(frame)
             .filter(|_| !frame.is_hopeless());
         let camera = pointed.or_else(from_clicks);
+        // Computed only with the values that they need.
         let next_clicks = match (&field, &camera, &solution) {
             (Ok(field), Some(camera), Some(Ok(solved))) => {
                 next_clicks(field, camera, solved, &frame.clicks, frame.image_size)
@@ -242,8 +251,8 @@ impl Current {
         }
     }
 
-    /// The frame's camera with a click that is being placed or named; without a base, what its own
-    /// landmarks show.
+    /// The camera that would result with the trial click. Without a base: the camera from the
+    /// frame's own landmarks.
     fn previewed(
         &self,
         open: &mut OpenProject,
@@ -271,21 +280,20 @@ impl Current {
         Some(PtzCamera::new(base, solved.ptz))
     }
 
-    /// The field, if its template and parameters are valid.
+    /// The field of the frame's camera, if its template and parameters are valid.
     #[must_use]
     pub fn field(&self) -> Option<&Arc<FieldModel>> {
         self.field.as_ref()?.as_ref().ok()
     }
 
-    /// What the clicks say, if they give a camera.
+    /// The solution from the clicks, if they determine a camera.
     #[must_use]
     pub fn solved(&self) -> Option<&FrameSolution> {
         self.solution.as_ref()?.as_ref().ok()
     }
 
-    /// Where a click lies as seen from the frame's camera; none for check clicks of a solution from
-    /// clicks, which
-    /// [`FrameSolution::checks`] has.
+    /// The residual of a click. None for check clicks of a solution from clicks, which are in
+    /// [`FrameSolution::checks`].
     #[must_use]
     pub fn residual(&self, click: usize) -> Option<&ClickResidual> {
         let residuals = self
@@ -294,19 +302,19 @@ impl Current {
         residuals.iter().find(|residual| residual.click == click)
     }
 
-    /// The frame's camera; while no base is known, the one that its own landmarks show.
+    /// The frame's camera; without a base, the camera from its own landmarks.
     #[must_use]
     pub fn rough_camera(&self) -> Option<PtzCamera> {
         self.camera.or(self.preview.filter(|_| self.base.is_none()))
     }
 
-    /// Names that fit the clicks better, or as well.
+    /// Other names of the clicks that fit better, or equally well.
     #[must_use]
     pub fn other_names(&self) -> Option<&IdentityFinding> {
         self.solved()?.identity.as_ref()
     }
 
-    /// The camera to compare with: under other names, or with the other focal length.
+    /// The camera for comparison: from other names, or with the other focal length.
     #[must_use]
     pub fn alternative(&self) -> Option<PtzCamera> {
         let ptz = self
@@ -316,7 +324,7 @@ impl Current {
         Some(PtzCamera::new(self.base?, ptz))
     }
 
-    /// The other camera that fits two clicks as well, if there is one.
+    /// The second solution of a two-point solve, if there is one and it is plausible.
     #[must_use]
     pub fn other_root(&self) -> Option<Ptz> {
         self.solved()?
@@ -327,9 +335,9 @@ impl Current {
     }
 }
 
-/// The verdict on a camera that lies on the painted lines: they bear it out, or it would not have
-/// been taken. Where it states how certain it is that word decides: the worst corner of a picture
-/// may lie far from every line.
+/// The verdict on a camera that is aligned to painted lines. The alignment has been checked against
+/// the paint before. If a confidence is recorded, it decides: the uncertainty at the worst corner
+/// may be large although the camera is right, if no line is near that corner.
 fn judge_snapped(solution: &Solution, size: ImageSize) -> Judgement {
     let corner_px = solution.worst_corner_sigma_px.unwrap_or(f64::INFINITY);
     let is_good = match solution.confidence {
@@ -353,7 +361,7 @@ fn judge_snapped(solution: &Solution, size: ImageSize) -> Judgement {
     }
 }
 
-/// Where the clicks of a frame lie as seen from its camera; nothing where one names what the field
+/// Distances of a frame's clicks from its camera. Empty if a click names something that the field
 /// lacks.
 fn off_camera(frame: &Frame, field: &FieldModel, camera: &PtzCamera) -> Vec<ClickResidual> {
     let clicks = observations(frame, field).unwrap_or_default();
@@ -363,7 +371,7 @@ fn off_camera(frame: &Frame, field: &FieldModel, camera: &PtzCamera) -> Vec<Clic
         .collect()
 }
 
-/// What is being placed or named, if it is on the picture and has a name to try.
+/// The point that is being placed or named, if it is over the picture and has a name to try.
 fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
     match &session.mode {
         Mode::Placing(target) => Some(Trial {
@@ -383,8 +391,8 @@ fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
     }
 }
 
-/// Ranks the names for a click of a frame. `contradicted`: paint that is not recorded yet speaks
-/// against the frame's camera.
+/// Ranks the possible names of a click. `contradicted` says that paint contradicts the frame's
+/// camera, although the document does not record that yet.
 pub(super) fn rank_names(
     open: &mut OpenProject,
     frame_index: usize,
@@ -395,6 +403,7 @@ pub(super) fn rank_names(
     let field = open.field_of(frame_index).ok()?;
     let frame = open.document.frames.get(frame_index)?;
     let at = frame.clicks.get(click)?.image;
+    // The other clicks of the frame, without the click itself and without check clicks.
     let mut others = frame.clone();
     others.clicks.remove(click);
     others.clicks.retain(|other| !other.check);
@@ -404,7 +413,8 @@ pub(super) fn rank_names(
         .and_then(|camera| camera.base_for(frame));
     let neighbours = solved_neighbours(&open.document, frame_index);
     let named = observations(&others, &field).unwrap_or_default();
-    // A frame that was proposed or set by hand has a camera too; clicks decide as soon as they can.
+    // The frame's camera. First from the other clicks. If none of them is named, the proposed
+    // camera or the one set by hand, unless it is doubtful. Without a base, from landmarks alone.
     let camera = calibrate(
         &open.document,
         open.derived.lookup(&open.document),
@@ -449,13 +459,13 @@ pub(super) fn rank_names(
     })
 }
 
-/// The camera of a frame that does not come from its clicks.
+/// The camera of a frame that comes from a proposal or was set by hand.
 fn as_proposed_or_by_hand(frame: &Frame) -> Option<Ptz> {
     let proposed = frame.proposed().map(|proposed| proposed.ptz);
     proposed.as_ref().or(frame.ptz.as_ref()).map(FramePtz::ptz)
 }
 
-/// Where this camera looked in other shots: the solved frames nearest by number.
+/// The cameras of the nearest solved frames in other shots of the same camera.
 fn solved_elsewhere(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
@@ -480,6 +490,7 @@ fn solved_elsewhere(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     found
 }
 
+/// The names of the frame's clicks other than `except`.
 fn taken_names(frame: &Frame, except: usize) -> Vec<TakenName> {
     let others = frame
         .clicks
@@ -496,6 +507,7 @@ fn taken_names(frame: &Frame, except: usize) -> Vec<TakenName> {
         .collect()
 }
 
+/// The named clicks of the nearest labelled frames of the same camera.
 fn remembered_clicks(open: &OpenProject, frame_index: usize) -> Vec<NeighbourClick> {
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
@@ -574,7 +586,7 @@ mod tests {
         )
     }
 
-    /// Whether the frame is solved anew by a refresh: a mark left in what was derived is gone then.
+    /// Whether a refresh recomputes the frame: it then removes a mark left in the derived values.
     fn derives(current: &mut Current, open: &mut OpenProject, session: &Session) -> bool {
         current.readiness.left_out = 99;
         current.refresh(Some(open), session, None, None);

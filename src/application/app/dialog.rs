@@ -1,99 +1,99 @@
-//! What lies over or beside the picture: dialogs, what they ask for, and the side panel.
+//! Dialogs, the questions for paths, and the side panel.
 
 use super::choices::Scope;
 use super::guide::GuidePage;
 use std::path::PathBuf;
 use touchline_documents::exchange::Format;
 
-/// What the right-hand side shows.
+/// The content of the side panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SidePanel {
-    /// Field map, clicks, solution, verdict.
+    /// The shown frame: field map, clicks, solution, verdict.
     #[default]
     Frame,
-    /// The frame's camera.
+    /// The shown frame's camera.
     Camera,
-    /// What the forest is trained on and how accurate it is.
+    /// The forest: training set and accuracy.
     Trainer,
-    /// What is proposed.
+    /// The list of suggestions.
     Review,
 }
 
-/// What lies over the window.
+/// A dialog on top of the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Dialog {
-    /// Every command, by typing.
+    /// Search for a command by typing.
     Palette,
-    /// Every key.
+    /// The list of all keys.
     Keys,
     /// Version, licence, citation.
     About,
-    /// Every message of this session.
+    /// All messages of the session.
     Messages,
-    /// The sport, and with it the field.
+    /// Choice of the sport, and with it the field.
     Sport,
     /// Brightness, contrast and gamma of the picture.
     PictureLook,
-    /// The user's own.
+    /// The user's settings.
     Preferences,
     /// The user guide.
     Guide {
-        /// The page that it shows.
+        /// The page.
         page: GuidePage,
-        /// What it was opened from, and closes to.
+        /// The dialog from which it was opened, and to which closing it returns.
         behind: Option<Box<Self>>,
     },
     /// Colour, width and opacity of the overlay.
     OverlayStyle,
-    /// Suggestions to be accepted together.
+    /// Acceptance of several suggestions together.
     AcceptAll,
-    /// A frame or a time to go to.
+    /// Input of a frame number or a time.
     GoToPlace,
-    /// A comment on the frame.
+    /// Input of a comment on the frame.
     Comment(String),
-    /// Which camera took these frames.
+    /// Assignment of frames to a camera.
     AssignToCamera(Scope),
-    /// A path, where the system has no file dialog.
+    /// Input of a path, if the system has no file dialog.
     Path(Question),
-    /// Another program changed the document.
+    /// Question what to do with another program's version.
     ChangedOutside,
-    /// Edits that were set aside.
+    /// The list of edits that were set aside.
     Orphans,
     /// Exports, datasets and imports.
     Transfer,
-    /// Edits would be lost.
+    /// Question what to do with edits that exist only in memory.
     NotSaved(Leaving),
 }
 
-/// What was asked for while edits are only in memory.
+/// What the user wants to do next, when the document is left.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Leaving {
-    /// To close the window.
+    /// Close the window.
     Close,
-    /// To open something else.
+    /// Open something else.
     Open(PathBuf),
-    /// To open the demo match.
+    /// Open the demo match.
     OpenDemo,
 }
 
-/// What the file dialog asks for.
+/// A question for a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
-    /// A project or dataset to open.
+    /// The project or dataset to open.
     Project,
-    /// A folder of frames to open.
+    /// The folder of frames to open.
     Folder,
-    /// A video to open.
+    /// The video to open.
     Video,
-    /// Where to write a copy of the project.
+    /// The destination of a copy of the project.
     CopyTo,
-    /// Where to write the document in a format.
+    /// The destination of an export in a format.
     ExportAs(Format),
     /// The folder for a dataset.
     DatasetTo,
-    /// The file or folder of a format to import.
+    /// The file or folder to import, in a format.
     ImportFrom(Format),
-    /// The document to take a camera from.
+    /// The document from which to take a camera.
     CameraFrom,
     /// Another annotator's document of the same frames.
     CompareWith,

@@ -1,4 +1,4 @@
-//! Effects, which the outside carries out.
+//! Effects: what the application asks the shell to do.
 
 use super::TrainerOrder;
 use super::operation::Job;
@@ -6,100 +6,99 @@ use super::session::Question;
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Edit, History};
 
-/// What the outside has to do; the shell passes it to `jobs` or to the window system.
+/// Something that the shell must do, through `jobs` or the window system.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// Read a document and report `Action::Opened`.
     Open(Opening),
-    /// Read a field template of the user's own and report `DiskReport::TemplateRead`.
+    /// Read one of the user's own field templates and report `DiskReport::TemplateRead`.
     ReadTemplate {
         /// The document's file.
         of: PathBuf,
-        /// The folder that its relative paths start from.
+        /// The folder to which its relative paths refer.
         folder: PathBuf,
-        /// Its path as the document writes it.
+        /// The template's path as the document writes it.
         name: String,
     },
     /// Append an edit to the journal.
     Journal {
-        /// What changed.
+        /// The edit.
         edit: Box<Edit>,
-        /// The document with it.
+        /// The document after the edit.
         to: Box<Snapshot>,
     },
-    /// Write the document now: the journal alone does not tell what can be undone and redone in it.
+    /// Write the document now, because the journal alone does not record its history of undo.
     WriteDocument,
-    /// Write the document: the saver has every edit already.
+    /// Write the document. The saver has received every edit already.
     Save {
-        /// Counts these, so that the answer is known from an earlier write.
+        /// The number of the request, so that its answer is not confused with an earlier one.
         request: u64,
     },
-    /// Write the document although another program changed the file; that version is set aside.
+    /// Set the version aside that another program wrote, and write the document in its place.
     SaveOver,
-    /// Report what another program made of the document: `DiskReport::Outside`.
+    /// Read the version that another program wrote, and report `DiskReport::Outside`.
     ReadOutside,
-    /// Do something with edits that were set aside.
+    /// Do something with a file of edits that were set aside.
     Orphan {
-        /// Their file.
+        /// The file.
         file: PathBuf,
-        /// What.
+        /// What to do with it.
         order: OrphanOrder,
     },
     /// Write a copy of the project into a folder.
     SaveCopy {
-        /// The document.
+        /// The document to copy.
         document: Box<Document>,
-        /// The folder that its relative paths start from.
+        /// The folder to which its relative paths refer.
         from: PathBuf,
-        /// Where.
+        /// The destination.
         folder: PathBuf,
     },
-    /// Give up what is being opened.
+    /// Stop reading the document that is being opened.
     CancelOpening,
-    /// Run an operation and pass on what it reports as `Action::Report`.
+    /// Run an operation and pass its reports on as `Action::Report`.
     Start(Job),
-    /// Tell the background trainer something.
+    /// Send an order to the background trainer.
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report `DiskReport::CameraLoaded`.
     LoadCamera(PathBuf),
-    /// Ask for a path.
+    /// Ask the user for a path.
     Ask(Question),
     /// Write the settings.
     SaveSettings,
-    /// Everything is on disk: close the window.
+    /// Close the window; everything is on disk.
     Close,
 }
 
-/// A document at one moment, as it is to be written. What it holds is shared with the document that
-/// is open.
+/// A document at one moment, to be written. It shares its parts with the open document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// The document.
     pub document: Document,
-    /// What can be undone and redone in it.
+    /// Its history of undo and redo.
     pub history: History<Document>,
-    /// Counts the edits of a session: this is the document after the edit of this number.
+    /// The number of edits of the session up to this state.
     pub revision: u64,
 }
 
-/// What is opened.
+/// What to open.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Opening {
     /// A document, folder or video.
     Path(PathBuf),
     /// A fresh copy of the demo match.
     Demo,
-    /// The open document as it is on disk: this one is let go of first.
+    /// The open document again, as it is on disk; the open state is dropped first.
     Again(PathBuf),
 }
 
-/// What is done with edits that were set aside.
+/// What to do with edits that were set aside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OrphanOrder {
-    /// Read them and report them.
+    /// Read and report them.
     Read,
-    /// Write them as a document of their own.
+    /// Write them as a separate document.
     Save,
-    /// Give their file another name: they are in the document.
+    /// Rename their file, because the document contains them now.
     PutAway,
 }

@@ -1,23 +1,23 @@
-//! Which frames the filmstrip shows, and which of them wait for a person.
+//! The filter of the filmstrip, and which frames are to do.
 
 use touchline_documents::document::{Frame, FrameStatus};
 
-/// Which frames the filmstrip shows.
+/// The filter of the filmstrip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
-    /// All of them.
+    /// All frames.
     #[default]
     All,
-    /// Neither accepted nor rejected.
+    /// Frames that are neither accepted nor rejected.
     ToDo,
-    /// The forest has no answer for them.
+    /// Frames for which the forest has no answer.
     Unanswered,
-    /// One status.
+    /// Frames with a status.
     Status(FrameStatus),
 }
 
 impl Filter {
-    /// Every filter, in the order of the list.
+    /// All filters, in the order of the list.
     pub const ALL: [Self; 8] = [
         Self::All,
         Self::ToDo,
@@ -29,7 +29,7 @@ impl Filter {
         Self::Status(FrameStatus::Rejected),
     ];
 
-    /// Whether a frame is shown.
+    /// Whether the filter shows a frame.
     #[must_use]
     pub fn shows(self, frame: &Frame) -> bool {
         match self {
@@ -40,7 +40,7 @@ impl Filter {
         }
     }
 
-    /// What the list says.
+    /// The label.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -52,14 +52,14 @@ impl Filter {
     }
 }
 
-/// Whether a frame is still to do: it is neither accepted nor rejected. The filmstrip, the keys,
-/// every count and every sentence mean this by it.
+/// Whether a frame is to do: neither accepted nor rejected. The filmstrip, the keys, all counts and
+/// all texts use this definition.
 #[must_use]
 pub const fn is_to_do(frame: &Frame) -> bool {
     !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)
 }
 
-/// A status as a person reads it.
+/// The label of a status.
 #[must_use]
 pub const fn status_label(status: FrameStatus) -> &'static str {
     match status {

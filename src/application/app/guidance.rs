@@ -1,4 +1,4 @@
-//! The next step, as the status row shows it.
+//! The next step for the user, as the status row shows it.
 
 use super::progress::{ALL_DONE, missing_references};
 use super::session::{Mode, reason_label};
@@ -7,12 +7,12 @@ use touchline_calibration::calibrate::{CalibrationError, LANDMARKS_ALONE};
 use touchline_core::solve::{ClickResidual, SolveError, Verdict};
 use touchline_documents::document::{Frame, FrameStatus, SolutionSource, Target};
 
-/// The next step, and what brings one there.
+/// The next step, and commands that help with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Guidance {
     /// One or two sentences.
     pub text: String,
-    /// Buttons: what they say, and what they do.
+    /// Labels and commands of the buttons.
     pub offers: Vec<(&'static str, Command)>,
 }
 
@@ -30,7 +30,10 @@ impl Guidance {
     }
 }
 
-/// What the user does next.
+/// The next step for the user.
+///
+/// The first case that applies decides: reading a document, no document, running work, the quality
+/// page, an action that was begun, an estimated base, and then the state of the shown frame.
 #[must_use]
 pub fn next_step(app: &App) -> Guidance {
     if let Some(opening) = &app.session.disk.opening {
@@ -65,13 +68,14 @@ pub fn next_step(app: &App) -> Guidance {
         })
         .or_else(|| other_picture(app))
         .or_else(|| unnamed(frame))
+        // An accepted frame still needs a base, which is then more urgent than the next frame.
         .or_else(|| no_base(app, frame).filter(|_| frame.status == FrameStatus::Reference))
         .or_else(|| settled(app, frame))
         .or_else(|| no_base(app, frame))
         .unwrap_or_else(|| clicks(app, frame))
 }
 
-/// What has been begun and waits for its end.
+/// The user has begun something.
 fn begun(app: &App) -> Option<Guidance> {
     Some(Guidance::say(match &app.session.mode {
         Mode::Idle => return None,
@@ -109,7 +113,7 @@ fn begun(app: &App) -> Option<Guidance> {
     }))
 }
 
-/// A frame that is accepted or rejected.
+/// The frame is accepted or rejected.
 fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
     match frame.status {
         FrameStatus::Rejected => {
@@ -135,7 +139,7 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
     }
 }
 
-/// The text for a frame that is a reference.
+/// The text for an accepted frame.
 fn of_reference(app: &App) -> String {
     let Some(open) = app.open() else {
         return String::new();
@@ -157,14 +161,14 @@ fn of_reference(app: &App) -> String {
     }
 }
 
-/// Whether all that is to do are frames without an answer: a label elsewhere helps more than going
+/// Whether only frames without an answer are to do. Then a label elsewhere helps more than going
 /// through them.
 fn only_labels_help(app: &App) -> bool {
     app.open()
         .is_some_and(|open| open.counts().to_do == open.counts().unanswered)
 }
 
-/// A picture that is not the one of the frame: whatever is done here is done to another moment.
+/// The picture is not the one that was labelled, so that any work would refer to another moment.
 fn other_picture(app: &App) -> Option<Guidance> {
     app.other_picture(app.session.frame)?;
     Some(Guidance::say(
@@ -172,6 +176,7 @@ fn other_picture(app: &App) -> Option<Guidance> {
     ))
 }
 
+/// A click of the frame has no name.
 fn unnamed(frame: &Frame) -> Option<Guidance> {
     let index = frame.unnamed_click()?;
     let text = format!(
@@ -181,7 +186,7 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
     Some(Guidance::say(text).offer("Name it", Command::NameNext))
 }
 
-/// A base that is being estimated, or was found and waits for a decision.
+/// A base is being estimated, or waits for the user's decision.
 fn estimated(app: &App) -> Option<Guidance> {
     if let Some(under_way) = app.operations.base_under_way() {
         return Some(Guidance::say(under_way.text).offer("Stop", under_way.stop));
@@ -203,7 +208,7 @@ fn estimated(app: &App) -> Option<Guidance> {
     }))
 }
 
-/// Until the base is known: what is still needed for it.
+/// The camera has no base: what is needed for it.
 fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
     if app.current().base.is_some() || frame.status == FrameStatus::Rejected {
         return None;
@@ -216,6 +221,7 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
         );
         return Some(Guidance::say(text).offer("Estimate the base now", Command::EstimateBase));
     }
+    // What the points of this frame lack: a few more, nothing, or all of them.
     let here = frame.landmark_clicks();
     let text = match LANDMARKS_ALONE.saturating_sub(here) {
         missing @ 1..LANDMARKS_ALONE => {
@@ -230,6 +236,7 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
         ),
         _ => format!("Two clicks need a known camera. {}", ready.describe()),
     };
+    // Other ways to a base: automatic, from another document, by hand, or from too few frames.
     let mut guidance = Guidance::say(text);
     if ready.frames == 0 && app.why_not(Command::FindCamera).is_none() {
         guidance = guidance.offer("Find the camera automatically", Command::FindCamera);
@@ -243,7 +250,7 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
     Some(guidance)
 }
 
-/// How far the clicks have come.
+/// The frame is being labelled: what the clicks determine so far.
 fn clicks(app: &App, frame: &Frame) -> Guidance {
     let current = app.current();
     if current.by_hand {
@@ -307,7 +314,7 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
     }
 }
 
-/// The text for a frame whose camera lies on the painted lines.
+/// The text for a frame whose camera is aligned to the painted lines.
 fn of_snapped(app: &App, frame: &Frame) -> String {
     let residuals = app
         .current()
@@ -340,12 +347,12 @@ const fn first_point() -> &'static str {
     "Click a spot you see exactly. Best: where circle and halfway line meet."
 }
 
-/// The recommended distance: 800 px, or 60 % of the width of a small picture.
+/// Recommended distance between two points: 800 px, or 60 % of the width of a small picture.
 fn far_px(frame: &Frame) -> u32 {
     800.min(frame.image_size.width / 10 * 6)
 }
 
-/// Where the frame's camera came from, if nobody clicked or typed it.
+/// The source of the frame's camera, if it is neither from clicks nor set by hand.
 fn proposed(frame: &Frame) -> Option<SolutionSource> {
     frame.ptz.as_ref()?;
     frame
@@ -400,7 +407,7 @@ mod tests {
         app
     }
 
-    /// Clicks a landmark where a camera shows it.
+    /// Clicks a landmark where a camera projects it.
     fn click(app: &mut App, landmark: &str, pointed: &PtzCamera) {
         let field = app.current().field().unwrap().clone();
         let at = pointed
@@ -489,7 +496,7 @@ mod tests {
         assert!(said(&app).starts_with("Nothing matches “zzz”."));
         app.session.mode = Mode::Idle;
         assert!(said(&app).starts_with("Point 1 has no name"));
-        // The point that it speaks of is the one that is named, whichever is selected.
+        // The button names the point that the text mentions, whichever is selected.
         app.update(Action::Pointer(PointerAction::Press {
             at: ImagePoint::new(600.0, 300.0),
             on: None,
@@ -528,8 +535,7 @@ mod tests {
         click(&mut app, "penalty_area_far_left_front", &pointed);
         let mut document = app.open().unwrap().document.clone();
         let frame = &mut document.frames[0];
-        // 0.3° to the right of where the points have it: 5 px in the middle, more towards the
-        // borders.
+        // 0.3° to the right of the points' solution: 5 px at the centre, more towards the borders.
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.3, -10.0, 1000.0), None));
         frame.solution = Some(Solution {
             source: Some(SolutionSource::Markings),

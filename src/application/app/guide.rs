@@ -10,24 +10,24 @@ pub enum GuidePage {
     Window,
     /// Position, rotation and lens of a camera.
     Base,
-    /// What verdict, residuals and uncertainty mean.
+    /// Verdict, residuals and uncertainty.
     Trust,
     /// Timeline, cuts, tracking.
     Video,
-    /// Suggestions.
+    /// Review of suggestions.
     Review,
     /// The quality page, gold frames.
     Quality,
     /// Exports, datasets, imports.
     Export,
-    /// Two annotators, changes from outside.
+    /// Two annotators, changes by other programs.
     SeveralPeople,
     /// Words.
     Glossary,
 }
 
 impl GuidePage {
-    /// Every page, in order.
+    /// All pages, in order.
     pub const ALL: [Self; 10] = [
         Self::FirstProject,
         Self::Window,
@@ -41,7 +41,7 @@ impl GuidePage {
         Self::Glossary,
     ];
 
-    /// What the list of pages says.
+    /// The title in the list of pages.
     #[must_use]
     pub const fn title(self) -> &'static str {
         match self {

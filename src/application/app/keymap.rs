@@ -1,4 +1,4 @@
-//! Which keys ask for which command; every one can be changed.
+//! The keys of commands; the user can change each.
 
 use super::Command;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// A key with its modifiers, written "Ctrl+Shift+Z". Key names are those of the window toolkit
+/// A key with modifiers, written like "Ctrl+Shift+Z". Names of keys are those of the window toolkit
 /// ("Period", "F2", "Z").
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
@@ -25,15 +25,15 @@ pub struct Chord {
 /// Why a text is not a key.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ChordError {
-    /// Nothing but modifiers.
+    /// There are only modifiers.
     #[error("{0:?} is not a key; write for example \"Ctrl+Shift+Z\"")]
     NoKey(String),
-    /// A modifier that does not exist.
+    /// An unknown modifier.
     #[error("{text:?}: {modifier:?} is not a modifier; there are Ctrl, Shift and Alt")]
     UnknownModifier {
         /// The whole text.
         text: String,
-        /// The part that is not understood.
+        /// The unknown part.
         modifier: String,
     },
 }
@@ -95,7 +95,7 @@ impl From<Chord> for String {
 }
 
 impl fmt::Display for Chord {
-    /// As a person reads it: "Ctrl+Z", "Shift+.".
+    /// The text for the user, such as "Ctrl+Z" or "Shift+.".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (held, name) in [
             (self.ctrl, "Ctrl+"),
@@ -119,11 +119,11 @@ impl fmt::Display for Chord {
     }
 }
 
-/// The keys of every command: the defaults, and what the user changed.
+/// The keys of all commands: the defaults, and the user's changes.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Keymap {
-    /// By command id; only the commands whose keys differ from the defaults.
+    /// Keys by command id, only for commands whose keys differ from the defaults.
     changed: BTreeMap<String, Vec<Chord>>,
 }
 
@@ -141,7 +141,7 @@ impl Keymap {
         }
     }
 
-    /// The first key of a command as a person reads it; empty if it has none.
+    /// The first key of a command as text for the user; empty if it has none.
     #[must_use]
     pub fn shown(&self, command: Command) -> String {
         self.chords(command)
@@ -150,7 +150,7 @@ impl Keymap {
             .unwrap_or_default()
     }
 
-    /// The tooltip of a control: what it does, and its key.
+    /// The tooltip of a control: the command's description, and its key.
     #[must_use]
     pub fn tooltip(&self, command: Command) -> String {
         let key = self.shown(command);
@@ -161,7 +161,7 @@ impl Keymap {
         }
     }
 
-    /// Gives a command one key, taking it from whichever command had it; that command is returned.
+    /// Gives a command one key. Returns the command that had the key and loses it, if any.
     pub fn assign(&mut self, command: Command, chord: Chord) -> Option<Command> {
         let loser =
             Command::all().find(|other| *other != command && self.chords(*other).contains(&chord));
@@ -177,12 +177,12 @@ impl Keymap {
         loser
     }
 
-    /// Back to the defaults.
+    /// Resets all keys to their defaults.
     pub fn reset(&mut self) {
         self.changed.clear();
     }
 
-    /// Whether anything differs from the defaults.
+    /// Whether any keys differ from the defaults.
     #[must_use]
     pub fn is_changed(&self) -> bool {
         !self.changed.is_empty()

@@ -1,4 +1,4 @@
-//! The menus.
+//! The menus of the window.
 
 /// The menu that lists a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub enum MenuGroup {
 }
 
 impl MenuGroup {
-    /// Every menu, in order.
+    /// All menus, in order.
     pub const ALL: [Self; 6] = [
         Self::File,
         Self::Edit,

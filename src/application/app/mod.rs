@@ -1,10 +1,19 @@
 //! The whole application without a window.
 //!
-//! The window (and every test) passes [`Action`]s to [`App::update`], the only place that changes
-//! state; it returns
-//! [`Effect`]s that the shell carries out through `jobs`; reports come back as actions. [`Current`] is what follows for
-//! the shown frame: derived, never stored. [`scene`](crate::scene) turns it into what is drawn, as
-//! plain data.
+//! The window, and every test, passes [`Action`]s to [`App::update`], the only function that
+//! changes state. It returns [`Effect`]s (read a document, write the journal, run slow work), which
+//! the shell carries out through [`jobs`](crate::jobs). Their reports come back as actions.
+//!
+//! | part of the state | what it is |
+//! |---|---|
+//! | [`Settings`] | the user's preferences, kept on disk |
+//! | [`Session`] | what the window shows and what the user is doing: neither saved nor undone |
+//! | [`OpenProject`] | the document, its history of undo, and the suggestions |
+//! | [`Operations`] | slow work on the open document, and its results |
+//! | [`Current`], [`Review`], [`Quality`] | values derived from the others after every action,
+//! never stored |
+//!
+//! [`scene`](crate::scene) turns the state into what is drawn, as plain data.
 
 mod action;
 pub mod camera_text;
@@ -84,31 +93,34 @@ use session::Session;
 use std::sync::Arc;
 use touchline_documents::document::Frames;
 
-/// The whole application without a window.
+/// The state of the application; see the module.
 #[derive(Debug, Default)]
 pub struct App {
-    /// What belongs to the user.
+    /// The user's preferences, independent of the document.
     pub settings: Settings,
-    /// What the window shows and what has been begun.
+    /// What the window shows and what the user is doing.
     pub session: Session,
-    /// What runs in the background on the open document, and what came of it.
+    /// The slow work on the open document, and its results.
     pub operations: Operations,
     open: Option<OpenProject>,
     current: Current,
+    /// The solution of the shown frame, if the action just computed it.
     fresh: Option<FreshSolve>,
     review: Review,
-    /// While suggestions are about to be accepted together.
+    /// The suggestions on the sheet *Accept all*, while it is shown.
     accept_sheet: Option<Arc<AcceptSheet>>,
-    /// The frames as they were when it was opened.
+    /// The document's frames at the moment when the sheet was opened.
     asked_to_accept: Option<Frames>,
     quality: Quality,
-    /// Tells the time of what people do; none: it is not written down.
+    /// Returns the present time, which is stored with repeated clicks. None in tests: no time is
+    /// stored.
     clock: Option<fn() -> jiff::Timestamp>,
-    /// A tour begins once the demo is open.
+    /// Whether the tour begins as soon as the demo match is open.
     tour_waits: bool,
-    /// The last request of an operation.
+    /// The number of the last request; see [`RequestId`].
     last_request: RequestId,
-    /// Results that wait for the end of what the user is doing.
+    /// Results that wait until the user ends the present change, such as a drag.
     waiting_reports: Vec<Report>,
+    /// Effects of the present action; [`App::update`] returns them.
     effects: Vec<Effect>,
 }

@@ -1,59 +1,60 @@
-//! What has been begun in the window and not ended.
+//! Modes: what the user has begun in the window and not ended.
 
 use super::naming::{NameCandidate, filter_by_text};
 use super::reclick::Reclick;
 use touchline_documents::document::Target;
 
-/// How many candidates are offered at the cursor.
+/// Maximum number of candidates listed at the cursor.
 pub const OFFERED: usize = 5;
 
-/// What has been begun and not ended.
+/// What the user has begun and not ended.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Mode {
     /// Nothing.
     #[default]
     Idle,
-    /// A point is held by the pointer.
+    /// The user drags a point.
     Dragging {
-        /// Which click.
+        /// The index of the click.
         click: usize,
-        /// It was placed by this very press and has no name yet.
+        /// Whether the same press placed the point; then it has no name yet.
         placed: bool,
     },
     /// A point waits for its name.
     Naming(Naming),
-    /// Landmark first: the next click in the picture shows this.
+    /// The landmark was chosen first; the next click in the picture places it.
     Placing(Target),
-    /// The reason is asked for.
+    /// The user is asked for the reason of a rejection.
     Rejecting {
-        /// For every frame of the shot.
+        /// Whether the rejection is for every frame of the shot.
         whole_shot: bool,
     },
-    /// A number is being changed.
+    /// The user edits a number.
     Editing,
-    /// Gold frames are clicked again, blind.
+    /// The user clicks gold frames again, without seeing the first clicks.
     ClickingAgain(Reclick),
 }
 
-/// A point that waits for its name.
+/// A point that waits for its name, and the list from which the user chooses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Naming {
-    /// Which click.
+    /// The index of the click.
     pub click: usize,
-    /// Every name it may get, best first.
+    /// All candidates, best first.
     pub candidates: Vec<NameCandidate>,
-    /// The point had named itself, and keeps that name unless another one is taken.
+    /// Whether the point was named automatically and keeps that name unless the user chooses
+    /// another one.
     pub refines: bool,
-    /// What has been typed to filter them.
+    /// The text that the user typed to filter them.
     pub typed: String,
-    /// Lines are offered and not landmarks.
+    /// Whether lines are listed in place of landmarks.
     pub lines: bool,
-    /// The candidate under the pointer or chosen with the arrow keys, within those offered.
+    /// The index of the highlighted candidate among those listed, by pointer or arrow keys.
     pub highlighted: usize,
 }
 
 impl Naming {
-    /// The candidates on offer: at most [`OFFERED`], after the filter.
+    /// The candidates in the list: the first [`OFFERED`] that pass the filter.
     #[must_use]
     pub fn offered(&self) -> Vec<&NameCandidate> {
         let mut offered = filter_by_text(&self.candidates, &self.typed);
@@ -61,7 +62,7 @@ impl Naming {
         offered
     }
 
-    /// The candidate that Enter takes.
+    /// The candidate that Enter chooses.
     #[must_use]
     pub fn chosen(&self) -> Option<&NameCandidate> {
         self.offered().get(self.highlighted).copied()

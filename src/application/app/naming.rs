@@ -44,29 +44,29 @@ const UNAMBIGUOUS_RATIO: f64 = 3.0;
 /// the next.
 const BEST_SCORE: f64 = 0.33;
 
-/// A name that a click may get.
+/// A possible name of a click.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NameCandidate {
-    /// What it shows.
+    /// The landmark or line.
     pub target: Target,
-    /// What a person reads.
+    /// Its label.
     pub label: String,
-    /// What a person types.
+    /// Its short code, for typing.
     pub code: String,
-    /// How far from the click this lies by the frame's solution, or by its neighbours', px; none
-    /// where neither says.
+    /// Distance of the click from where the frame's camera, or a neighbour's, projects it, px. None
+    /// if there is neither.
     pub distance_px: Option<f64>,
-    /// The frame's camera if this name is right; none where it cannot be told yet.
+    /// The frame's camera if this name is right; none if it is unknown yet.
     pub ptz: Option<Ptz>,
-    /// The other click of the frame that has this name already.
+    /// The index of another click of the frame that has this name already.
     pub in_use: Option<usize>,
-    /// Nothing painted marks it and no camera is known yet: it is only offered to whoever types it.
+    /// Whether it is listed only when typed: no paint marks it, and the camera has no base yet.
     pub hidden: bool,
     score: f64,
     plausible: bool,
 }
 
-/// What is known of the frame when a click asks for its name.
+/// The context of a click that needs a name.
 pub struct NamingScene<'a> {
     /// The field.
     pub field: &'a FieldModel,
@@ -78,7 +78,7 @@ pub struct NamingScene<'a> {
     pub camera: Option<&'a PtzCamera>,
     /// The other named clicks of the frame.
     pub named: &'a [Observation],
-    /// Names that other clicks of this frame have.
+    /// Names that other clicks of this frame have already.
     pub taken: &'a [TakenName],
     /// Cameras of the neighbouring frames, nearest first.
     pub neighbours: &'a [Ptz],
@@ -203,6 +203,7 @@ fn match_text(candidate: &NameCandidate, typed: &str) -> Option<TextMatch> {
         .then_some(TextMatch::BeginningsOfWords)
 }
 
+/// All landmarks of the field, ranked as names of a click.
 fn landmark_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate> {
     let mut candidates = Vec::with_capacity(scene.field.landmarks.len());
     for landmark in &scene.field.landmarks {
@@ -270,7 +271,7 @@ fn rank_landmark(scene: &NamingScene<'_>, landmark: &Landmark, at: ImagePoint) -
 }
 
 /// Ranks a landmark by the camera that results if it is the second point of the frame: a wrong name
-/// mostly gives a camera that looks where no frame around does.
+/// usually gives a camera far from those of the neighbouring frames.
 fn rank_as_second_point(
     scene: &NamingScene<'_>,
     base: &CameraBase,
@@ -329,6 +330,7 @@ fn solve_with_second_point(
     Some((solved.ptz, score + excess_misfit))
 }
 
+/// All lines of the field, ranked as names of a click by its distance from them.
 fn line_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate> {
     let near_px = NEAR_PX * scene.image_size.scale_from_1920();
     // Without a camera of its own the frame borrows a neighbour's: that orders the lines, but makes
@@ -360,7 +362,7 @@ fn line_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate
             code: line.code.clone(),
             distance_px,
             ptz: None,
-            // Several clicks may lie on one line.
+            // Several clicks may be on one line.
             in_use: None,
             hidden: false,
             score,
@@ -370,7 +372,7 @@ fn line_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate
     candidates
 }
 
-/// The distance of a click from a line as a camera shows it, px; none where the line is out of the
+/// Distance of a click from a line as a camera projects it, px; none if the line is outside the
 /// picture.
 fn distance_from_line_px(
     projected: &[MarkingPolyline],
@@ -389,7 +391,7 @@ fn neighbour_camera(scene: &NamingScene<'_>) -> Option<PtzCamera> {
     Some(PtzCamera::new(*scene.base?, *scene.neighbours.first()?))
 }
 
-/// How far from a click a camera sees a point, px; none where it cannot see it.
+/// Distance of a click from where a camera projects a point, px; none if it does not see the point.
 fn distance_px(camera: &PtzCamera, point_in_world: Vec3, click: ImagePoint) -> Option<f64> {
     Some(
         camera
@@ -399,7 +401,7 @@ fn distance_px(camera: &PtzCamera, point_in_world: Vec3, click: ImagePoint) -> O
     )
 }
 
-/// How near to a click this camera has seen a point in other shots, px.
+/// Smallest distance of a click from where cameras of other shots project a point, px.
 fn distance_in_other_shots_px(
     scene: &NamingScene<'_>,
     point_in_world: Vec3,
@@ -415,7 +417,8 @@ fn distance_in_other_shots_px(
         .min_by(f64::total_cmp)
 }
 
-/// How near to a click the same name was clicked in neighbouring frames, in units of 100 px.
+/// Smallest distance of a click from clicks with the same name in neighbouring frames, in units of
+/// 100 px.
 fn score_by_neighbour_clicks(
     scene: &NamingScene<'_>,
     target: &Target,

@@ -1,62 +1,63 @@
-//! Messages to the user, with remedies.
+//! Messages to the user, with commands as remedies.
 
 use super::Command;
 
 /// A message that does not take the focus.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// Tells messages apart.
+    /// The unique number of the message.
     pub id: u64,
-    /// How serious it is.
+    /// The severity.
     pub level: Level,
     /// One or two sentences.
     pub text: String,
-    /// Remedies, as buttons.
+    /// Labels and commands of the buttons.
     pub offers: Vec<(&'static str, Command)>,
 }
 
 impl Notice {
-    /// Whether a command is one of its remedies.
+    /// Whether the message offers a command.
     #[must_use]
     pub fn offers(&self, command: Command) -> bool {
         self.offers.iter().any(|(_, offered)| *offered == command)
     }
 }
 
-/// How serious a message is.
+/// The severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Information; without a button it disappears by itself.
+    /// Information; disappears after a while if it has no button.
     Info,
-    /// Asks for a decision; stays until it is answered or closed.
+    /// A question; stays until the user answers or closes it.
     Question,
-    /// Stays until it is closed.
+    /// A warning; stays until the user closes it.
     Warning,
-    /// Something failed; stays until it is closed.
+    /// An error; stays until the user closes it.
     Error,
 }
 
-/// The messages.
+/// The messages of the session.
 #[derive(Debug, Default)]
 pub struct Messages {
-    /// Messages that nobody has answered or dismissed, the latest last.
+    /// Messages that the user has neither answered nor dismissed, latest last.
     pub notices: Vec<Notice>,
-    /// Every message that was shown, the latest last; the oldest go.
+    /// All messages of the session, latest last; the oldest are dropped.
     pub log: Vec<(Level, String)>,
     last_id: u64,
 }
 
 impl Messages {
-    /// Shows a message; one that says the same is replaced.
+    /// Shows a message. It replaces an earlier one with the same text.
     pub(super) fn show(
         &mut self,
         level: Level,
         text: String,
         offers: Vec<(&'static str, Command)>,
     ) {
-        /// At most this many wait: then the oldest that only informs goes.
+        /// Maximum number of open messages. Beyond it the oldest information is dropped, or the
+        /// oldest message if there is no information.
         const WAITING: usize = 20;
-        /// At most this many are remembered.
+        /// Maximum number of messages in the log.
         const REMEMBERED: usize = 200;
         if self.log.len() >= REMEMBERED {
             self.log.remove(0);
@@ -81,9 +82,9 @@ impl Messages {
     }
 }
 
-/// The message that stands in the row: the latest. A question stands before warnings that came
-/// after it, as nothing else would bring it back; information leaves by itself, and what failed is
-/// said at once.
+/// The message in the status row: usually the latest. A question precedes later warnings, because
+/// nothing else would bring it back. Later information precedes it, because it disappears by
+/// itself, and so do errors, which must be seen at once.
 #[must_use]
 pub fn in_row(notices: &[Notice]) -> Option<&Notice> {
     let latest = notices.last()?;

@@ -1,4 +1,8 @@
-//! The document that is open, with its history.
+//! The open document with its history, its suggestions and the values derived from it.
+//!
+//! `document` is what the window shows: the users' work, and suggestions in the frames without
+//! users' work. `project` keeps both apart, as the journal stores them. Undo and redo apply to the
+//! users' work alone.
 
 use super::Versioned;
 use super::derived::{Derived, FrameCounts};
@@ -20,36 +24,36 @@ use touchline_documents::document::{
 /// The document that is open.
 #[derive(Debug)]
 pub struct OpenProject {
-    /// The document as it is now; frames that nobody has touched show what is suggested for them.
+    /// The document as it is shown, with suggestions in frames that users have not changed.
     pub document: Versioned<Document>,
-    /// Undo and redo of what people did: what is suggested is not in it.
+    /// Undo and redo of the users' work, without suggestions.
     pub history: History<Document>,
-    /// What relative paths start from.
+    /// The folder to which relative paths refer.
     pub folder: PathBuf,
-    /// The file.
+    /// The document's file.
     pub file: PathBuf,
-    /// Why it can only be looked at, if so.
+    /// Why the document is read-only, if it is.
     pub read_only: Option<String>,
-    /// Counts every edit that was journalled.
+    /// The number of edits written to the journal.
     pub revision: u64,
-    /// The newest forest that has proposed anything.
+    /// The generation of the newest forest that has proposed anything.
     pub(super) forest_generation: u64,
-    /// The document as the journal has it: what people did, and what is suggested beside it.
+    /// The document as the journal has it: users' work, and suggestions beside it.
     pub(super) project: Project,
-    /// What follows from the document.
+    /// Values derived from the document.
     pub(super) derived: Derived,
 }
 
 impl OpenProject {
-    /// The number of the frame at a position, as people see it: [`Frame::number_at`].
+    /// The number of the frame at a position, as the window shows it: [`Frame::number_at`].
     #[must_use]
     pub fn frame_number(&self, position: usize) -> u64 {
         self.frame(position)
             .map_or(position as u64, |frame| frame.number_at(position))
     }
 
-    /// The frames of the video that a position belongs to, in the document's order: their positions
-    /// and numbers. Images are all of one.
+    /// Positions and numbers of the frames in the same video as the frame at `position`, in the
+    /// document's order. All still images count as one video.
     pub(super) fn numbered_beside(
         &self,
         position: usize,
@@ -63,7 +67,7 @@ impl OpenProject {
         alike.map(|(at, frame)| (at, frame.number_at(at)))
     }
 
-    /// The lowest and the highest number of the frames of the video that a position belongs to.
+    /// The lowest and highest number among the frames in the same video as the frame at `position`.
     #[must_use]
     pub fn numbers_beside(&self, position: usize) -> (u64, u64) {
         let numbers = self.numbered_beside(position).map(|(_, number)| number);
@@ -72,8 +76,7 @@ impl OpenProject {
         })
     }
 
-    /// A document to which nothing has been done yet, its file and its folder, and why it can only
-    /// be looked at, if so.
+    /// Opens a document; `read_only` is the reason why it cannot be changed, if so.
     #[must_use]
     pub fn new(
         document: Document,
@@ -84,7 +87,7 @@ impl OpenProject {
         Self::of(Prepared::of(document), file, folder, read_only)
     }
 
-    /// The same, for a document that has been made ready.
+    /// [`Self::new`] for a prepared document.
     pub(super) fn of(
         prepared: Prepared,
         file: PathBuf,
@@ -105,20 +108,20 @@ impl OpenProject {
         }
     }
 
-    /// The document in its folder.
+    /// The document with its folder.
     #[must_use]
     pub fn at(&self) -> DocumentAt<'_> {
         self.document.at(&self.folder)
     }
 
-    /// A frame by its place.
+    /// The frame at an index.
     #[must_use]
     pub fn frame(&self, index: usize) -> Option<&Frame> {
         self.document.frames.get(index).map(|frame| &**frame)
     }
 
-    /// What has changed since the last time this was asked, to be journalled; none if nothing has.
-    /// `kind` is what it is to undo and redo.
+    /// The changes since the last call, to be written to the journal; none if there are none.
+    /// `kind` says what undo and redo make of the edit.
     pub(super) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
         for (position, frame) in self.project.not_shown_in(&self.document) {
             self.document.frames[position] = frame;
@@ -131,7 +134,7 @@ impl OpenProject {
         Some(edit)
     }
 
-    /// The document as the journal has it, with its history.
+    /// The document as the journal has it, with the history up to the last commit.
     pub(super) fn snapshot(&self) -> Snapshot {
         let (document, history) = (self.project.view().clone(), self.history.committed());
         Snapshot {
@@ -141,8 +144,8 @@ impl OpenProject {
         }
     }
 
-    /// Takes in what forests answered, to be journalled; none if nothing new is seen. Answers of an
-    /// older forest than the last one are dropped.
+    /// Takes in proposals of forests as suggestions. Returns the edit for the journal; none if
+    /// nothing changes. Proposals of any but the newest forest are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<Edit> {
         let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
         self.forest_generation = self.forest_generation.max(newest);
@@ -153,8 +156,8 @@ impl OpenProject {
         self.suggest(batch, &offers)
     }
 
-    /// Takes in cameras that were carried from what forests answered, the `newest` of them among
-    /// these, in the same way.
+    /// Takes in cameras that were tracked from a forest's proposals. `newest` is the newest
+    /// generation among them. Cameras from an outdated forest are dropped.
     pub(super) fn take_carried(
         &mut self,
         carried: &[CarriedProposal],
@@ -168,13 +171,13 @@ impl OpenProject {
         self.suggest(batch, &offers)
     }
 
-    /// The batch of a forest's answers and of the cameras that were carried from them.
+    /// The batch for a forest's proposals and for the cameras tracked from them.
     fn batch_of_forest(&mut self, generation: u64) -> BatchId {
         self.project.batch_of_finder(Finder::Forest { generation })
     }
 
-    /// Takes what was found for frames into a batch, to be journalled; none if nothing new is seen.
-    /// It is no step of undo.
+    /// Adds suggestions to a batch; this is no step of undo. Returns the edit for the journal; none
+    /// if nothing changes.
     pub(super) fn suggest(&mut self, batch: BatchId, offers: &[Offer]) -> Option<Edit> {
         let mut document = self.document.clone();
         let edit = self.project.suggest(&mut document, batch, offers)?;
@@ -183,8 +186,8 @@ impl OpenProject {
         Some(edit)
     }
 
-    /// Discards a batch of suggestions in the frames that nobody has touched since. It is no step
-    /// of undo.
+    /// Removes a batch of suggestions from the frames that users have not changed since; this is no
+    /// step of undo.
     pub(super) fn discard_batch(&mut self, batch: BatchId, newest_forest: u64) -> Discarded {
         let mut document = self.document.clone();
         let discarded = self.project.discard(&mut document, batch, newest_forest);
@@ -195,10 +198,10 @@ impl OpenProject {
         discarded
     }
 
-    /// The field that a frame shows, its parameters filled in.
+    /// The field that a frame shows, with its parameters.
     ///
     /// # Errors
-    /// There is no such template, or it does not take a parameter or its value.
+    /// The template is missing, or it rejects a parameter or its value.
     pub fn field_of(&mut self, index: usize) -> Result<Arc<FieldModel>, FieldError> {
         let spec = match self.document.frames.get(index) {
             Some(frame) => self.document.field_of(frame),
@@ -207,15 +210,15 @@ impl OpenProject {
         self.derived.field(&self.document, spec)
     }
 
-    /// The fields of all cameras, each built once.
+    /// The fields of all cameras; equal ones are built once.
     ///
     /// # Errors
-    /// One of them is not valid.
+    /// One of them is invalid.
     pub fn fields(&mut self) -> Result<Arc<Fields>, FieldError> {
         self.derived.fields(&self.document)
     }
 
-    /// A field template was read, or cannot be.
+    /// Stores a field template that was read, or the error.
     pub(super) fn template_read(
         &mut self,
         name: &str,
@@ -225,20 +228,20 @@ impl OpenProject {
         self.document.raise_version();
     }
 
-    /// Field templates that could not be read are to be read again.
+    /// Requests again the templates that could not be read.
     pub(super) fn want_failed_templates_again(&mut self) {
         self.derived.want_failed_templates_again();
         self.document.raise_version();
     }
 
-    /// How many frames there were of each kind after the last action.
+    /// The counts of frames after the last action.
     #[must_use]
     pub const fn counts(&self) -> &FrameCounts {
         self.derived.last_counts()
     }
 
-    /// What a frame's clicks say, another camera that fits better among the warnings. None where
-    /// there is no such frame or its field is not valid.
+    /// Solves a frame from its clicks. If another camera of the document fits better, this is the
+    /// first warning. None if the frame does not exist or its field is invalid.
     pub(super) fn solve(
         &mut self,
         index: usize,
@@ -255,7 +258,7 @@ impl OpenProject {
         Some(solved)
     }
 
-    /// A camera that fits a solved frame better than its own.
+    /// Another camera of the document that fits a solved frame better than its own.
     pub(super) fn better_camera(
         &mut self,
         index: usize,
@@ -268,7 +271,7 @@ impl OpenProject {
         better_camera(&self.document, self.frame(index)?, solved, &fields)
     }
 
-    /// How many frames have each status.
+    /// The number of frames with a status.
     #[must_use]
     pub fn count(&self, status: FrameStatus) -> usize {
         self.document
@@ -278,8 +281,7 @@ impl OpenProject {
             .count()
     }
 
-    /// The next frame from `from` (not itself) in a direction for which `wanted` holds; the search
-    /// does not wrap.
+    /// The nearest frame before or after `from` for which `wanted` is true. Does not wrap around.
     #[must_use]
     pub fn find(
         &self,
@@ -300,24 +302,24 @@ impl OpenProject {
         }
     }
 
-    /// Begins a step of undo.
+    /// Opens a step of undo.
     pub(super) fn begin(&mut self, step: Step) {
         self.history
             .begin(&self.project.edits_in(&self.document), step);
     }
 
-    /// Begins the last step of undo again, if it is this one and none is open.
+    /// Reopens the last step of undo, if it equals `step` and none is open. Returns whether it did.
     pub(super) fn resume(&mut self, step: &Step) -> bool {
         self.history
             .resume(&self.project.edits_in(&self.document), step)
     }
 
-    /// Closes the step of undo.
+    /// Closes the open step of undo.
     pub(super) fn commit(&mut self) {
         self.history.commit(&self.project.edits_in(&self.document));
     }
 
-    /// Gives the open step of undo up.
+    /// Aborts the open step of undo: the document returns to its state before the step.
     pub(super) fn abort(&mut self) {
         let mut edited = self.project.edited().clone();
         if self.history.abort(&mut edited) {
@@ -325,9 +327,9 @@ impl OpenProject {
         }
     }
 
-    /// Marks shots that were looked for when `num_below` steps could be undone. True where a person
-    /// did or undid something since: then the step lies beneath that, and the history as a whole
-    /// has changed.
+    /// Writes the shots that a search found; `num_below` is the number of steps in the history when
+    /// it began. If the user made or undid steps since, the shots are inserted below those, the
+    /// whole history changes, and the result is true.
     pub(super) fn mark_shots(&mut self, shots: VideoShots, step: Step, num_below: usize) -> bool {
         let before = self.project.edits_in(&self.document);
         let goes_beneath =
@@ -344,7 +346,7 @@ impl OpenProject {
         true
     }
 
-    /// Takes the last step back, or does it again, and says which it was.
+    /// Undoes the last step (`back`) or redoes the next one, and returns it.
     pub(super) fn undo(&mut self, back: bool) -> Option<Step> {
         let mut edited = self.project.edits_in(&self.document);
         let step = if back {

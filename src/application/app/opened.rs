@@ -1,4 +1,4 @@
-//! A document that has just been opened, and what becomes of a version that another program wrote.
+//! A document that was just read, and the choices about another program's version.
 
 use super::notice::Level;
 use super::prepared::Prepared;
@@ -6,41 +6,41 @@ use std::path::{Path, PathBuf};
 use touchline_documents::document::{Document, History};
 use touchline_documents::store::Orphan;
 
-/// What becomes of a version of the document that another program wrote.
+/// The user's choice about a version of the document that another program wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutsideChoice {
-    /// Its changes are joined with those made here.
+    /// Merge both versions.
     Merge,
-    /// It is set aside, and the document as it is here written.
+    /// Write the window's version; the other one is set aside.
     Replace,
-    /// It is opened; what was edited here is set aside.
+    /// Open the other version; the window's edits are set aside.
     TakeTheirs,
 }
 
-/// A document that has just been opened.
+/// A document that was just read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
-    /// The document, made ready.
+    /// The document with its derived values.
     pub(super) prepared: Prepared,
-    /// The steps of earlier sessions that can be undone and redone.
+    /// Undo and redo of earlier sessions.
     pub history: History<Document>,
-    /// Its folder: what relative paths start from.
+    /// The folder to which relative paths refer.
     pub folder: PathBuf,
     /// The file: `project.json`, or the dataset's.
     pub file: PathBuf,
-    /// Why it can only be looked at, if so.
+    /// Why the document is read-only, if it is.
     pub read_only: Option<String>,
-    /// Notices for the user: recovered edits, a video shorter than its header says.
+    /// Messages, such as recovered edits or a video shorter than its header says.
     pub notices: Vec<(Level, String)>,
-    /// Edits of another version of the document that were set aside.
+    /// Edits that belong to another version of the document and were set aside.
     pub orphans: Vec<Orphan>,
-    /// The project was just made: the sport is asked for.
+    /// Whether the project was just created; then the user is asked for the sport.
     pub is_new: bool,
 }
 
 impl Opened {
-    /// A writable document without notices; its folder is the file's. All frames are looked at: to
-    /// be made where a document is opened in the background.
+    /// A writable document without messages, in the folder of its file. Takes a pass over all
+    /// frames, so call it on the thread that reads the document.
     #[must_use]
     pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
         let file = file.into();

@@ -1,8 +1,8 @@
-//! A place in a video as people write it: a frame's number, or a time.
+//! A frame number or a time in a video, as users type it.
 
 use thiserror::Error;
 
-/// A place that was typed.
+/// A frame number or a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// A frame by its number, from 0.
@@ -11,7 +11,7 @@ pub enum Place {
     Time(f64),
 }
 
-/// A text that is no place.
+/// The text is neither a frame number nor a time.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0:?} is neither a frame nor a time; write for example 500 or 1:23.4")]
 pub struct NoPlace(pub String);
@@ -19,8 +19,8 @@ pub struct NoPlace(pub String);
 impl std::str::FromStr for Place {
     type Err = NoPlace;
 
-    /// `500` is a frame, `1:23.4` minutes and seconds, `1:02:03.4` with hours, `83.4` or `83 s`
-    /// seconds.
+    /// `500` is a frame number, `1:23.4` minutes and seconds, `1:02:03.4` hours, minutes and
+    /// seconds; `83.4` and `83 s` are seconds.
     fn from_str(text: &str) -> Result<Self, NoPlace> {
         let wrong = || NoPlace(text.trim().to_owned());
         let typed = text.trim();
@@ -44,8 +44,8 @@ impl std::str::FromStr for Place {
                 .filter(|part| is_plain(part))
                 .and_then(|part| part.parse().ok())
                 .ok_or_else(wrong)?;
-            // Below the highest unit minutes and seconds end at 60, and only seconds have a
-            // fraction.
+            // Minutes and seconds below a larger unit must be less than 60, and only seconds may
+            // have a fraction.
             if at > 0 && number >= 60.0 || at + 1 < parts.len() && number.fract() != 0.0 {
                 return Err(wrong());
             }
@@ -55,7 +55,7 @@ impl std::str::FromStr for Place {
     }
 }
 
-/// A time as a clock shows it: "1:23.40", "1:02:03.40".
+/// A time as text, such as "1:23.40" or "1:02:03.40".
 #[must_use]
 pub fn time_code(seconds: f64) -> String {
     let hundredths = (100.0 * seconds.max(0.0)).round() as u64;

@@ -1,27 +1,27 @@
-//! Playing a video: which frame is due when.
+//! The clock of a playing video: which frame is due at which time.
 
 use super::OpenProject;
 
-/// The speeds that are offered, as multiples of the video's own.
+/// The speeds to choose from, as multiples of the video's own.
 pub const SPEEDS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
-/// The spacing of frames whose times nobody knows, s.
+/// Assumed interval of frames without a time, s.
 const UNKNOWN_SPACING_S: f64 = 0.04;
 
-/// A clock that was started with a frame.
+/// A clock that runs from the moment at which a frame was shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlayClock {
-    /// When it was started, s of any clock.
+    /// The time of the start, s, on the caller's clock.
     started_s: f64,
-    /// The frame that was shown then.
+    /// The index of the frame shown at the start.
     from: usize,
     speed: f64,
-    /// The frame that it showed last.
+    /// The index of the frame shown last.
     shown: usize,
 }
 
 impl PlayClock {
-    /// Starts with a frame that is shown now.
+    /// Starts the clock with the frame that is shown now.
     #[must_use]
     pub const fn start(now_s: f64, frame: usize, speed: f64) -> Self {
         Self {
@@ -32,16 +32,16 @@ impl PlayClock {
         }
     }
 
-    /// Whether it still speaks of the frame that is shown at this speed: somebody may have gone
-    /// elsewhere.
+    /// Whether the clock still fits the shown frame and the speed. It does not after the user went
+    /// to another frame.
     #[must_use]
     pub fn follows(&self, frame: usize, speed: f64) -> bool {
         self.shown == frame && self.speed == speed
     }
 
-    /// The frame to show now, at most the last of those after the shown one that `is_there` says
-    /// are decoded without a gap. Where decoding falls behind, the clock waits: no frame is jumped
-    /// to that cannot be shown.
+    /// The index of the frame to show now. `is_there` says whether a frame is decoded. The clock
+    /// stops before the first frame that is not, and restarts from there, so that playback waits
+    /// for the decoder and skips no frame for want of a picture.
     pub fn frame_at(
         &mut self,
         now_s: f64,
@@ -62,7 +62,7 @@ impl PlayClock {
         due
     }
 
-    /// How long until the next frame is due, s.
+    /// The time until the next frame is due, s.
     #[must_use]
     pub fn until_next_s(&self, now_s: f64, open: &OpenProject) -> f64 {
         let due_s = (time_s(open, self.shown + 1) - time_s(open, self.from)) / self.speed;
@@ -70,8 +70,7 @@ impl PlayClock {
     }
 }
 
-/// When a frame is shown, s from the start of its video. Another video goes on where the one before
-/// ends.
+/// The time of a frame, s from the start of its own video.
 fn time_s(open: &OpenProject, frame: usize) -> f64 {
     let known = open
         .frame(frame)
@@ -87,7 +86,7 @@ mod tests {
 
     fn open() -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        // 25 frames a second, with a gap of a second after frame 4.
+        // 25 frames per second, with a gap of one second after frame 4.
         for index in 0..10_u64 {
             let time = index as f64 / 25.0 + if index > 4 { 1.0 } else { 0.0 };
             let video = VideoFrame::new("match.mp4", index, Some(time));

@@ -1,16 +1,16 @@
-//! A document made ready where it is opened, so that taking it in does not keep the window waiting.
+//! A document prepared on the thread that reads it, so that opening it does not block the window.
 
 use super::Versioned;
 use super::derived::Derived;
 use touchline_calibration::proposals::Project;
 use touchline_documents::document::Document;
 
-/// A document split into what people did and what is suggested, and what the window derives from
-/// all frames of it: with 100,000 frames that takes a good part of a second.
+/// A document split into the users' work and the suggestions, with the values that the window
+/// derives from all frames. With 100,000 frames their computation takes a good part of a second.
 #[derive(Clone, Debug)]
 pub(super) struct Prepared {
     pub(super) project: Project,
-    /// What follows from the document's first version.
+    /// Values derived from version 0 of the document.
     pub(super) derived: Derived,
 }
 
@@ -26,13 +26,13 @@ impl Prepared {
         }
     }
 
-    /// The document as a reader sees it.
+    /// The document with the suggestions, as a reader sees it.
     pub(super) const fn document(&self) -> &Document {
         self.project.view()
     }
 }
 
-/// All of it follows from the document.
+/// Both fields follow from the document, so comparing the documents is enough.
 impl PartialEq for Prepared {
     fn eq(&self, other: &Self) -> bool {
         self.document() == other.document()

@@ -7,7 +7,7 @@ use touchline_documents::document::FrameStatus;
 /// Every frame is accepted or rejected.
 pub const ALL_DONE: &str = "All done: every frame is accepted or rejected.";
 
-/// The message after a frame has been accepted.
+/// The message after a frame was accepted.
 #[must_use]
 pub fn just_accepted(counts: &FrameCounts, used_for_training: bool) -> String {
     let (left, references) = (counts.to_do, counts.used_for_training);
@@ -24,7 +24,7 @@ pub fn just_accepted(counts: &FrameCounts, used_for_training: bool) -> String {
     }
 }
 
-/// How many references are missing before proposals become useful; none once there are any
+/// Number of references that are missing until proposals become useful. Zero as soon as there are
 /// proposals.
 #[must_use]
 pub fn missing_references(counts: &FrameCounts) -> usize {

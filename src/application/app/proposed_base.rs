@@ -1,4 +1,4 @@
-//! The shown frame as it would be with a base that was estimated and waits for a decision.
+//! The shown frame with an estimated base that waits for the user's decision.
 
 use super::OpenProject;
 use std::sync::Arc;
@@ -7,24 +7,26 @@ use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::solve::{FrameSolution, Judgement, judge};
 
-/// The shown frame as it would be with a base that waits for a decision.
+/// The values of the shown frame that would follow from the estimated base.
 #[derive(Clone, Debug)]
 pub struct WithProposal {
-    /// The field with the crown that was found.
+    /// The field with the estimated crown and size.
     pub field: Arc<FieldModel>,
-    /// The camera's base as it was found.
+    /// The estimated base.
     pub base: CameraBase,
-    /// The frame's camera; none where its clicks do not give one.
+    /// The frame's camera; none if its clicks do not determine one.
     pub camera: Option<PtzCamera>,
-    /// What its clicks say; none without any.
+    /// The solution from its clicks; none if no click has a name.
     pub solution: Option<Result<FrameSolution, CalibrationError>>,
-    /// One word and its reason.
+    /// The verdict and its reason.
     pub judgement: Option<Judgement>,
-    /// The clicks that the others contradict.
+    /// The indices of the clicks that the others contradict.
     pub disputed: Vec<usize>,
 }
 
 impl WithProposal {
+    /// Computes the values of a frame with an estimated base. None if the base is another camera's,
+    /// or the field is invalid.
     pub(super) fn derive(
         open: &mut OpenProject,
         index: usize,
@@ -35,6 +37,7 @@ impl WithProposal {
             .frames
             .get(index)
             .filter(|frame| frame.camera == found.camera)?;
+        // The frame is solved in a copy of the document that has the estimated base.
         let mut document = open.document.clone();
         found.write_camera(&mut document);
         let field = open.derived.field_in(&document, frame).ok()?;

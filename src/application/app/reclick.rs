@@ -1,36 +1,37 @@
-//! A blind round: the landmarks of the gold frames are clicked again, without a look at the label,
-//! its lines or a proposal.
+//! A blind round: the user clicks the landmarks of gold frames again, without seeing labels, lines
+//! or proposals.
 
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Document, FrameStatus};
 
-/// What a round asks for next.
+/// A landmark to be clicked.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Asked {
-    /// The frame, by its place in the document.
+    /// The index of the frame.
     pub frame: usize,
-    /// The landmark to be clicked in it.
+    /// The landmark.
     pub landmark: LandmarkId,
 }
 
-/// A blind round that is under way.
+/// A blind round.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reclick {
-    /// Everything that is asked for, in order.
+    /// All landmarks of the round, in order.
     asked: Vec<Asked>,
-    /// What is asked for now.
+    /// The index of the present one.
     at: usize,
-    /// What was clicked, by its place in `asked`, the latest last; the others were skipped.
+    /// The indices in `asked` of the landmarks that were clicked, latest last. The others before
+    /// `at` were skipped.
     clicked: Vec<usize>,
     /// The number of the round in the document.
     pub round: u32,
-    /// Where the pointer holds the click that is being made, px of the picture.
+    /// The point at which the button is held down, px of the picture.
     pub held: Option<ImagePoint>,
 }
 
 impl Reclick {
-    /// A round over the gold references of a document; it asks for nothing where there are none.
+    /// A round over the gold references of a document; empty if there are none.
     #[must_use]
     pub fn of(document: &Document) -> Self {
         let frames = document.frames.iter().enumerate();
@@ -48,54 +49,54 @@ impl Reclick {
         }
     }
 
-    /// What is asked for now; none at the end.
+    /// The present landmark; none at the end.
     #[must_use]
     pub fn asked(&self) -> Option<&Asked> {
         self.asked.get(self.at)
     }
 
-    /// How many are asked for in all.
+    /// Number of landmarks in the round.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.asked.len()
     }
 
-    /// Nothing is asked for.
+    /// Whether the round has no landmarks.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.asked.is_empty()
     }
 
-    /// Which one is asked for now, from 1.
+    /// The number of the present landmark, from 1.
     #[must_use]
     pub const fn number(&self) -> usize {
         self.at + 1
     }
 
-    /// How many were clicked.
+    /// Number of landmarks that were clicked.
     #[must_use]
     pub const fn clicked(&self) -> usize {
         self.clicked.len()
     }
 
-    /// How many were skipped.
+    /// Number of landmarks that were skipped.
     #[must_use]
     pub const fn skipped(&self) -> usize {
         self.at - self.clicked.len()
     }
 
-    /// What is asked for was clicked.
+    /// Registers that the present landmark was clicked.
     pub(super) fn take_click(&mut self) {
         self.clicked.push(self.at);
         self.at += 1;
     }
 
-    /// What is asked for cannot be seen.
+    /// Skips the present landmark.
     pub(super) const fn skip(&mut self) {
         self.at += 1;
     }
 
-    /// Goes back to the last one that was clicked.
+    /// Returns to the landmark that was clicked last.
     pub(super) fn go_back(&mut self) {
         self.at = self.clicked.pop().unwrap_or(self.at);
     }

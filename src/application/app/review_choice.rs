@@ -1,22 +1,22 @@
 //! The user's choices in the review panel, and whether the pointer is over its list.
 
-/// What the list of suggestions begins with.
+/// The order of the list of suggestions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ReviewOrder {
-    /// The most doubtful.
+    /// Lowest confidence first.
     #[default]
     Confidence,
-    /// The one farthest from its neighbours' way.
+    /// Largest disagreement with the neighbours first.
     Disagreement,
-    /// The first in the document.
+    /// In the document's order.
     Time,
 }
 
 impl ReviewOrder {
-    /// Every order, as the panel lists them.
+    /// All orders, as the panel lists them.
     pub const ALL: [Self; 3] = [Self::Confidence, Self::Disagreement, Self::Time];
 
-    /// What the panel calls it.
+    /// The label in the panel.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -26,7 +26,7 @@ impl ReviewOrder {
         }
     }
 
-    /// What it is good for.
+    /// The explanation in the panel.
     #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
@@ -41,18 +41,18 @@ impl ReviewOrder {
     }
 }
 
-/// What a person chose in the review panel.
+/// The user's choices in the review panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReviewChoice {
     /// The order of the list.
     pub order: ReviewOrder,
-    /// Suggestions of at least this probability are accepted together.
+    /// Minimum confidence of suggestions that are accepted together.
     pub threshold: f64,
-    /// Also those that disagree with their neighbours.
+    /// Whether suggestions that disagree with their neighbours are accepted, too.
     pub with_disagreeing: bool,
-    /// The list has one suggestion a shot.
+    /// Whether the list shows one suggestion per shot.
     pub one_per_shot: bool,
-    /// The pointer is over the list: its rows stay where they are.
+    /// Whether the pointer is over the list; then its rows do not move.
     pub held: bool,
 }
 

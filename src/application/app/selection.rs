@@ -1,5 +1,4 @@
-//! Several frames at once: which are selected, and what a wish that concerns more than one frame is
-//! about.
+//! Several frames at once: the selection on the filmstrip, and the frames that a change applies to.
 
 use super::OpenProject;
 pub use super::choices::{Scope, Selecting};
@@ -8,7 +7,7 @@ use std::collections::BTreeSet;
 use touchline_documents::document::Frame;
 
 impl Scope {
-    /// The frames, by their places in the document.
+    /// The indices of the frames in the scope.
     #[must_use]
     pub fn frames(self, open: &OpenProject, session: &Session) -> Vec<usize> {
         let Some(shown) = open.frame(session.frame) else {
@@ -32,8 +31,8 @@ impl Scope {
     }
 }
 
-/// The selection after a click on a frame of the filmstrip. A lone frame is no selection: it is the
-/// shown one.
+/// The selection after a click on a frame of the filmstrip. A single frame is no selection; it is
+/// just the shown frame.
 pub(super) fn after_click(
     open: &OpenProject,
     session: &Session,

@@ -1,4 +1,4 @@
-//! Reasons and warnings as sentences.
+//! Turns reasons and warnings into sentences.
 
 /// A text with a capital letter and a full stop.
 #[must_use]

@@ -1,4 +1,4 @@
-//! The state of the window: not saved, not undone.
+//! The state of the window. It is neither saved nor undone.
 
 pub use super::dialog::{Dialog, Leaving, Question, SidePanel};
 pub use super::filter::{Filter, is_to_do, status_label};
@@ -18,125 +18,124 @@ use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{FrameId, RejectReason};
 use touchline_documents::store::Orphan;
 
-/// What the window shows and what has been begun.
+/// What the window shows and what the user is doing.
 #[derive(Debug, Default)]
 pub struct Session {
-    /// The current frame's place in the document.
+    /// The index of the shown frame in the document.
     pub frame: usize,
-    /// The frames selected on the filmstrip: none, or at least two.
+    /// The indices of the frames selected on the filmstrip: none, or at least two.
     pub frames_selected: BTreeSet<usize>,
-    /// What has been begun.
+    /// What the user has begun and not ended, such as a drag.
     pub mode: Mode,
     /// Which frames the filmstrip shows.
     pub filter: Filter,
     /// What the right-hand side shows.
     pub panel: SidePanel,
-    /// What lies over the window.
+    /// The open dialog, if any.
     pub dialog: Option<Dialog>,
-    /// The page of the guide that was read last.
+    /// The page of the guide that was shown last.
     pub guide_page: GuidePage,
-    /// The sport that the name of the pictures speaks of, while it is asked for.
+    /// The sport that the pictures' file name suggests, while the user is asked for the sport.
     pub sport_guess: Option<&'static str>,
-    /// What was chosen in the review panel.
+    /// The choices in the review panel.
     pub review: ReviewChoice,
-    /// Suggestions that a person took out of those that are accepted together.
+    /// Suggestions that the user unticked on the sheet *Accept all*.
     pub unticked: BTreeSet<FrameId>,
-    /// What was chosen on the quality page, and whether it takes the window.
+    /// The choices on the quality page, and whether it is open.
     pub quality: QualityChoice,
     /// What the background trainer is doing.
     pub trainer: TrainerState,
-    /// The frame, as it was, of which it was asked whether it is to be accepted although its
-    /// verdict is wrong.
+    /// The frame for which the program asked whether to accept it although its verdict is bad.
     pub doubted: Option<Doubted>,
-    /// What is done with the video of the shown frame.
+    /// The playback state of the shown frame's video.
     pub video: VideoState,
     /// The tour on the demo match, while it lasts.
     pub tour: Option<Tour>,
-    /// The messages.
+    /// The messages to the user.
     pub messages: Messages,
-    /// The points of the shown frame: which is selected, which were just placed.
+    /// The points of the shown frame: which one is selected, which were just placed.
     pub points: PointState,
-    /// How the picture is shown.
+    /// How the picture is displayed.
     pub picture: PictureDisplay,
-    /// How far what was done is on disk, and what waits for that.
+    /// What has been written to disk, and what waits for it.
     pub disk: DiskState,
 }
 
 /// The points of the shown frame.
 #[derive(Debug, Default)]
 pub struct PointState {
-    /// The selected click of the current frame.
+    /// The index of the selected click.
     pub selected: Option<usize>,
     /// Where the pointer is over the picture, px of the picture.
     pub hover: Option<ImagePoint>,
-    /// The click that was just placed and named without asking, until something else is done.
+    /// The index of the click that was just placed and named automatically, until the next action
+    /// of the user.
     pub named_unasked: Option<usize>,
-    /// The clicks of the shown frame that were just moved onto the paint, until something else is
-    /// done.
+    /// The indices of the clicks that were just moved onto the paint, until the next action of the
+    /// user.
     pub just_snapped: Vec<usize>,
-    /// The next click is a point on a line.
+    /// Whether the next click becomes a point on a line.
     pub next_on_line: bool,
 }
 
-/// How the picture is shown; kept from frame to frame.
+/// How the picture is displayed; the same for every frame.
 #[derive(Debug, Default)]
 pub struct PictureDisplay {
-    /// How the picture is shown; kept from frame to frame.
+    /// Whether the whole picture is shown or a part.
     pub view: PictureView,
     /// The scale at which the picture fits its canvas, physical px of the screen per px of the
-    /// picture; the viewport keeps it true.
+    /// picture. The viewport updates it.
     pub fit_scale: f64,
-    /// Commands that act while their key is down.
+    /// The commands that act while their key is down.
     pub held: Held,
-    /// How the uncertainty is shown.
+    /// How the uncertainty is displayed.
     pub uncertainty: UncertaintyView,
-    /// The masks are shown and can be drawn.
+    /// Whether the masks are shown and can be drawn.
     pub masks: bool,
 }
 
-/// How far what was done is on disk, and what waits for that.
+/// What has been written to disk, and what waits for it.
 #[derive(Debug, Default)]
 pub struct DiskState {
-    /// How far what was done is on disk.
+    /// Whether all edits are on disk.
     pub saving: Saving,
-    /// How often the document was asked to be written.
+    /// The number of requests to write the document; see `Effect::Save`.
     pub save_requests: u64,
-    /// A document is being read.
+    /// The name of the document that is being opened.
     pub opening: Option<String>,
-    /// What is done once everything is on disk and nobody else has changed the document.
+    /// What to do as soon as everything is on disk and no change by another program is undecided.
     pub leaving: Option<Leaving>,
-    /// Another program changed this file of the document, and the user has not decided what to do
-    /// about it.
+    /// The document's file, if another program changed it and the user has not decided what to do.
     pub changed_outside: Option<PathBuf>,
-    /// Where what the window holds is kept until then.
+    /// The file in which the window's version is kept until that decision.
     pub own_version: Option<PathBuf>,
-    /// The revision that is being copied elsewhere, and the one that was.
+    /// Copies of the document to other folders.
     pub copies: Copies,
-    /// Edits of another version of the document that were set aside.
+    /// Edits that belong to another version of the document and were set aside.
     pub orphans: Vec<Orphan>,
 }
 
-/// A frame that was to be accepted although its verdict is wrong.
+/// A frame that the user wanted to accept although its verdict is bad.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Doubted {
-    /// Which frame.
+    /// The frame's id.
     pub frame: FrameId,
-    /// The document's version then: after a change it is asked again.
+    /// The document's version at the question. If it has changed, the question is asked again.
     pub version: u64,
-    /// It was to stay shown.
+    /// Whether the frame was to stay shown after it is accepted.
     pub stay: bool,
 }
 
-/// Copies of the document that were written elsewhere.
+/// Revisions of the document that were copied to other folders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Copies {
-    /// The revision that is being written.
+    /// The revision that is being copied.
     pub begun: Option<u64>,
-    /// The latest that was written.
+    /// The latest revision that was copied.
     pub written: Option<u64>,
 }
 
-/// A reason as a person reads it.
+/// The label of a reason for rejection.
 #[must_use]
 pub const fn reason_label(reason: RejectReason) -> &'static str {
     match reason {
@@ -149,67 +148,68 @@ pub const fn reason_label(reason: RejectReason) -> &'static str {
     }
 }
 
-/// How the picture lies in its canvas.
+/// Which part of the picture the canvas shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PictureView {
     /// The whole picture.
     #[default]
     Fit,
-    /// Enlarged.
+    /// A part, enlarged.
     Zoomed {
-        /// Physical px of the screen per px of the picture: 1 is 100 % at any density.
+        /// Physical px of the screen per px of the picture; 1 is 100 % at any pixel density.
         scale: f64,
-        /// What lies in the middle of the canvas, px of the picture.
+        /// The point in the middle of the canvas, px of the picture.
         centre: ImagePoint,
     },
 }
 
-/// Commands that act while their key is down.
+/// Which commands are active because their key is down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Held {
     /// The overlay is hidden.
     pub hide_overlay: bool,
-    /// The other solution is shown.
+    /// The other solution is shown, for comparison.
     pub compare: bool,
-    /// The camera is shown as it was before it was snapped.
+    /// The camera is shown as it was before it was aligned to the paint.
     pub before_snap: bool,
 }
 
-/// How far what was done is on disk.
+/// Whether all edits are on disk.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Saving {
-    /// Nothing has been done.
+    /// There has been no edit.
     #[default]
     Untouched,
-    /// An edit is on its way.
+    /// An edit is being written.
     Pending,
     /// Every edit is on disk.
     Saved {
-        /// The local time, "12:03:41".
+        /// The local time of the last write, such as "12:03:41".
         at: String,
     },
-    /// Edits are only in memory.
+    /// Writing failed: some edits exist only in memory.
     Failed {
-        /// One line.
+        /// The error, in one line.
         message: String,
-        /// The time of the last success, if any.
+        /// The time of the last successful write, if any.
         since: Option<String>,
     },
 }
 
 impl Session {
-    /// Something else is done: what was said of the points that were just placed goes.
+    /// Clears the marks on points that were just placed or moved, because the user does something
+    /// else.
     pub fn forget_placed(&mut self) {
         self.points.named_unasked = None;
         self.points.just_snapped.clear();
     }
 
-    /// Shows a message; one that says the same is replaced.
+    /// Shows a message. It replaces an earlier one with the same text.
     pub fn notify(&mut self, level: Level, text: impl Into<String>) {
         self.notify_with(level, text, []);
     }
 
-    /// Shows a message with commands that it offers.
+    /// Shows a message with commands as buttons.
     pub fn notify_with(
         &mut self,
         level: Level,
@@ -220,7 +220,7 @@ impl Session {
             .show(level, text.into(), offers.into_iter().collect());
     }
 
-    /// Whether a message offers a command.
+    /// Whether a message on display offers a command.
     #[must_use]
     pub fn offers(&self, command: Command) -> bool {
         self.messages
@@ -229,7 +229,8 @@ impl Session {
             .any(|notice| notice.offers(command))
     }
 
-    /// Takes back the messages that offer a command: it has been done, or makes no sense any more.
+    /// Removes the messages that offer a command, because it has been carried out or no longer
+    /// makes sense.
     pub fn retract(&mut self, command: Command) {
         self.messages
             .notices

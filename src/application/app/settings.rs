@@ -1,4 +1,4 @@
-//! What belongs to the user and not to a project: style, keys, recent documents.
+//! The user's settings, independent of projects: style, keys, recent documents.
 
 use super::Keymap;
 use crate::scene::{OverlayStyle, PictureLook, Sport};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// How many recent documents are remembered.
+/// Maximum number of recent documents.
 pub const MAX_RECENT: usize = 12;
 
 /// The user's settings, kept as JSON in the user's configuration folder.
@@ -14,10 +14,9 @@ pub const MAX_RECENT: usize = 12;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// How the field's lines are drawn over the picture; their colour is that of fields of no known
-    /// sport.
+    /// The style of the lines over the picture. Its colour is used for fields of no known sport.
     pub overlay: OverlayStyle,
-    /// The colours of the lines that a person chose, by [`Sport::id`].
+    /// The line colours that the user chose, by [`Sport::id`].
     pub line_colours: BTreeMap<String, [u8; 3]>,
     /// The loupe around a point that is placed or dragged.
     pub loupe: Loupe,
@@ -25,33 +24,33 @@ pub struct Settings {
     pub picture_memory_mib: u32,
     /// Dark or light.
     pub theme: ThemeChoice,
-    /// How large texts and controls are; 1 is the system's.
+    /// The size of texts and controls; 1 is the system's.
     pub text_size: f32,
-    /// How bright the picture is shown; never in exports.
+    /// Brightness, contrast and gamma of the displayed picture; exports ignore it.
     pub picture: PictureLook,
-    /// The width of the side panel, points; none: by the window's size.
+    /// Width of the side panel, points; none: derived from the window's size.
     pub side_width: Option<f32>,
-    /// The height of the filmstrip, points; none: by the window's size.
+    /// Height of the filmstrip, points; none: derived from the window's size.
     pub filmstrip_height: Option<f32>,
-    /// Where the window was, and its size, points.
+    /// The last position and size of the window.
     pub window: Option<WindowPlace>,
     /// Keys that differ from the defaults.
     pub keys: Keymap,
-    /// Documents opened before, the latest first.
+    /// Recent documents, latest first.
     pub recent: Vec<PathBuf>,
-    /// The field map is shown.
+    /// Whether the field map is shown.
     pub field_map: bool,
-    /// The inspector's details are unfolded.
+    /// Whether the details in the inspector are unfolded.
     pub details: bool,
-    /// A point that is placed or dropped goes to the painted corner, crossing or spot that it
-    /// names.
+    /// Whether points that the user places or drops move to the painted corner, crossing or spot
+    /// that they name.
     pub snap_points: bool,
-    /// The base of a camera is estimated from the painted lines of its frames as well.
+    /// Whether a camera's base is estimated from the painted lines as well as from clicks.
     pub base_on_paint: bool,
-    /// What the forest proposes is snapped to the painted lines before it is shown, where they
-    /// decide.
+    /// Whether the forest's proposals are aligned to the painted lines before they are shown, if
+    /// the lines determine the camera.
     pub snap_suggestions: bool,
-    /// The note that drawing runs on the processor has been shown for this adapter.
+    /// The graphics adapter for which the note about drawing on the processor has been shown.
     pub told_about_adapter: String,
 }
 
@@ -59,34 +58,34 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ThemeChoice {
-    /// Light on dark: a picture is judged best on a dark ground.
+    /// Light on dark; pictures are judged best on a dark background.
     #[default]
     Dark,
     /// Dark on light.
     Light,
-    /// What the system has.
+    /// The system's choice.
     System,
 }
 
-/// The loupe around a point that is placed or dragged.
+/// The loupe around a point that is being placed or dragged.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Loupe {
-    /// It is shown.
+    /// Whether it is shown.
     pub shown: bool,
     /// Points of the screen per px of the picture.
     pub magnification: f32,
-    /// Its side, points.
+    /// Length of its side, points.
     pub side: f32,
 }
 
 impl Loupe {
-    /// What the magnification may be.
+    /// The range of the magnification.
     pub const MAGNIFICATION: std::ops::RangeInclusive<f32> = 3.0..=16.0;
-    /// What the side may be.
+    /// The range of the side, points.
     pub const SIDE: std::ops::RangeInclusive<f32> = 120.0..=280.0;
 
-    /// Numbers from a file edited by hand, brought into their ranges.
+    /// The same with numbers clamped to their ranges; the file may have been edited by hand.
     #[must_use]
     pub fn within_limits(self) -> Self {
         let default = Self::default();
@@ -119,13 +118,13 @@ impl Default for Loupe {
     }
 }
 
-/// What the memory for decoded frames may be, MiB.
+/// The range of the memory for decoded frames, MiB.
 pub const PICTURE_MEMORY_MIB: std::ops::RangeInclusive<u32> = 128..=16_384;
 
-/// How large texts and controls may be.
+/// The range of the size of texts and controls.
 pub const TEXT_SIZE: std::ops::RangeInclusive<f32> = 0.75..=2.0;
 
-/// A size of texts, brought into its range.
+/// A size of texts, clamped to its range.
 #[must_use]
 pub const fn text_size_within_limits(size: f32) -> f32 {
     if size.is_finite() {
@@ -135,22 +134,22 @@ pub const fn text_size_within_limits(size: f32) -> f32 {
     }
 }
 
-/// Where a window is on the screen, and its size, points.
+/// Position and size of a window, points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WindowPlace {
-    /// The left and top edge; none where the system does not say.
+    /// The left and top edge; none if the system does not report it.
     pub position: Option<[f32; 2]>,
-    /// Width and height of its contents.
+    /// Width and height of the content.
     pub size: [f32; 2],
-    /// It fills the screen.
+    /// Whether it fills the screen.
     pub maximized: bool,
 }
 
 impl WindowPlace {
-    /// The smallest window that everything can be used in, points.
+    /// Minimum usable size of the window, points.
     pub const LEAST: [f32; 2] = [900.0, 600.0];
 
-    /// A place from a file edited by hand; none where it is none.
+    /// The same with numbers clamped to their ranges. None if the size is not plausible.
     fn within_limits(self) -> Option<Self> {
         let size = self.size;
         let is_usable = size
@@ -195,15 +194,15 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The settings that a file holds; what is missing takes its default.
+    /// Reads settings; missing keys get their defaults, and numbers are clamped to their ranges.
     ///
     /// # Errors
-    /// The text is not JSON, or a key has a value of another kind.
+    /// The text is not JSON, or a value has the wrong type.
     pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
         serde_json::from_str::<Self>(text).map(Self::within_limits)
     }
 
-    /// How the lines of a field are drawn over the picture: in the colour of its sport.
+    /// The style of the lines of a field template, in the colour of its sport.
     #[must_use]
     pub fn overlay_of(&self, template: &str) -> OverlayStyle {
         let colour = Sport::of_template(template).map_or(self.overlay.colour, |sport| {
@@ -218,7 +217,7 @@ impl Settings {
         }
     }
 
-    /// Chooses the colour of a sport's lines.
+    /// Sets the colour of a sport's lines. The default colour is not stored.
     pub fn set_line_colour(&mut self, sport: &Sport, colour: [u8; 3]) {
         if colour == sport.colour {
             self.line_colours.remove(sport.id);
@@ -227,14 +226,14 @@ impl Settings {
         }
     }
 
-    /// Puts a document at the head of the recent ones.
+    /// Moves a document to the head of the recent ones.
     pub fn remember(&mut self, document: &Path) {
         self.recent.retain(|path| path != document);
         self.recent.insert(0, document.to_path_buf());
         self.recent.truncate(MAX_RECENT);
     }
 
-    /// Numbers from a file edited by hand, brought into their ranges.
+    /// The same with numbers clamped to their ranges; the file may have been edited by hand.
     fn within_limits(mut self) -> Self {
         let style = OverlayStyle::default();
         let within = |value: f32, low: f32, high: f32, default: f32| {

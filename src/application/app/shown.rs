@@ -1,38 +1,38 @@
-//! What the window shows of the frame's camera. While an estimated base waits for a decision,
-//! lines, residuals, verdict and numbers are all those of that base; nothing of the current base
-//! stands beside them.
+//! The values of the frame's camera that the window shows. While an estimated base waits for a
+//! decision, lines, residuals, verdict and numbers all refer to that base, and none to the current
+//! one.
 
 use super::App;
 use touchline_calibration::calibrate::CalibrationError;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::solve::{ClickResidual, FrameSolution, Judgement};
 
-/// The shown frame as its base, or an estimated one, has it.
+/// The shown frame's values with either the current base or an estimated one.
 #[derive(Clone, Debug)]
 pub struct Shown<'a> {
     /// The base.
     pub base: Option<CameraBase>,
     /// The frame's camera.
     pub camera: Option<PtzCamera>,
-    /// What the clicks say; none where there is nothing to solve.
+    /// The solution from the clicks; none if there is nothing to solve.
     pub solution: Option<&'a Result<FrameSolution, CalibrationError>>,
     /// The verdict.
     pub judgement: Option<Judgement>,
-    /// The clicks that something contradicts.
+    /// The indices of the contradicted clicks.
     pub disputed: &'a [usize],
-    /// All of this is with an estimated base that waits for a decision.
+    /// Whether the values refer to an estimated base that waits for a decision.
     pub is_estimated: bool,
     residuals: &'a [ClickResidual],
 }
 
 impl<'a> Shown<'a> {
-    /// What the clicks say, if they give a camera.
+    /// The solution from the clicks, if they determine a camera.
     #[must_use]
     pub fn solved(&self) -> Option<&'a FrameSolution> {
         self.solution?.as_ref().ok()
     }
 
-    /// Where a click lies as seen from the camera; none for check clicks of a solution from clicks.
+    /// The residual of a click; none for check clicks of a solution from clicks.
     #[must_use]
     pub fn residual(&self, click: usize) -> Option<&'a ClickResidual> {
         let residuals = self
@@ -52,7 +52,8 @@ impl App {
             .is_some_and(|(found, frame)| found.camera == frame.camera)
     }
 
-    /// What is shown of the frame's camera: of one base, whichever it is.
+    /// The values to show: of the estimated base if one waits, unless the user holds the key for
+    /// comparison.
     #[must_use]
     pub fn shown(&self) -> Shown<'_> {
         let current = self.current();

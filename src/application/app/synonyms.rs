@@ -1,8 +1,8 @@
-//! Other words by which people look for a command.
+//! Other words by which users may search for a command.
 
 use super::Command;
 
-/// Words that find a command beside its name; empty where the name says it all.
+/// Words that find a command in addition to its name; empty if there are none.
 #[must_use]
 pub const fn synonyms(command: Command) -> &'static str {
     use Command as C;

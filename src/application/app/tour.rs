@@ -1,5 +1,5 @@
-//! A tour of five steps on the demo match. Each step is done by the person; it is over when the
-//! document shows so.
+//! A tour of five steps on the demo match. The user does each step; it is over when the document
+//! shows the result.
 
 use super::{Command, Keymap};
 use touchline_core::geometry::ImagePoint;
@@ -8,22 +8,22 @@ use touchline_documents::document::{Document, Frame, FrameId, FrameStatus};
 /// A step of the tour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TourStep {
-    /// A first point is placed and named.
+    /// The user places and names a first point.
     FirstPoint,
-    /// A second one, and the lines appear.
+    /// The user places a second point, and the lines appear.
     SecondPoint,
-    /// A point is moved, and the lines follow.
+    /// The user moves a point, and the lines follow.
     Refine,
-    /// The frame becomes a reference.
+    /// The user accepts the frame.
     Accept,
-    /// The next frame is decided.
+    /// The user accepts or rejects the next frame.
     Decide,
-    /// All is done.
+    /// All steps are done.
     Finished,
 }
 
 impl TourStep {
-    /// The steps that a person does, in order.
+    /// The steps that the user does, in order.
     pub const ALL: [Self; 5] = [
         Self::FirstPoint,
         Self::SecondPoint,
@@ -32,7 +32,7 @@ impl TourStep {
         Self::Decide,
     ];
 
-    /// Its place among the steps, from 1; none once all are done.
+    /// The number of the step, from 1; none after the last.
     #[must_use]
     pub fn number(self) -> Option<usize> {
         Self::ALL
@@ -41,7 +41,7 @@ impl TourStep {
             .map(|place| place + 1)
     }
 
-    /// What the person does, in a few words.
+    /// What to do, in a few words.
     #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
@@ -54,7 +54,7 @@ impl TourStep {
         }
     }
 
-    /// How it is done.
+    /// How to do it.
     #[must_use]
     pub fn text(self, keys: &Keymap) -> String {
         let key = |command| keys.shown(command);
@@ -89,25 +89,25 @@ impl TourStep {
     }
 }
 
-/// What the tour looks at.
+/// The state of the document as the tour sees it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sight {
-    /// The frame that is shown.
+    /// The shown frame.
     pub frame: Option<FrameId>,
-    /// Its points.
+    /// Its points, px.
     pub points: Vec<ImagePoint>,
-    /// It has a camera from its points.
+    /// Whether its points determine a camera.
     pub solved: bool,
-    /// Points with a name, of all frames.
+    /// Number of named points in all frames.
     pub named: usize,
-    /// Accepted frames.
+    /// Number of accepted frames.
     pub references: usize,
-    /// Accepted and rejected frames.
+    /// Number of accepted and rejected frames.
     pub decided: usize,
 }
 
 impl Sight {
-    /// What a document shows.
+    /// The state of a document; `solved` is about the shown frame.
     pub fn of(document: &Document, shown: Option<&Frame>, solved: bool) -> Self {
         let count = |wanted: &dyn Fn(&Frame) -> bool| {
             document.frames.iter().filter(|frame| wanted(frame)).count()
@@ -131,18 +131,18 @@ impl Sight {
     }
 }
 
-/// A tour under way.
+/// A tour in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tour {
     step: TourStep,
-    /// What was seen when the step began.
+    /// The state when the step began.
     since: Sight,
-    /// A point was taken up in this step.
+    /// Whether the user has taken a point in this step.
     took_point: bool,
 }
 
 impl Tour {
-    /// The first step.
+    /// Starts with the first step.
     pub(super) const fn begin(seen: Sight) -> Self {
         Self {
             step: TourStep::FirstPoint,
@@ -151,18 +151,18 @@ impl Tour {
         }
     }
 
-    /// What is to be done.
+    /// The present step.
     #[must_use]
     pub const fn step(&self) -> TourStep {
         self.step
     }
 
-    /// A person takes hold of a point, or nudges it.
+    /// Registers that the user takes a point to drag it, or nudges it.
     pub(super) const fn point_taken(&mut self) {
         self.took_point = true;
     }
 
-    /// Goes on where the step is done.
+    /// Advances to the next step if the present one is done.
     pub(super) fn look(&mut self, seen: Sight) {
         let since = &self.since;
         let (done, next) = match self.step {
@@ -179,8 +179,9 @@ impl Tour {
             TourStep::Decide => (seen.decided > since.decided, TourStep::Finished),
             TourStep::Finished => return,
         };
-        // Another frame was gone to, or a point came or went: what is moved from here on counts.
-        // So does what snapping did to the points before anybody took hold of one.
+        // *Refine* compares positions of points, so its starting state is renewed when the user
+        // goes to another frame, or a point is added or removed. The same applies until the user
+        // takes a point, so that an automatic move onto the paint does not count.
         let begins_anew = self.step == TourStep::Refine
             && (!self.took_point
                 || seen.frame != since.frame

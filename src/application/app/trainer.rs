@@ -1,4 +1,4 @@
-//! The background trainer as the window sees it: what it is doing, what it has found out.
+//! The background trainer as the application sees it: orders to it, its reports and its state.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,143 +9,142 @@ use touchline_calibration::proposals::{
 use touchline_core::progress::Share;
 use touchline_documents::document::{Document, FrameId};
 
-/// What the app knows of the trainer.
+/// What the application stores about the trainer.
 #[derive(Clone, Debug, Default)]
 pub struct TrainerState {
-    /// The last it reported.
+    /// The last status that it reported.
     pub status: TrainerStatus,
-    /// The user has it rest.
+    /// Whether the user has paused it.
     pub paused: bool,
-    /// The features of the shown frame lie over the picture.
+    /// Whether the features of the shown frame are drawn.
     pub show_features: bool,
-    /// Those of the frame that was looked at last.
+    /// The features of the frame that was examined last.
     pub features: Option<UsedFeatures>,
-    /// The version of the document that it knows.
+    /// The version of the document that the trainer has.
     pub(super) told_version: Option<u64>,
-    /// The frame that it knows to be shown.
+    /// The shown frame that the trainer knows.
     pub(super) told_frame: Option<FrameId>,
-    /// It knows that proposals are to be snapped.
+    /// Whether the trainer has been ordered to align proposals to the paint.
     pub(super) told_snapping: bool,
 }
 
-/// What the trainer reports.
+/// The status of the trainer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrainerStatus {
-    /// What it is doing.
+    /// Its activity.
     pub doing: Doing,
-    /// How long that will take by its pace so far; none before there is a pace.
+    /// Estimated remaining time of the activity; none if there is no estimate yet.
     pub left: Option<Duration>,
-    /// References of the document.
+    /// Number of references in the document.
     pub references: usize,
-    /// Those that are used for training.
+    /// Number of references used for training.
     pub training_frames: usize,
-    /// Those that are left out by choice, such as accepted suggestions. The rest waits for the base
-    /// of its camera.
+    /// Number of references left out by choice, such as accepted suggestions. The remaining ones
+    /// wait for the base of their camera.
     pub withheld: usize,
-    /// Training frames that cannot be used.
+    /// Training frames from which no training sample could be made.
     pub failed: Arc<[UnusableReference]>,
-    /// The forest that answers.
+    /// The forest in use.
     pub forest: Option<ForestFacts>,
-    /// Frames that it has answered.
+    /// Number of frames with an answer.
     pub answered: usize,
-    /// Frames that it has no answer for.
+    /// Number of frames without one.
     pub unanswered: usize,
-    /// Its accuracy.
+    /// The accuracy of the forest.
     pub quality: Option<Arc<Quality>>,
-    /// References whose labels contradict others.
+    /// References with labels that contradict others.
     pub suspects: Arc<[Suspect]>,
-    /// Where the references of each camera look that has any, and where one is missing.
+    /// Coverage by the references of each camera that has any, and where one is missing.
     pub coverage: Arc<[Coverage]>,
-    /// What went wrong: one line.
+    /// An error, in one line.
     pub trouble: Option<String>,
-    /// Why nothing is kept on disk, if so.
+    /// Why nothing is stored on disk, if so.
     pub not_kept: Option<String>,
 }
 
-/// A reference that gives no training sample.
+/// A reference from which no training sample could be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnusableReference {
-    /// Which frame.
+    /// The frame.
     pub frame: FrameId,
-    /// Why it gives none.
+    /// The reason.
     pub error: TrainingSampleError,
 }
 
-/// What the trainer is doing.
+/// The activity of the trainer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Doing {
-    /// Nothing: there is nothing to do.
+    /// None: everything is up to date.
     #[default]
     Nothing,
-    /// It waits a moment for further references.
+    /// Waiting a moment for further references.
     Settling,
-    /// It finds the features of references.
+    /// Detecting features in references.
     Features(Share),
-    /// It trains.
+    /// Training the forest.
     Training(Share),
-    /// It asks the forest for cameras of frames.
+    /// Computing proposals for frames.
     Proposing(Share),
-    /// It carries cameras from key frames of videos to the frames between.
+    /// Tracking cameras from key frames of videos to the frames between.
     Carrying(Share),
-    /// It tests the forest on references that are left out.
+    /// Testing the forest on references that are left out of it.
     Measuring(Share),
-    /// It rests.
+    /// Paused by the user.
     Paused,
 }
 
-/// The forest that answers.
+/// Facts about the forest in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ForestFacts {
-    /// Later forests have greater numbers.
+    /// The number of the forest; it grows with each training.
     pub generation: u64,
-    /// References that it was trained on.
+    /// Number of references on which it was trained.
     pub references: usize,
-    /// Their features.
+    /// Number of their features.
     pub features: usize,
-    /// Its trees, over all cameras.
+    /// Number of trees, over all cameras.
     pub trees: usize,
-    /// Their leaves.
+    /// Number of leaves.
     pub leaves: usize,
-    /// What features and training took; none for one that was kept from an earlier session.
+    /// Duration of feature detection and training; none for a forest from an earlier session.
     pub took: Option<Duration>,
 }
 
-/// An answer of the trainer, named by what was asked.
+/// Identifies an answer of the trainer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AnswerKey {
-    /// The frame that was asked for.
+    /// The frame.
     pub frame: FrameId,
-    /// Its revision then.
+    /// The revision of the frame that was answered.
     pub revision: u64,
-    /// The forest that answered, or whose answers were carried to the frame.
+    /// The generation of the forest that answered, or from whose answers the camera was tracked.
     pub generation: u64,
-    /// The camera was carried to the frame.
+    /// Whether the camera was tracked from other frames.
     pub is_carried: bool,
 }
 
-/// A message to the trainer.
+/// An order to the trainer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrainerOrder {
-    /// The document as it is now: references may be new, changed or withdrawn. What the trainer
-    /// itself answered is told by [`Self::Shown`] instead.
+    /// The document has changed: references may be new, different or withdrawn. For changes by the
+    /// trainer's own answers there is [`Self::Shown`].
     Document(Box<Document>),
-    /// The document shows these answers now, and is otherwise as the trainer has it.
+    /// The document now shows these answers; nothing else has changed.
     Shown(Vec<AnswerKey>),
-    /// Answers were discarded: forests that may not be asked again.
+    /// Answers were discarded: these forests must not answer again.
     Refused(RefusedForests),
-    /// The frame that is shown now: its neighbours come first.
+    /// Another frame is shown; its neighbours are answered first.
     Frame(FrameId),
-    /// The features of the shown frame are wanted, or not any more.
+    /// Report the features of the shown frame, or stop it.
     Features(bool),
-    /// It rests, or goes on.
+    /// Pause, or resume.
     Pause(bool),
-    /// Proposals are snapped to the painted lines before they are shown, or left as the forest
-    /// gives them.
+    /// Align proposals to the painted lines before they are shown, or not.
     Snap(bool),
 }
 
 impl Doing {
-    /// In words, with numbers.
+    /// The activity as text, with numbers.
     #[must_use]
     pub fn describe(self) -> String {
         let share = |what: &str, Share { done, of }: Share| format!("{what}: {done} of {of}");
@@ -161,7 +160,7 @@ impl Doing {
         }
     }
 
-    /// In a word or two with a number, while something goes on.
+    /// The activity in a word or two with a number; none while there is no activity.
     #[must_use]
     pub fn in_brief(self) -> Option<String> {
         Some(match self {
@@ -175,12 +174,11 @@ impl Doing {
         })
     }
 
-    /// How much longer it takes at the pace at which it came here from an earlier state, some time
-    /// ago; none where they are not parts of the same, or so little was done since that it says
-    /// nothing.
+    /// Estimated time until this activity ends, from the progress since an earlier state. None if
+    /// the two are different activities, or the pace cannot be estimated yet.
     #[must_use]
     pub fn left_since(self, earlier: Self, elapsed: Duration) -> Option<Duration> {
-        /// A pace is that of some seconds.
+        /// Minimum time from which a pace is estimated.
         const LEAST: Duration = Duration::from_secs(4);
         let (now, then) = (self.share()?, earlier.share()?);
         let done = now.done.checked_sub(then.done).filter(|done| *done > 0)?;
@@ -188,7 +186,7 @@ impl Doing {
         is_paced.then(|| elapsed.mul_f64(now.of.saturating_sub(now.done) as f64 / done as f64))
     }
 
-    /// How far it has come, where that is known.
+    /// The progress of the activity, if it has one.
     #[must_use]
     pub const fn share(self) -> Option<Share> {
         match self {
@@ -201,14 +199,14 @@ impl Doing {
         }
     }
 
-    /// Whether two are of the same kind, however far they have come.
+    /// Whether two are the same activity, regardless of progress.
     #[must_use]
     pub fn is_kind_of(self, other: Self) -> bool {
         std::mem::discriminant(&self) == std::mem::discriminant(&other)
     }
 }
 
-/// A time that is left, in words: as rough as it is known.
+/// A remaining time as text, rounded according to its uncertainty.
 #[must_use]
 pub fn describe_left(left: Duration) -> String {
     match left.as_secs() {
@@ -222,17 +220,17 @@ pub fn describe_left(left: Duration) -> String {
 /// A report of the trainer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrainerReport {
-    /// What it is doing and has found out, when that changed.
+    /// The status, after every change.
     Status(Box<TrainerStatus>),
-    /// What the forest proposes.
+    /// Proposals of the forest.
     Proposals(Vec<Proposal>),
-    /// Cameras carried from key frames of a video to those between them.
+    /// Cameras that were tracked from key frames of a video to the frames between.
     Carried(Vec<CarriedProposal>),
-    /// How the forest used the shown frame's features.
+    /// How the forest used the features of the shown frame.
     Features(Box<UsedFeatures>),
-    /// An internal error stopped it; there is no trainer any more.
+    /// The trainer stopped by an internal error and does not restart.
     Broken {
-        /// The panic's message.
+        /// The message of the panic.
         message: String,
     },
 }

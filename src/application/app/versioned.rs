@@ -1,10 +1,9 @@
-//! A value that counts how often it may have changed.
+//! A value with a version number, for the invalidation of values derived from it.
 
 use std::ops::{Deref, DerefMut};
 
-/// A value with a version: whoever takes it to write to it raises the version, so what was derived
-/// from one version holds until there is another. A copy of the value is a plain one: it has no
-/// version.
+/// A value with a version. Mutable access raises the version, so a value that was derived from one
+/// version is valid until the version changes. A clone of the inner value has no version.
 #[derive(Debug)]
 pub struct Versioned<T> {
     value: T,
@@ -12,13 +11,13 @@ pub struct Versioned<T> {
 }
 
 impl<T> Versioned<T> {
-    /// A value nobody has changed yet.
+    /// A value at version 0.
     #[must_use]
     pub const fn new(value: T) -> Self {
         Self { value, version: 0 }
     }
 
-    /// Grows whenever the value may have changed, and never comes back.
+    /// The version. It grows whenever the value may have changed, and never decreases.
     #[must_use]
     pub const fn version(&self) -> u64 {
         self.version
@@ -26,12 +25,12 @@ impl<T> Versioned<T> {
 }
 
 impl<T> Versioned<T> {
-    /// Something else that is derived from has changed.
+    /// Raises the version, because something else that derived values depend on has changed.
     pub(super) const fn raise_version(&mut self) {
         self.version += 1;
     }
 
-    /// The value, to change what nothing is derived from: the version stays.
+    /// Mutable access that keeps the version: only for parts from which nothing is derived.
     pub(super) const fn keeping_version(&mut self) -> &mut T {
         &mut self.value
     }

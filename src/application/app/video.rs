@@ -1,18 +1,18 @@
-//! What the window knows about the video it shows.
+//! The playback state of a video.
 
-/// What is done with the video of the shown frame; not saved, not undone.
+/// The playback state of the shown frame's video; neither saved nor undone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VideoState {
-    /// The video is playing.
+    /// Whether the video is playing.
     pub playing: bool,
-    /// At this multiple of its own speed.
+    /// The speed.
     pub speed: PlaySpeed,
-    /// The picture of the shown frame is on its way: what is on the screen belongs to another
-    /// frame.
+    /// Whether the picture of the shown frame is still being decoded; the screen then shows another
+    /// frame's.
     pub picture_awaited: bool,
 }
 
-/// How fast a video is played, as a multiple of its own speed.
+/// The speed of playback, as a multiple of the video's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaySpeed(pub f64);
 

@@ -1,11 +1,11 @@
-//! Where to label next, as one sentence for the panels, the status row and the command line.
+//! Advice where to label next, as one sentence for the panels, the status row and the command line.
 
 use super::App;
 use touchline_calibration::proposals::{LabelAdvice, LabelNext};
 
 impl App {
-    /// What the forest has no answer for, and which frame to label next: the one that "Where to
-    /// label next" goes to.
+    /// How many frames lack an answer, and which frame to label next: the frame to which the
+    /// command "Where to label next" goes. None if every frame has an answer.
     #[must_use]
     pub fn where_to_label(&self) -> Option<String> {
         let open = self.open()?;
@@ -15,8 +15,8 @@ impl App {
     }
 }
 
-/// What the forest has no answer for, or no sure one, and which frame to label; none where every
-/// frame has its answer. `name` is what a frame is called, by its place.
+/// How many frames lack an answer or have an uncertain one, and which frame to label next. None if
+/// every frame has an answer. `name` returns the name of a frame by its index.
 #[must_use]
 pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> Option<String> {
     let without = match advice.unanswered {
@@ -70,7 +70,7 @@ pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> O
     })
 }
 
-/// Degrees as a person reads them, with a minus that no line breaks at.
+/// Degrees as text, with a minus sign at which no line breaks.
 #[must_use]
 pub fn whole_degrees(degrees: f64) -> String {
     let sign = if degrees.round() < 0.0 { "−" } else { "" };

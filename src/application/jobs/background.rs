@@ -1,25 +1,25 @@
-//! One slow task on a thread of its own, such as opening a video of uneven frame times.
+//! One slow task on a thread of its own, such as opening a video with irregular frame times.
 
 use super::Wake;
 use super::worker::{Mailbox, Worker};
 use std::io;
 use std::sync::Arc;
 
-/// How many reports may wait to be polled.
+/// Maximum number of waiting reports.
 const MOST_REPORTS: usize = 4;
 
-/// What a task in the background has to say.
+/// A report of a background task.
 #[derive(Debug, PartialEq)]
 pub enum BackgroundReport<P, T> {
-    /// How far it has come.
+    /// Progress.
     Progress(P),
-    /// It ended with this result.
+    /// The task's result.
     Done(T),
-    /// It panicked with this message.
+    /// The message of the panic that ended the task.
     Panicked(String),
 }
 
-/// What a task uses to say how far it has come and to learn that nobody waits any more.
+/// The task's link to its owner: reports progress and says whether the result is still needed.
 pub struct Reporter<P, T> {
     mailbox: Arc<Mailbox<(), BackgroundReport<P, T>>>,
 }
@@ -31,14 +31,14 @@ impl<P, T> Reporter<P, T> {
         self.mailbox.is_closing()
     }
 
-    /// Reports progress; dropped when the last reports have not been polled yet.
+    /// Reports progress; dropped if too many reports wait already.
     pub fn progress(&self, progress: P) {
         self.mailbox
             .report_if_room(BackgroundReport::Progress(progress));
     }
 }
 
-/// A task on its own thread. Dropping it asks the task to stop and waits for it.
+/// A task on its own thread. Dropping it stops the task and waits for it.
 pub struct Background<P, T> {
     worker: Worker<(), BackgroundReport<P, T>>,
     is_over: bool,
@@ -81,7 +81,7 @@ impl<P: Send + 'static, T: Send + 'static> Background<P, T> {
         self.is_over
     }
 
-    /// Asks the task to end early; its result still arrives.
+    /// Stops the task; its result still arrives.
     pub fn stop(&self) {
         self.worker.mailbox().begin_closing();
     }
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use std::sync::mpsc::{self, Receiver};
 
-    /// A wake callback and what waits for it.
+    /// A wake callback, and a receiver that gets a value for each call.
     fn wake() -> (Wake, Receiver<()>) {
         let (sender, woken) = mpsc::channel();
         (Arc::new(move || sender.send(()).unwrap_or_default()), woken)

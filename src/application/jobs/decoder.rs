@@ -1,4 +1,4 @@
-//! Decodes the current frame and its neighbours.
+//! Decodes the current frame and its neighbours, and keeps them in memory.
 
 use super::Wake;
 use super::frame_orders::{Choice, WorkReport};
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::io;
 use touchline_vision::media::{CountProgress, FrameReader, FrameRef, MediaError, Notice, Picture};
 
-/// How the decoder works.
+/// Settings of the decoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DecoderOptions {
     /// Memory for decoded frames, bytes. 512 MiB by default: 64 frames of 1920 × 1080 px.
@@ -23,64 +23,64 @@ impl Default for DecoderOptions {
     }
 }
 
-/// What the decoder says.
+/// A report of the decoder.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DecoderReport {
-    /// A frame is decoded; it is also kept for [`Decoder::picture`].
+    /// A frame has been decoded; [`Decoder::picture`] also returns it.
     Ready {
-        /// Which frame.
+        /// The frame.
         frame: FrameRef,
         /// Its pixels.
         picture: Picture,
     },
-    /// The current frame could not be had. Neighbours that fail are not reported before the user
-    /// comes to them.
+    /// The current frame cannot be read. A neighbour that fails is reported only when it becomes
+    /// the current frame.
     Failed {
-        /// Which frame.
+        /// The frame.
         frame: FrameRef,
         /// Why.
         error: MediaError,
     },
-    /// An internal error of this program or of a library stopped the decoding of a frame; the
-    /// decoder goes on with others.
+    /// Decoding a frame panicked; the decoder continues with others.
     Panicked {
-        /// Which frame.
+        /// The frame.
         frame: FrameRef,
         /// The panic's message.
         message: String,
     },
-    /// An internal error stopped the decoder: it decodes nothing more.
+    /// The decoder panicked; it decodes no more frames.
     Broken {
         /// The panic's message.
         message: String,
     },
-    /// A video without an even rate is being read through once to number its frames.
+    /// A video with irregular frame times is being read once to number its frames.
     Counting(CountProgress),
-    /// What the user should know about a video, once for each video.
+    /// A message about a video for the user; once per video.
     Notice(Notice),
 }
 
-/// What can be shown for a frame right now.
+/// What can be shown for a frame now.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrameState {
     /// Its pixels.
     Ready(Picture),
-    /// It is being decoded or waits for that.
+    /// The frame is being decoded or waits.
     Pending,
-    /// It could not be had.
+    /// The frame cannot be read.
     Failed(MediaError),
-    /// Nobody asked for it, or it has been forgotten since.
+    /// The frame has not been requested, or has been dropped from memory.
     Absent,
 }
 
-/// Decodes frames on a thread of its own and keeps them. Dropping it stops and joins the thread.
+/// The handle of the decoder. Dropping it ends and joins the thread.
 pub struct Decoder {
     worker: FrameWorker,
     memory: Memory,
+    /// The last request: the current frame and the others.
     asked: Option<(FrameRef, Vec<FrameRef>)>,
 }
 
-/// What the decoder remembers on its owner's side.
+/// The owner's side of the decoder.
 struct Memory {
     current: Option<FrameRef>,
     cache: SharedPictures,
@@ -89,7 +89,7 @@ struct Memory {
 }
 
 impl Decoder {
-    /// Starts the decoder; `wake` is called from its thread when a report waits.
+    /// Starts the decoder. `wake` is called from its thread when a report waits.
     ///
     /// # Errors
     /// The operating system gives no thread.
@@ -105,7 +105,7 @@ impl Decoder {
         Self::sharing(pictures, wake, make_reader)
     }
 
-    /// Starts a decoder that reads frames in a way of its own.
+    /// Starts a decoder with another reader.
     #[cfg(test)]
     pub(super) fn with_reader(
         options: DecoderOptions,
@@ -128,13 +128,13 @@ impl Decoder {
         })
     }
 
-    /// Asks for the current frame and then, in this order, for others; what was asked before and is
-    /// not in here is given up. Frames of a video that lie shortly before another one asked for are
-    /// taken along on the way to it. Frames that are kept are not decoded again. Asking the same
-    /// again costs nothing, so that this can be called whenever the window is drawn.
+    /// Requests the current frame and then, in this order, others. Frames of earlier requests that
+    /// are not in this one are dropped. Queued frames of a video that lie shortly before another
+    /// one are decoded on the way to it. Frames in memory are not decoded again. Repeating a
+    /// request costs nothing, so this can be called whenever the window is drawn.
     ///
     /// A frame that failed is tried again when it becomes the current one: its file may have been
-    /// mended.
+    /// repaired.
     pub fn request(&mut self, current: &FrameRef, prefetch: &[FrameRef]) {
         if self
             .asked
@@ -164,8 +164,7 @@ impl Decoder {
         self.asked = Some((current.clone(), prefetch.to_vec()));
     }
 
-    /// Gives up everything asked for, as when a document is closed; kept frames and failures are
-    /// forgotten.
+    /// Drops all requests, pictures and failures, as when a document is closed.
     pub fn clear(&mut self) {
         self.worker.replace_queue(|_| Choice::default());
         self.asked = None;
@@ -178,7 +177,7 @@ impl Decoder {
         };
     }
 
-    /// What has happened since the last call. To be called whenever the window is drawn.
+    /// The reports that have arrived since the last call. Call it whenever the window is drawn.
     pub fn poll(&mut self) -> Vec<DecoderReport> {
         for report in self.worker.fetch_reports() {
             self.memory.take_in(report);
@@ -186,12 +185,12 @@ impl Decoder {
         std::mem::take(&mut self.memory.unpolled)
     }
 
-    /// The pixels of a frame, if they are kept.
+    /// The pixels of a frame, if they are in memory.
     pub fn picture(&mut self, frame: &FrameRef) -> Option<Picture> {
         self.memory.cache.get(frame)
     }
 
-    /// What can be shown for a frame right now.
+    /// What can be shown for a frame now.
     pub fn state(&mut self, frame: &FrameRef) -> FrameState {
         if let Some(picture) = self.picture(frame) {
             FrameState::Ready(picture)
@@ -204,7 +203,7 @@ impl Decoder {
         }
     }
 
-    /// The decoded frames, for others who need some of them.
+    /// The decoded frames, for other readers.
     #[must_use]
     pub fn pictures(&self) -> SharedPictures {
         self.memory.cache.clone()
@@ -222,6 +221,8 @@ impl Decoder {
 }
 
 impl Memory {
+    /// Takes in a report of the worker: keeps pictures and failures, and queues what the owner
+    /// should see.
     fn take_in(&mut self, report: WorkReport) {
         let report = match report {
             WorkReport::Frame(frame, Ok(picture)) => {
@@ -255,7 +256,7 @@ impl Memory {
         self.unpolled.push(report);
     }
 
-    /// The current frame counts as used whatever arrives, so that neighbours do not push it out.
+    /// Marks the current frame as used, so that arriving neighbours do not displace it.
     fn keep_current(&mut self) {
         if let Some(current) = &self.current {
             let _ = self.cache.get(current);
@@ -338,7 +339,7 @@ mod tests {
         decoder.request(&frame(0), &frames(&[1]));
         controller.let_out_pictures(1);
         assert_eq!([controller.next_begun(), controller.next_begun()], [0, 1]);
-        // 0 waits to be polled, 1 is being read.
+        // Frame 0 waits to be polled, frame 1 is being read.
         decoder.request(&frame(1), &frames(&[0, 2]));
         assert_eq!(
             decoder.picture(&frame(0)),
@@ -372,7 +373,7 @@ mod tests {
         }
         assert_eq!(decoder.poll(), []);
         assert_eq!(decoder.state(&frame(1)), FrameState::Failed(error.clone()));
-        // The user comes to it: it is tried again, and fails again.
+        // The frame becomes the current one: it is tried again, and fails again.
         controller.let_out(Reply::Missing);
         decoder.request(&frame(1), &frames(&[0]));
         let failed = DecoderReport::Failed {
@@ -380,7 +381,7 @@ mod tests {
             error,
         };
         assert_eq!(controller.poll_until(|| decoder.poll()), [failed]);
-        // The same request again is no new try; coming back to it is.
+        // Repeating the request is no new attempt; coming back to the frame is.
         decoder.request(&frame(1), &frames(&[0]));
         decoder.request(&frame(0), &[]);
         controller.let_out(Reply::Picture);

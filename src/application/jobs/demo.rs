@@ -1,4 +1,4 @@
-//! A copy of the demo match for a user to try things on.
+//! The user's own copy of the demo match.
 
 use super::JobError;
 use super::drawn_match::{DrawnPicture, MatchOrder, draw_match};
@@ -9,11 +9,11 @@ use touchline_core::progress::Progress;
 use touchline_documents::store::{Location, PROJECT_FILE, Store};
 use touchline_vision::media::MediaError;
 
-/// The user's copy of the demo match. It is made when there is none yet: from the one that came
-/// with the program, or else drawn.
+/// The folder of the user's copy of the demo match. If there is none yet, it is copied from the one
+/// that came with the program, or else drawn.
 ///
 /// # Errors
-/// It cannot be written, or `progress` cancelled it.
+/// The copy cannot be written, or `progress` cancelled it.
 pub fn fresh_copy(progress: &Progress<'_, String>) -> Result<PathBuf, JobError> {
     let own = user_projects().ok_or(JobError::NoUserFolder)?.join("demo");
     if own.join(PROJECT_FILE).exists() {
@@ -26,8 +26,8 @@ pub fn fresh_copy(progress: &Progress<'_, String>) -> Result<PathBuf, JobError> 
     Ok(own)
 }
 
-/// Draws a match into a folder. Its project comes last: as long as it is not there, the match is
-/// drawn again.
+/// Draws a match into a folder. The project file is written last; without it the match counts as
+/// incomplete and is drawn again.
 fn draw(
     order: &MatchOrder,
     folder: &Path,
@@ -53,7 +53,7 @@ fn draw(
     Ok(())
 }
 
-/// Where the demo lies: beside an installed program, or in the source tree it was built in.
+/// The folder of the demo: beside an installed program, or in the source tree where it was built.
 fn delivered() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     let beside = program.ancestors().skip(1).take(4);
@@ -67,7 +67,8 @@ fn delivered() -> Option<PathBuf> {
         .find(|folder| folder.join(PROJECT_FILE).exists())
 }
 
-/// Copies a match. Its project comes last: as long as it is not there, the match is copied again.
+/// Copies a match. The project file is copied last; without it the copy counts as incomplete and is
+/// repeated.
 fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(to)?;
     let mut entries = std::fs::read_dir(from)?.collect::<std::io::Result<Vec<_>>>()?;
@@ -96,7 +97,7 @@ mod tests {
         std::fs::write(from.join(PROJECT_FILE), "{}").unwrap();
         std::fs::write(from.join("zz/1.jpg"), "picture").unwrap();
         std::fs::write(from.join("a.txt"), "first").unwrap();
-        // A file in the way of the folder of pictures ends the copy there.
+        // A file with the name of the picture folder makes the copy fail there.
         std::fs::create_dir(&to).unwrap();
         std::fs::write(to.join("zz"), "in the way").unwrap();
         assert!(copy_folder(&from, &to).is_err());

@@ -1,4 +1,4 @@
-//! A match drawn with exact truth, as documents and encoded pictures: for `touchline synth` and for
+//! A synthetic match with exact truth, as documents and encoded pictures: for `touchline synth` and
 //! the demo.
 
 use image::codecs::jpeg::JpegEncoder;
@@ -18,37 +18,37 @@ use touchline_vision::synthetic::{
     ShootOptions, Side, Stadium, StadiumOptions, camera_path, drawn_clicks, stadium,
 };
 
-/// How far a mask reaches beyond the score graphic, px.
+/// Margin of a mask around the score graphic, px.
 const MASK_MARGIN_PX: f64 = 4.0;
 
-/// How many landmarks the demo's annotator clicks, from reference to reference: two are enough,
-/// more are a check.
+/// Number of landmarks that the simulated annotator clicks, in turn: two are enough, more are
+/// redundant.
 const LANDMARKS_A_REFERENCE: [usize; 6] = [4, 2, 3, 6, 2, 5];
 
-/// Everything that decides what is drawn.
+/// Everything that determines the drawn match.
 #[derive(Clone, Debug)]
 pub struct MatchOrder {
-    /// How many frames.
+    /// Number of frames.
     pub frames: usize,
-    /// Chooses the stadium, the match and the camera's path.
+    /// Seed of the stadium, the match and the camera's path.
     pub seed: u64,
-    /// The size of the frames.
+    /// Size of the frames, px.
     pub image_size: ImageSize,
     /// Lens, light and sensor.
     pub shoot: ShootOptions,
-    /// The players' pixels are drawn as well.
+    /// Whether to draw masks of the players, too.
     pub masks: bool,
     /// The broadcaster's graphics.
     pub graphics: Graphics,
-    /// The camera's masks do not cover the graphics.
+    /// Whether the camera's masks leave the graphics uncovered.
     pub unmasked: bool,
-    /// The share of frames that are clicked and solved.
+    /// Share of the frames that are clicked and solved.
     pub references: f64,
 }
 
 impl MatchOrder {
-    /// The committed demo: a lens that a person sees bending, an ordinary sensor, frames some
-    /// seconds apart.
+    /// The demo that comes with the program: visible lens distortion, ordinary sensor noise, frames
+    /// 4.7 s apart.
     #[must_use]
     pub fn demo() -> Self {
         let shoot = ShootOptions {
@@ -79,36 +79,36 @@ impl MatchOrder {
     }
 }
 
-/// A frame that was drawn.
+/// One drawn frame.
 #[derive(Debug)]
 pub struct DrawnPicture {
-    /// Its path within the project, `images/0001.jpg`.
+    /// Path within the project, such as `images/0001.jpg`.
     pub image: String,
-    /// The JPEG.
+    /// The picture, encoded as JPEG.
     pub jpeg: Vec<u8>,
-    /// Which pixels are the players', as PNG, and its path, if the order asks for them.
+    /// Path and PNG of the mask of the players' pixels, if the order asks for masks.
     pub mask: Option<(String, Vec<u8>)>,
-    /// Which frame, from 0.
+    /// Index of the frame.
     pub index: usize,
-    /// How many there will be.
+    /// Number of frames of the match.
     pub of: usize,
 }
 
-/// The documents of a drawn match.
+/// The two documents of a drawn match.
 #[derive(Debug)]
 pub struct DrawnMatch {
-    /// The camera's base is known; the order's share of frames are references.
+    /// The document of a user: the camera's base is known, and a share of the frames are
+    /// references.
     pub project: Document,
-    /// The same with the exact pan, tilt and focal length of every frame and the boxes of the
-    /// players.
+    /// The exact pan, tilt and focal length of every frame, and the boxes of the players.
     pub truth: Document,
 }
 
-/// Draws a match; `take` is given every picture in turn and may end it with an error. The same
-/// order gives the same bytes.
+/// Draws a match. `take` receives each picture in turn and can end the drawing with an error. The
+/// same order gives the same bytes.
 ///
 /// # Errors
-/// The field or a picture cannot be made, or what `take` says.
+/// The field or a picture cannot be made, or `take` failed.
 pub fn draw_match<E: From<FieldError> + From<ImageError>>(
     order: &MatchOrder,
     take: &mut dyn FnMut(DrawnPicture) -> Result<(), E>,
@@ -127,6 +127,7 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
         order.graphics
     };
     project
+        // The main camera with its exact base, and masks over the graphics.
         .cameras
         .push(main_camera(&base, order.image_size, masked).into());
     let mut truth = project.clone();
@@ -147,6 +148,7 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
         truth
             .frames
             .push(true_frame(&frame, &camera, step, &drawn).into());
+        // References are spread evenly: the share so far lags behind the ordered one.
         let due = order.references * (index + 1) as f64 > f64::from(references);
         if due && solve_as_reference(&mut frame, &project, &scene, &camera, &drawn, index) {
             references += 1;
@@ -165,6 +167,7 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
     Ok(DrawnMatch { project, truth })
 }
 
+/// The camera of the match, with its exact base and masks over the graphics.
 fn main_camera(base: &CameraBase, image_size: ImageSize, masked: Graphics) -> Camera {
     let mut camera = Camera::new(CameraId::from("main"), image_size);
     camera.set_base(base);
@@ -182,7 +185,8 @@ fn main_camera(base: &CameraBase, image_size: ImageSize, masked: Graphics) -> Ca
     camera
 }
 
-/// The frame as it is: the exact camera, the players' boxes, and who they are under `truth`.
+/// A frame of the truth: the exact camera, the boxes of the players, and under the key `truth` the
+/// time and who they are.
 fn true_frame(frame: &Frame, camera: &PtzCamera, step: &PathStep, drawn: &RenderedFrame) -> Frame {
     let mut frame = frame.clone();
     frame.status = FrameStatus::Reference;
@@ -211,8 +215,7 @@ fn mover_name(mover: Mover) -> &'static str {
     }
 }
 
-/// Clicks a frame as a person would and accepts what the clicks give; false where too little of the
-/// field is in view.
+/// Clicks a frame as an annotator would and solves it. False if too little of the field is in view.
 fn solve_as_reference(
     frame: &mut Frame,
     project: &Document,
@@ -228,12 +231,15 @@ fn solve_as_reference(
         .map(|mover| mover.area)
         .chain(drawn.graphics.iter().copied())
         .collect();
+    // The demo clicks every third frame, hence `index / 3`: its references differ in their number
+    // of landmarks.
     let options = ClickOptions {
         landmarks: LANDMARKS_A_REFERENCE[index / 3 % LANDMARKS_A_REFERENCE.len()],
         lines: usize::from(index % 4 == 3),
         sigma_px: 1.0,
         seed: index as u64,
     };
+    // Solve a copy, so that the frame stays unclicked if its clicks do not suffice.
     let mut clicked = frame.clone();
     clicked.clicks = drawn_clicks(field, camera, frame.image_size, &hidden, &options)
         .into_iter()

@@ -1,4 +1,4 @@
-//! What can go wrong in the background work that a person asked for.
+//! Errors of background work that the user started.
 
 use std::io;
 use std::path::PathBuf;
@@ -8,29 +8,29 @@ use touchline_documents::document::WriteError;
 use touchline_documents::store::StoreError;
 use touchline_vision::media::MediaError;
 
-/// Why a job did not do what it was asked for.
+/// Why a job failed.
 #[derive(Debug, Error)]
 pub enum JobError {
-    /// The system starts no thread.
+    /// The operating system gives no thread.
     #[error("the system could not start a thread for {what}: {source}")]
     NoThread {
-        /// What it was for: "saving".
+        /// The purpose of the thread: "saving".
         what: String,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
-    /// There is nothing at the path.
+    /// Nothing exists at the path.
     #[error("{}: there is no such file or folder", path.display())]
     Missing {
         /// The path.
         path: PathBuf,
     },
-    /// The system refused a file or folder.
+    /// The system refused access to a file or folder.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// A picture or video cannot be read.
@@ -39,39 +39,39 @@ pub enum JobError {
     /// A document cannot be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// A document cannot be put into words.
+    /// A document cannot be serialised.
     #[error(transparent)]
     Document(#[from] WriteError),
     /// A document's field is not valid.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// This very window has the document open.
+    /// This window already has the document open.
     #[error("{} is open already", file.display())]
     AlreadyOpen {
         /// The document's file.
         file: PathBuf,
     },
-    /// A folder or video without a frame that can be read.
+    /// A folder or video has no readable frame.
     #[error("{}: there is no frame that can be read{}", path.display(), in_brackets(reason.as_deref()))]
     NoFrames {
         /// The folder or video.
         path: PathBuf,
-        /// Why the last of them cannot.
+        /// Why the last of them cannot be read.
         reason: Option<String>,
     },
-    /// Neither beside the frames nor in the user's data folder.
+    /// A project can be created neither beside the frames nor in the user's data folder.
     #[error("{}: there is no folder to keep a project in", path.display())]
     NoPlace {
         /// The folder or video.
         path: PathBuf,
     },
-    /// No camera of the document can be taken over.
+    /// No camera of the document has a base.
     #[error("{}: no camera has a position and a base rotation", path.display())]
     NoBase {
         /// The document.
         path: PathBuf,
     },
-    /// The system has no place for a user's own files.
+    /// The system has no folder for a user's data.
     #[error("this system has no folder for a user's data")]
     NoUserFolder,
     /// A picture of the demo match cannot be encoded.
@@ -80,7 +80,7 @@ pub enum JobError {
 }
 
 impl JobError {
-    /// What the system refused at a path.
+    /// Converts the system's error at a path.
     pub(super) fn io(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io { path, source }

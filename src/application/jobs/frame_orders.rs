@@ -1,54 +1,54 @@
-//! What a worker is to read: the queue that its owner replaces, and the frame being read.
+//! The orders of a frame worker: the queue, which its owner replaces, and the frame being read.
 
 use super::queue::next_place;
 use super::worker::Mailbox;
 use std::collections::{BTreeSet, VecDeque};
 use touchline_vision::media::{CountProgress, FrameRef, MediaError, Notice, Picture};
 
-/// A frame is at every moment either to be read, being read, or reported.
+/// The mailbox of a frame worker. A frame is always either queued, being read, or reported.
 pub(super) type FrameMailbox = Mailbox<FrameOrders, WorkReport>;
 
 /// A worker's report.
 #[derive(Debug)]
 pub(super) enum WorkReport {
-    /// A frame of the queue is done.
+    /// A frame of the queue has been read, or cannot be.
     Frame(FrameRef, Result<Picture, MediaError>),
     /// Reading a frame panicked with this message.
     Panicked(FrameRef, String),
-    /// The worker itself panicked with this message; it reads nothing more.
+    /// The worker itself panicked with this message; it reads no more frames.
     Broken(String),
-    /// The frames of a video are being counted.
+    /// Progress of counting the frames of a video.
     Counting(CountProgress),
-    /// Something the user should know.
+    /// A message about a video for the user.
     Notice(Notice),
 }
 
-/// The queue of a worker and the frame being read.
+/// The queue, and the frame being read.
 #[derive(Default)]
 pub(super) struct FrameOrders {
     queue: VecDeque<FrameRef>,
     reading: Option<Reading>,
-    /// Where the reader stands, as far as is known.
+    /// The frame that was begun last: roughly the position of the video decoder.
     last_read: Option<FrameRef>,
 }
 
 struct Reading {
     frame: FrameRef,
-    /// Frames of its file are still asked for.
+    /// Whether frames of the same file are still wanted.
     is_wanted: bool,
 }
 
-/// What the owner wants now.
+/// The frames that the owner wants now.
 #[derive(Default)]
 pub(super) struct Choice {
-    /// All frames of interest.
+    /// All of them.
     pub(super) wanted: Vec<FrameRef>,
-    /// Those to be read, the most urgent first.
+    /// Those that have to be read, the most urgent first.
     pub(super) missing: Vec<FrameRef>,
 }
 
 impl FrameOrders {
-    /// Replaces the queue. Each frame is read once; the one being read is not read again.
+    /// Replaces the queue. Duplicates and the frame being read are left out.
     pub(super) fn replace(&mut self, Choice { wanted, missing }: Choice) {
         let reading = self.reading.as_ref().map(|reading| &reading.frame);
         let mut chosen = BTreeSet::new();
@@ -61,7 +61,7 @@ impl FrameOrders {
         }
     }
 
-    /// Whether a frame is being read or waits to be.
+    /// Whether a frame is queued or being read.
     pub(super) fn is_pending(&self, frame: &FrameRef) -> bool {
         self.queue.contains(frame)
             || self
@@ -70,17 +70,17 @@ impl FrameOrders {
                 .is_some_and(|reading| reading.frame == *frame)
     }
 
-    /// Whether nothing waits to be read.
+    /// Whether the queue is empty.
     pub(super) fn is_empty(&self) -> bool {
         self.queue.is_empty()
     }
 
-    /// Whether a frame is being read or waits to be.
+    /// Whether any frame is queued or being read.
     pub(super) fn is_busy(&self) -> bool {
         self.reading.is_some() || !self.queue.is_empty()
     }
 
-    /// Takes the next frame to read.
+    /// Takes the next frame from the queue and marks it as being read.
     pub(super) fn begin(&mut self) -> Option<FrameRef> {
         let place = next_place(&self.queue, self.last_read.as_ref())?;
         let frame = self.queue.remove(place)?;
@@ -92,20 +92,20 @@ impl FrameOrders {
         Some(frame)
     }
 
-    /// The frame being read has been read.
+    /// Records that the frame being read is finished.
     pub(super) fn finish(&mut self) {
         self.reading = None;
     }
 
-    /// Leaves the frame being read unread; it comes first again if somebody has asked for it
-    /// meanwhile.
+    /// Records that reading was stopped. If the frame has been requested again meanwhile, it
+    /// returns to the front of the queue.
     pub(super) fn give_up(&mut self) {
         if let Some(reading) = self.reading.take().filter(|reading| reading.is_wanted) {
             self.queue.push_front(reading.frame);
         }
     }
 
-    /// Whether the frame being read may take longer.
+    /// Whether reading the current frame may continue.
     pub(super) fn is_reading_wanted(&self) -> bool {
         self.reading
             .as_ref()

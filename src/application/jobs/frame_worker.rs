@@ -1,5 +1,5 @@
-//! A thread that reads frames in the order of a queue, which its owner replaces whenever the user
-//! moves.
+//! A thread that reads frames in the order of a queue. The owner replaces the queue whenever the
+//! user moves to another frame.
 
 use super::frame_orders::{Choice, FrameMailbox, FrameOrders, WorkReport};
 use super::worker::{Mailbox, Waited, Worker};
@@ -11,23 +11,23 @@ use std::sync::Arc;
 use touchline_core::progress::Progress;
 use touchline_vision::media::{CountProgress, FrameRef, MediaError, Picture, ReadFrames};
 
-/// How many reports may wait to be fetched before the worker pauses.
+/// Maximum number of waiting reports; beyond it the worker pauses.
 const MAX_REPORTS: usize = 32;
 
-/// Makes the reader of a worker's thread, again after a panic. The progress decides whether a long
-/// count goes on.
+/// Creates the reader on the worker's thread, once more after each panic. The progress decides
+/// whether counting the frames of a long video continues.
 pub(super) type MakeReader =
     Box<dyn Fn(Progress<'static, CountProgress>) -> Box<dyn ReadFrames> + Send>;
 
 /// A thread that reads frames. Dropping it stops and joins the thread.
 pub(super) struct FrameWorker {
     worker: Worker<FrameOrders, WorkReport>,
-    /// The mailbox of a worker with priority.
+    /// The mailbox of the worker that has priority.
     yields_to: Option<Arc<FrameMailbox>>,
 }
 
 impl FrameWorker {
-    /// Starts the thread. While `yields_to` has something to do, this worker starts no frame.
+    /// Starts the thread. It starts no frame while `yields_to` has one to read.
     pub(super) fn spawn(
         name: &str,
         wake: Wake,
@@ -48,8 +48,9 @@ impl FrameWorker {
         Ok(Self { worker, yields_to })
     }
 
-    /// Replaces the queue. `choose` is given the reports that have arrived and returns the frames
-    /// wanted and, of these, the ones to be read.
+    /// Replaces the queue. `choose` takes the reports that have arrived and returns which frames
+    /// are wanted and which of them have to be read. Both happen under one lock, so that no frame
+    /// is read twice.
     pub(super) fn replace_queue(&self, choose: impl FnOnce(Vec<WorkReport>) -> Choice) {
         self.worker.mailbox().update(|state| {
             let choice = choose(state.reports.drain(..).collect());
@@ -57,14 +58,14 @@ impl FrameWorker {
         });
     }
 
-    /// Whether a frame is being read or waits to be.
+    /// Whether a frame is queued or being read.
     pub(super) fn is_pending(&self, frame: &FrameRef) -> bool {
         self.worker
             .mailbox()
             .look(|orders| orders.is_pending(frame))
     }
 
-    /// The reports that have arrived since they were fetched last.
+    /// Takes the reports that have arrived.
     pub(super) fn fetch_reports(&self) -> Vec<WorkReport> {
         self.worker.mailbox().take_reports()
     }
@@ -76,7 +77,8 @@ impl Drop for FrameWorker {
         mailbox.update(|state| state.orders.replace(Choice::default()));
         mailbox.begin_closing();
         if let Some(first) = &self.yields_to {
-            // The thread may wait for the other worker: it looks again whether to go on with that.
+            // The thread may be waiting in the other worker's mailbox; make it check whether to
+            // end.
             first.update(|_| ());
         }
     }
@@ -90,6 +92,7 @@ struct WorkerThread<'a> {
 }
 
 impl WorkerThread<'_> {
+    /// Reads frames until the owner drops the worker.
     fn work(self) {
         let mut reader = (self.make_reader)(self.counting());
         while let Some(frame) = self.next() {
@@ -103,6 +106,7 @@ impl WorkerThread<'_> {
                     self.finish(frame, result);
                 }
                 Err(payload) => {
+                    // The reader may be inconsistent after a panic: continue with a new one.
                     reader = (self.make_reader)(self.counting());
                     let report = WorkReport::Panicked(frame, panic_message(payload.as_ref()));
                     self.mailbox.report_done(report, FrameOrders::finish);
@@ -111,8 +115,8 @@ impl WorkerThread<'_> {
         }
     }
 
-    /// The next frame to read: waits for one, and for the worker that goes first. None when it is
-    /// time to end.
+    /// Waits for a frame to read, and until the worker with priority has none. `None` when the
+    /// thread is to end.
     fn next(&self) -> Option<FrameRef> {
         loop {
             let is_there = self
@@ -126,7 +130,7 @@ impl WorkerThread<'_> {
             if self.mailbox.is_closing() {
                 return None;
             }
-            // The queue may have been emptied in the meantime.
+            // The queue may have been emptied while this thread waited.
             if let Some(frame) = self.mailbox.update(|state| state.orders.begin()) {
                 return Some(frame);
             }
@@ -142,7 +146,8 @@ impl WorkerThread<'_> {
         }
     }
 
-    /// Shows how far a count has come, and cancels it where nobody waits for the frame any more.
+    /// Reports the progress of counting, and cancels it when no frame of the file is wanted any
+    /// more.
     fn counting(&self) -> Progress<'static, CountProgress> {
         let mailbox = Arc::clone(self.mailbox);
         Progress::new(move |progress| {

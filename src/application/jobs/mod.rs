@@ -1,19 +1,21 @@
-//! The only detached threads: decoding, thumbnails, saving, training, and slow work in general.
+//! The program's only detached threads: decoding, thumbnails, saving, training, and slow work in
+//! general.
 //!
-//! There is one mechanism, `worker`: a handle that owns a thread and shares a mailbox with it.
-//! Orders go in, a bounded number of reports wait until the owner polls, once per shown frame,
-//! after the [`Wake`] callback said that there are some. A panic becomes a report that the user
-//! sees. Dropping the handle ends and joins the thread. On it stand:
+//! All of them use one mechanism, `worker`: a handle that owns a thread and shares a mailbox with
+//! it. Orders go in. A bounded number of reports waits until the owner polls, each time the window
+//! is drawn; the [`Wake`] callback makes it draw. A panic becomes a report that the user sees.
+//! Dropping the handle ends and joins the thread. The jobs built on it:
 //!
 //! | job | its orders |
 //! |---|---|
 //! | [`Background`] | none: one task with progress and a result |
-//! | [`Decoder`], [`Thumbnails`] | the frames wanted now, in place of those wanted before: nothing queues behind stale work |
+//! | [`Decoder`], [`Thumbnails`] | the frames wanted now, which replace those wanted before |
 //! | [`Saver`] | edits, in order; to write the document |
-//! | [`Trainer`] | the newest document and shown frame, in place of the one before |
+//! | [`Trainer`] | the newest document and the shown frame, which replace those before |
 //!
-//! [`Runner`] owns the jobs of an open document and turns effects into orders and reports into actions. Operations of `app` it runs
-//! as [`Job`](crate::app::operation::Job)s, without knowing which they are.
+//! [`Runner`] owns the jobs of an open document. It turns effects into orders and reports into
+//! actions. It runs the operations of `app` as [`Job`](crate::app::operation::Job)s, without
+//! knowing which they are.
 
 mod background;
 mod decoder;

@@ -1,4 +1,4 @@
-//! Opens whatever a user names: a project, a dataset, a folder of frames, a video.
+//! Opens the path that a user names: a project, a dataset, a folder of frames, or a video.
 
 use super::JobError;
 use crate::app::Opened;
@@ -14,29 +14,32 @@ use touchline_documents::store::{
 };
 use touchline_vision::media::{CountProgress, FrameSource, MediaError, sha256_of_bytes};
 
-/// More frames than this are thinned out: a match of 90 minutes has 135,000.
+/// Maximum number of frames of a new project; beyond it every n-th is used. A match of 90 minutes
+/// at 25 Hz has 135,000.
 const MOST_FRAMES: usize = 20_000;
 /// Progress is reported each time this many frames have been read.
 const REPORT_EVERY: usize = 50;
-/// The field of a project that is made by opening frames.
+/// The field of a project that is created for frames.
 const DEFAULT_FIELD: &str = "soccer";
 
-/// A document as the app gets it, and the way to write it, if there is one.
+/// An opened document, and the store that writes it.
 #[derive(Debug)]
 pub struct Ready {
-    /// For the app.
+    /// The document, for the application.
     pub opened: Opened,
-    /// For the saver; none for a document to look at only.
+    /// The store, for the saver. `None` if the document is read-only.
     pub store: Option<Store>,
 }
 
-/// Opens a project, a dataset, a folder of frames or a video. Frames without a project get one
-/// beside them, or where that cannot be written in the user's data folder. `held` is what this
-/// window has open: it is not opened again.
+/// Opens a project, a dataset, a folder of frames or a video.
+///
+/// Frames without a project get one: beside them or, if that cannot be written, in the user's data
+/// folder. `held` is the document that this window has open; it is not opened again. `progress`
+/// receives texts for the user.
 ///
 /// # Errors
-/// It is not there, cannot be read or made, is open here already, or `progress` cancelled it; its
-/// steps are words for the user.
+/// The path does not exist, cannot be read, or is open in this window; a project cannot be created;
+/// `progress` cancelled the opening.
 pub fn open_anything(
     path: &Path,
     held: Option<&Location>,
@@ -47,6 +50,7 @@ pub fn open_anything(
             path: path.to_path_buf(),
         });
     }
+    // A project or dataset opens as it is.
     let is_document = path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
@@ -54,16 +58,19 @@ pub fn open_anything(
     if is_document {
         return open_document(path, held, Vec::new());
     }
+    // Frames open with the project that an earlier call has created for them.
     let path = std::fs::canonicalize(path).map_err(JobError::io(path))?;
     if let Some(folder) = find_project(&path) {
         return open_document(&folder, held, Vec::new());
     }
+    // Otherwise read all frames and create a project.
     let counting =
         progress.part(|step: CountProgress| format!("Counting frames: {}…", step.counted));
     let source = FrameSource::open_with_progress(&path, &counting)?;
     let every = NonZeroUsize::new(source.len().div_ceil(MOST_FRAMES)).unwrap_or(NonZeroUsize::MIN);
     let read = AtomicUsize::new(0);
     let mut refused = None;
+    // Try each folder, the better one first, until one can be written.
     for folder in project_folders(&path) {
         let reading = Progress::new(|()| {
             let read = read.fetch_add(1, Ordering::Relaxed) + 1;
@@ -134,8 +141,8 @@ fn write_project(folder: &Path, document: &Document) -> Result<(), JobError> {
     Ok(())
 }
 
-/// The project of a folder of frames or of a video. One in the user's own folder counts only if its
-/// frames are these: two matches may have the same names.
+/// The existing project of a folder of frames or of a video. One in the user's data folder counts
+/// only if its frames are these, because two matches may have the same names.
 fn find_project(path: &Path) -> Option<PathBuf> {
     let is_there = |folder: &PathBuf| folder.join(PROJECT_FILE).exists();
     let own = user_projects()
@@ -147,7 +154,7 @@ fn find_project(path: &Path) -> Option<PathBuf> {
     })
 }
 
-/// Where the project of a folder of frames or of a video is made, the better place first.
+/// The folders in which the project of some frames may be created, the better one first.
 fn project_folders(path: &Path) -> Vec<PathBuf> {
     beside(path)
         .into_iter()
@@ -165,8 +172,8 @@ fn project_name(path: &Path) -> OsString {
     name
 }
 
-/// The place among the user's own projects: the frames' last folder, so that people find it, and a
-/// digest of the whole path, since cameras call their folders alike.
+/// The folder within `projects`: the name of the frames' parent folder, so that people find it, and
+/// a digest of the whole path, because cameras give their folders the same names.
 fn own_place(projects: &Path, path: &Path) -> PathBuf {
     const DIGITS: usize = 12;
     let digest = sha256_of_bytes(path.as_os_str().as_encoded_bytes());
@@ -176,7 +183,7 @@ fn own_place(projects: &Path, path: &Path) -> PathBuf {
     projects.join(place).join(project_name(path))
 }
 
-/// Where earlier versions made it.
+/// The folder that earlier versions of the program used.
 fn old_place(projects: &Path, path: &Path) -> PathBuf {
     projects.join(last_folder(path)).join(project_name(path))
 }
@@ -187,7 +194,7 @@ fn last_folder(path: &Path) -> OsString {
         .map_or_else(OsString::new, ToOwned::to_owned)
 }
 
-/// Whether a project's frames are those of a folder or of a video.
+/// Whether a project has a frame from this folder or video.
 fn is_of_frames(project: &Path, path: &Path) -> bool {
     let Ok((location, document, _)) = read(project) else {
         return false;
@@ -207,7 +214,7 @@ fn is_of_frames(project: &Path, path: &Path) -> bool {
     })
 }
 
-/// The folder of this user's own projects.
+/// The folder of the user's own projects.
 pub(super) fn user_projects() -> Option<PathBuf> {
     Some(
         directories::ProjectDirs::from("", "", "touchline")?
@@ -216,6 +223,7 @@ pub(super) fn user_projects() -> Option<PathBuf> {
     )
 }
 
+/// Opens an existing project or dataset, with the edits in its journal.
 fn open_document(
     path: &Path,
     held: Option<&Location>,
@@ -315,7 +323,7 @@ mod tests {
             own_place(&projects, &red).file_name().unwrap(),
             "clip.touchline"
         );
-        // Where an earlier version kept the one of the red card.
+        // An earlier version stored the project of the red card here.
         let old = old_place(&projects, &red);
         assert_eq!(old, old_place(&projects, &blue));
         let source = FrameSource::open(&red).unwrap();

@@ -1,4 +1,4 @@
-//! What a panic said, for the person at the window.
+//! A panic as an error, for messages to the user.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
@@ -6,21 +6,23 @@ use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
 use touchline_core::progress::panic_message;
 
-/// Code of this program, or of what it stands on, gave up.
+/// A panic of this program or of a library.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{message} ({place})")]
 pub struct Panicked {
-    /// What it said, in one line.
+    /// The panic's message, in one line.
     pub message: String,
-    /// The file and line that gave up.
+    /// The file and line of the panic.
     pub place: String,
 }
 
-/// Does something on this thread; a panic in it is an error and prints nothing. Other threads' are
-/// printed as ever.
+/// Runs `work` on this thread and turns a panic into an error.
+///
+/// A panic of this thread prints nothing, here and later: the hook stays installed. Panics of other
+/// threads are printed as before.
 ///
 /// # Errors
-/// It panicked.
+/// `work` panicked.
 pub fn until_it_panics<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     thread_local! {
         static IS_HERE: Cell<bool> = const { Cell::new(false) };

@@ -1,5 +1,4 @@
-//! The pictures of the open document as somebody who looks at it needs them: the shown one, its
-//! neighbours, thumbnails.
+//! The pictures of the open document for a viewer: the shown frame, its neighbours, thumbnails.
 
 use super::{
     Decoder, DecoderOptions, DecoderReport, FrameState, SharedPictures, ThumbnailReport,
@@ -12,27 +11,27 @@ use std::io;
 use std::path::PathBuf;
 use touchline_vision::media::{FrameRef, Picture, PrefetchOptions, StepDirection, prefetch_plan};
 
-/// The shown frame's picture.
+/// The picture of the shown frame.
 #[derive(Clone, Debug)]
 pub enum PictureState {
-    /// There is no frame.
+    /// No frame is shown.
     None,
     /// It is being decoded.
     Loading,
-    /// It is here; the number tells pictures apart (for upload caches).
+    /// The picture, and a number that identifies it (for upload caches).
     Ready(u64, Picture),
-    /// It cannot be shown, and why.
+    /// It cannot be shown, for this reason.
     Failed(String),
 }
 
-/// What has happened to the pictures.
+/// What has changed since the last update.
 #[derive(Debug, Default)]
 pub struct PictureNews {
-    /// What the application has to be told.
+    /// For the application.
     pub actions: Vec<Action>,
-    /// Thumbnails that have been made.
+    /// New thumbnails.
     pub thumbnails: Vec<(FrameRef, Picture)>,
-    /// Another document was opened: pictures of the one before are of no use.
+    /// Another document was opened: drop the pictures of the one before.
     pub forget: bool,
 }
 
@@ -40,19 +39,21 @@ pub struct PictureNews {
 pub struct Pictures {
     thumbnails: Thumbnails,
     decoder: Decoder,
+    /// The file of the open document.
     document: Option<PathBuf>,
+    /// The index of the shown frame.
     shown: Option<usize>,
     direction: StepDirection,
     state: PictureState,
+    /// The number that identifies each picture.
     keys: BTreeMap<FrameRef, u64>,
-    /// Where the frames that were asked for stand in the document, as long as they are kept.
+    /// Index in the document of each requested frame that is still in memory.
     places: BTreeMap<FrameRef, usize>,
     next_key: u64,
 }
 
 impl Pictures {
-    /// Starts the decoder and the maker of thumbnails; `wake` is called when there is something to
-    /// take in.
+    /// Starts the decoder and the thumbnails. `wake` is called when there is something to take in.
     ///
     /// # Errors
     /// The operating system gives no thread.
@@ -71,19 +72,19 @@ impl Pictures {
         })
     }
 
-    /// The decoded frames, for others who need some of them.
+    /// The decoded frames, for other readers.
     #[must_use]
     pub fn shared(&self) -> SharedPictures {
         self.decoder.pictures()
     }
 
-    /// The shown frame's picture.
+    /// The picture of the shown frame.
     #[must_use]
     pub fn current(&self) -> PictureState {
         self.state.clone()
     }
 
-    /// The places of the frames that are decoded, in no order.
+    /// The indices of the decoded frames, unordered.
     #[must_use]
     pub fn decoded(&self) -> Vec<usize> {
         let kept = self.decoder.pictures();
@@ -94,8 +95,8 @@ impl Pictures {
             .collect()
     }
 
-    /// The decoded picture of the frame that stands nearest to a place, to be shown until the
-    /// frame's own is there, and the number that tells pictures apart.
+    /// The decoded picture whose frame is nearest to `place` in the document, and its number. It is
+    /// shown until the frame's own picture has been decoded.
     pub fn nearest(&mut self, place: usize) -> Option<(u64, Picture)> {
         let kept = self.decoder.pictures();
         let decoded = self.places.iter().filter(|(frame, _)| kept.contains(frame));
@@ -105,20 +106,21 @@ impl Pictures {
         Some((self.key(&frame), kept.get(&frame)?))
     }
 
-    /// Whether a frame's thumbnail cannot be had.
+    /// Whether a frame has no thumbnail because it cannot be read.
     #[must_use]
     pub fn has_no_thumbnail(&self, frame: &FrameRef) -> bool {
         self.thumbnails.has_failed(frame)
     }
 
-    /// Asks for the thumbnails of these frames in this order, instead of those asked for before.
+    /// Requests the thumbnails of these frames in this order, in place of earlier requests.
     pub fn request_thumbnails(&mut self, frames: &[FrameRef]) {
         self.thumbnails.request(frames);
     }
 
-    /// Asks for what is about to be shown and takes in what has arrived.
+    /// Requests the pictures that are about to be shown, and takes in those that have arrived.
     pub fn update(&mut self, app: &App) -> PictureNews {
         let mut news = PictureNews::default();
+        // The window reads the state of the current frame, so that only messages are passed on.
         for report in self.decoder.poll() {
             match report {
                 DecoderReport::Notice(notice) => {
@@ -146,7 +148,7 @@ impl Pictures {
                 ThumbnailReport::Broken { message } => {
                     news.actions.push(broke_down("thumbnails", &message));
                 }
-                // The reason is said when somebody comes to the frame.
+                // The decoder reports the reason when the user comes to the frame.
                 ThumbnailReport::Failed { .. } | ThumbnailReport::Panicked { .. } => {}
             }
         }
@@ -165,7 +167,7 @@ impl Pictures {
         news
     }
 
-    /// Forgets the pictures of another document than the open one; true if there was one.
+    /// Drops the pictures if another document has been opened; returns whether it has.
     fn follow(&mut self, open: Option<&OpenProject>) -> bool {
         let document = open.map(|open| &open.file);
         let other = document != self.document.as_ref();
@@ -179,6 +181,7 @@ impl Pictures {
         other
     }
 
+    /// Requests the shown frame and its neighbours, and updates the state of the shown one.
     fn ask(&mut self, open: Option<&OpenProject>, index: usize) {
         let Some((open, frame)) = open.and_then(|open| Some((open, picture_source(open, index)?)))
         else {
@@ -186,12 +189,14 @@ impl Pictures {
             self.state = PictureState::None;
             return;
         };
+        // The direction of the last step says which neighbours come next.
         if let Some(before) = self.shown
             && before != index
         {
             self.direction = StepDirection::of_step(before, index);
         }
         self.shown = Some(index);
+        // The neighbours that a user is likely to visit next, as many as fit into memory.
         let in_blocks = matches!(frame, FrameRef::Video { .. });
         let picture_bytes = open.frame(index).map_or(0, |frame| {
             4 * frame.image_size.width as usize * frame.image_size.height as usize
@@ -202,6 +207,7 @@ impl Pictures {
         }
         .within(self.decoder.cache_bytes(), picture_bytes);
         let plan = prefetch_plan(index, open.document.frames.len(), self.direction, options);
+        // Remember where the requested frames are in the document, for `decoded` and `nearest`.
         let kept = self.decoder.pictures();
         self.places.retain(|frame, _| kept.contains(frame));
         self.places.insert(frame.clone(), index);
@@ -224,6 +230,7 @@ impl Pictures {
             .set_awaited(matches!(self.state, PictureState::Loading));
     }
 
+    /// The number of a frame's picture, new at the first call.
     fn key(&mut self, frame: &FrameRef) -> u64 {
         if let Some(key) = self.keys.get(frame) {
             return *key;
@@ -234,13 +241,13 @@ impl Pictures {
     }
 }
 
-/// What the user is told when no more pictures of a kind can be had.
+/// The message for pictures of a kind that cannot be made any more.
 fn broke_down(what: &str, message: &str) -> Action {
     let text = format!("There are no further {what}: internal error (please report it): {message}");
     Action::View(ViewAction::Notify(Level::Error, text))
 }
 
-/// Where a frame's pixels come from.
+/// The file, or the video and its frame, from which a frame's pixels are read.
 #[must_use]
 pub fn picture_source(open: &OpenProject, index: usize) -> Option<FrameRef> {
     open.frame(index)?.picture_source(&open.folder)

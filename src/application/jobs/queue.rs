@@ -1,18 +1,18 @@
-//! Which frame of a queue to read next.
+//! The order in which queued frames are read.
 
 use std::collections::VecDeque;
 use touchline_vision::media::FrameRef;
 
-/// The farthest that a frame goes before the most urgent one because it lies on the way to it.
+/// Maximum number of frames before the most urgent one that are read on the way to it.
 ///
-/// A video is decoded forward only: going back to a frame costs as much as fifty frames of
-/// decoding, the frames just before it cost three milliseconds each if they are taken along.
-/// Without this, stepping back would jump for each frame.
+/// A video is decoded forward only. Going back to a frame costs about fifty frames of decoding; the
+/// frames just before it cost 3 ms each if they are decoded in the same pass. Without this, each
+/// step backwards would seek.
 const ON_THE_WAY_FRAMES: usize = 16;
 
-/// The place in a queue, the most urgent frame first, of the one to read next after `last`: the
-/// most urgent, or a frame of the same video shortly before it that the decoder passes on its way
-/// there. None when the queue is empty.
+/// The index in `queue`, which has the most urgent frame first, of the next frame to read after
+/// `last`: the most urgent, or the first queued frame of the same video shortly before it that the
+/// decoder passes anyway. `None` if the queue is empty.
 pub(super) fn next_place(queue: &VecDeque<FrameRef>, last: Option<&FrameRef>) -> Option<usize> {
     let FrameRef::Video {
         path,
@@ -25,6 +25,7 @@ pub(super) fn next_place(queue: &VecDeque<FrameRef>, last: Option<&FrameRef>) ->
         FrameRef::Video { path: other, index } if other == path => Some(*index),
         FrameRef::Video { .. } | FrameRef::Image(_) => None,
     };
+    // The decoder cannot pass frames at or before its own position.
     let stands_at = last.and_then(index_in_video).filter(|at| at < urgent);
     let from = urgent
         .saturating_sub(ON_THE_WAY_FRAMES)
@@ -45,7 +46,7 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// The order in which a queue is read when the decoder stands at a frame.
+    /// The order in which a queue is read when the decoder is at a frame.
     fn order(queue: &[usize], stands_at: Option<usize>) -> Vec<usize> {
         let mut queue: VecDeque<_> = queue.iter().map(|&index| frame(index)).collect();
         let mut last = stands_at.map(frame);
@@ -80,7 +81,7 @@ mod tests {
     #[test]
     fn back_a_block_is_read_in_one_pass() {
         assert_eq!(order(&[20, 16, 17, 18, 19], Some(21)), [16, 17, 18, 19, 20]);
-        // The user has come to 20 while the decoder stands in the middle of the block.
+        // The user has come to 20 while the decoder is in the middle of the block.
         assert_eq!(order(&[20, 18, 19, 8, 9], Some(17)), [18, 19, 20, 8, 9]);
         assert_eq!(order(&[40, 10, 30], None), [30, 40, 10]);
     }

@@ -1,4 +1,18 @@
-//! Carries out what the application asks for, in the background.
+//! The runner carries out the application's effects and turns what happens into actions.
+//!
+//! The application (`app`) changes its state only in response to actions, and returns effects: what
+//! is to happen outside it. Each effect goes to one of these:
+//!
+//! | effect | goes to |
+//! |---|---|
+//! | an operation | [`Background`], one thread for each [`Job`] |
+//! | reading a template, a camera, edits set aside; copying | [`Background`], one thread for each |
+//! | an edit, writing the document | [`Saver`] |
+//! | an order for the forest | [`Trainer`] |
+//! | a question, the settings, closing | the window, as a [`Request`] |
+//!
+//! [`Runner::poll`] collects the reports of all of them as actions, each time the window is drawn.
+//! The saver and the trainer of a newly opened document replace those of the one before.
 
 use super::opening::{Ready, open_anything};
 use super::tasks::{camera_with_base, save_copy};
@@ -17,46 +31,46 @@ use touchline_core::field::template_named;
 use touchline_core::progress::Progress;
 use touchline_documents::store::{Location, Orphan, put_orphan_away, read_orphan, save_orphan};
 
-/// What is left for the window to do.
+/// An effect that only the window can carry out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// Ask for a path.
+    /// Ask the user for a path.
     Ask(Question),
-    /// Keep the settings.
+    /// Write the settings.
     SaveSettings,
-    /// Close.
+    /// Close the window.
     Close,
 }
 
-/// What a task ends with.
+/// The result of a task.
 enum Outcome {
     Opened(Box<Ready>),
     Action(Action),
 }
 
-/// What a task is about.
+/// What a task depends on; decides when its result is discarded.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// It opens a document.
+    /// Opens a document. Discarded when the user opens another one or cancels.
     Opening,
-    /// It reads what concerns the open document alone.
+    /// Reads something for the open document. Discarded when another document replaces that one.
     Beside,
-    /// Anything that runs to its end.
+    /// Independent of the open document; always runs to its end.
     Other,
 }
 
-/// What a task tells the window through. A break says that nobody waits any more.
+/// The reporter of a task. It answers `Break` when the result is no longer needed.
 #[derive(Clone, Copy)]
 struct TaskWatch<'a>(&'a Reporter<Action, Result<Outcome, JobError>>);
 
 impl TaskWatch<'_> {
-    /// Tells how far the task has come.
+    /// Reports progress and says whether the task should continue.
     fn tell(self, action: Action) -> ControlFlow<()> {
         self.0.progress(action);
         self.goes_on()
     }
 
-    /// Whether to go on.
+    /// Says whether the task should continue.
     fn goes_on(self) -> ControlFlow<()> {
         if self.0.is_stopped() {
             ControlFlow::Break(())
@@ -66,29 +80,29 @@ impl TaskWatch<'_> {
     }
 }
 
-/// Something under way.
+/// A running task.
 struct Task {
     background: Background<Action, Result<Outcome, JobError>>,
-    /// What it is about: the user may give some up.
+    /// What the task depends on.
     kind: Kind,
-    /// Nobody waits for its result any more.
+    /// The result is to be discarded.
     given_up: bool,
 }
 
-/// An operation on its thread.
+/// A running operation.
 struct RunningJob {
     job: Job,
     background: Background<Report, Report>,
 }
 
 impl Drop for RunningJob {
-    /// The thread is waited for next: it must not go on to its end.
+    /// Dropping `background`, the next field, joins the thread; the operation must stop first.
     fn drop(&mut self) {
         self.job.cancel();
     }
 }
 
-/// Carries out effects; its reports are actions.
+/// Carries out effects; reports are actions.
 pub struct Runner {
     wake: Wake,
     pictures: SharedPictures,
@@ -99,13 +113,14 @@ pub struct Runner {
     jobs: Vec<RunningJob>,
     tasks: Vec<Task>,
     reports: Vec<Action>,
-    /// What was opened, until the application has taken in what was reported before it.
+    /// An opened document. It replaces the one before at the next poll, so that the application
+    /// takes in the remaining reports of that one first.
     ready: Option<Box<Ready>>,
 }
 
 impl Runner {
-    /// Nothing to do yet. `wake` is called when there is something to poll; `pictures` are the
-    /// frames that the window has decoded.
+    /// A runner without an open document. `wake` is called when there is something to poll.
+    /// `pictures` are the decoded frames of the window, which operations and the trainer reuse.
     #[must_use]
     pub const fn new(wake: Wake, pictures: SharedPictures) -> Self {
         Self {
@@ -121,7 +136,7 @@ impl Runner {
         }
     }
 
-    /// Carries an effect out, or begins to; what only a window can do comes back.
+    /// Starts what an effect demands; returns effects that only a window can carry out.
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
             Effect::Start(job) => self.start(job),
@@ -178,13 +193,16 @@ impl Runner {
         None
     }
 
-    /// What has happened since the last call.
+    /// The actions that have arrived since the last call.
     pub fn poll(&mut self) -> Vec<Action> {
+        // The application has taken in the actions of the previous poll, which still concern the
+        // document before.
         if let Some(ready) = self.ready.take() {
             return self.let_in(*ready);
         }
         let mut actions = std::mem::take(&mut self.reports);
         actions.extend(self.poll_jobs());
+        // A document that a task has opened waits in `ready` until the next poll.
         for task in &mut self.tasks {
             while let Some(report) = task.background.poll() {
                 match report {
@@ -209,6 +227,7 @@ impl Runner {
             }
         }
         self.tasks.retain(|task| !task.background.is_over());
+        // Without this, nothing might cause the next poll.
         if self.ready.is_some() {
             (self.wake)();
         }
@@ -219,12 +238,13 @@ impl Runner {
         actions
     }
 
-    /// Puts a document that was opened in the place of the one before. The application has taken in
-    /// all that was reported until now, and its edits are with that one's saver; what is reported
-    /// later of that one concerns nobody.
+    /// Replaces the open document by one that has been opened.
+    ///
+    /// By now the application has taken in all reports about the document before, and its edits are
+    /// with that document's saver. Later reports about it are discarded.
     fn let_in(&mut self, ready: Ready) -> Vec<Action> {
         self.give_up(|kind| !matches!(kind, Kind::Opening | Kind::Other));
-        // What was open before is written first; its last words matter no more than a failure.
+        // Write the document before first. Of its last reports only failures matter.
         let mut actions = self.close();
         actions.push(match self.start_saver(ready) {
             Ok(opened) => opened,
@@ -233,13 +253,14 @@ impl Runner {
         actions
     }
 
-    /// Writes what is left of the open document and waits for the disk.
+    /// Ends the trainer, writes the open document and waits for the disk. Returns failures, and
+    /// where the user's version of a conflicting document is.
     pub fn close(&mut self) -> Vec<Action> {
         self.trainer = None;
         self.held = None;
         let failure = |action: Action| match action {
             Action::Disk(DiskReport::SaveFailed(_)) => Some(action),
-            // Nobody is left to ask.
+            // The document is closed, so that the user cannot choose between the versions any more.
             Action::Disk(DiskReport::ChangedOutside {
                 path,
                 own: Some(own),
@@ -257,13 +278,13 @@ impl Runner {
             .collect()
     }
 
-    /// Whether something is still under way.
+    /// Whether an operation or task is running or an opened document waits.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         !self.jobs.is_empty() || !self.tasks.is_empty() || self.ready.is_some()
     }
 
-    /// Runs an operation on a thread of its own.
+    /// Starts an operation on a thread of its own.
     fn start(&mut self, job: Job) {
         let (task, pictures) = (job.clone(), self.pictures.clone());
         let background = Background::spawn(job.name(), self.wake.clone(), move |reporter| {
@@ -275,7 +296,8 @@ impl Runner {
         }
     }
 
-    /// What the operations have reported. The application knows which of them it still waits for.
+    /// The reports of the operations. The application ignores those that it has stopped waiting
+    /// for.
     fn poll_jobs(&mut self) -> Vec<Action> {
         let mut actions = Vec::new();
         for RunningJob { job, background } in &mut self.jobs {
@@ -290,7 +312,7 @@ impl Runner {
         actions
     }
 
-    /// Nobody waits any more for what tasks of some kinds are at.
+    /// Stops the tasks of some kinds and discards their results.
     fn give_up(&mut self, concerned: impl Fn(Kind) -> bool) {
         for task in self.tasks.iter_mut().filter(|task| concerned(task.kind)) {
             task.given_up = true;
@@ -298,6 +320,7 @@ impl Runner {
         }
     }
 
+    /// Starts the saver and the trainer of a document; neither if it is read-only.
     fn start_saver(&mut self, ready: Ready) -> Result<Action, JobError> {
         if let Some(store) = ready.store {
             let (document, history) = (
@@ -321,7 +344,7 @@ impl Runner {
         Ok(Action::Opened(Box::new(ready.opened)))
     }
 
-    /// Starts the trainer of a document that can be written; without one everything else works.
+    /// Starts the trainer of a writable document. If that fails, everything but the forest works.
     fn start_trainer(&mut self, file: PathBuf) {
         if cfg!(not(feature = "opencv")) {
             return;
@@ -341,12 +364,12 @@ impl Runner {
         }
     }
 
-    /// Opens a document. Whoever asks for another one does not wait for the one before.
+    /// Starts opening a document; discards an earlier one that is still being opened.
     fn open(&mut self, opening: Opening) {
         self.give_up(|kind| kind == Kind::Opening);
         self.ready = None;
         if matches!(opening, Opening::Again(_)) {
-            // What is not written stays in the journal, and is found again there.
+            // If writing fails, the edits are in the journal, from which opening recovers them.
             let last = self.close();
             self.reports.extend(last);
         }
@@ -363,7 +386,7 @@ impl Runner {
         });
     }
 
-    /// Begins what is to be done with edits that were set aside beside the open document.
+    /// Starts reading, saving or renaming edits that were set aside beside the open document.
     fn begin_with_orphan(&mut self, orphan: PathBuf, order: OrphanOrder) {
         let Some(location) = self.held.clone() else {
             return;
@@ -391,6 +414,7 @@ impl Runner {
         }
     }
 
+    /// Starts a task on a thread of its own; its result arrives with a later poll.
     fn begin(
         &mut self,
         name: &str,
@@ -418,6 +442,7 @@ impl Runner {
     }
 }
 
+/// Translates a report of the saver for the application.
 fn actions_of(report: SaverReport) -> Vec<Action> {
     match report {
         SaverReport::Journaled { revision, at } => {
@@ -463,7 +488,7 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
     }
 }
 
-/// What is said of a document that was closed after another program had changed it.
+/// The message for a document that is closed after another program has changed it.
 fn kept_own(path: &Path, own: &Orphan) -> String {
     let (path, own) = (path.display(), own.path.display());
     format!("Another program changed {path}; your version is kept as {own}.")
@@ -484,7 +509,7 @@ mod tests {
     use std::sync::mpsc::{Receiver, channel};
     use touchline_documents::document::{Document, FieldSpec};
 
-    /// An application with a document, and what runs its operations.
+    /// An application with an open document, and its runner.
     struct Bench {
         app: App,
         runner: Runner,
@@ -508,7 +533,7 @@ mod tests {
             self.runner.carry_out(effect);
         }
 
-        /// Passes reports on until nothing runs any more.
+        /// Passes actions to the application until nothing runs any more.
         fn wait(&mut self) {
             while self.runner.is_busy() {
                 self.woken.recv().unwrap();
@@ -573,7 +598,7 @@ mod tests {
         assert!(bench.app.operations.probe.taken.is_empty());
     }
 
-    /// A folder with a document of this many frames.
+    /// A folder with a document of `frames` frames.
     fn project(frames: usize) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         let mut document = Document::new(FieldSpec::new("soccer"));

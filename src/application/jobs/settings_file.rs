@@ -1,4 +1,4 @@
-//! The file in which a user's settings are kept.
+//! Reads and writes the file of the user's settings.
 
 use crate::app::Settings;
 use std::fs;
@@ -8,7 +8,7 @@ use thiserror::Error;
 use touchline_core::files::{plain, read_named_text};
 use touchline_documents::store::write_atomically;
 
-/// Why settings could not be kept.
+/// Why settings could not be written.
 #[derive(Debug, Error)]
 pub enum SettingsError {
     /// The file or its folder cannot be written.
@@ -16,15 +16,15 @@ pub enum SettingsError {
     Write {
         /// The settings file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
 }
 
-/// The largest file of settings that is read.
+/// Maximum size of a settings file, bytes; larger ones are not read.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Where the settings of this user live; none on a system without a home.
+/// The path of the user's settings. `None` on a system without a home folder.
 #[must_use]
 pub fn settings_path() -> Option<PathBuf> {
     Some(
@@ -34,8 +34,7 @@ pub fn settings_path() -> Option<PathBuf> {
     )
 }
 
-/// Reads the settings; what is missing or unreadable takes its default, and the reason is returned
-/// beside it.
+/// Reads the settings. If that fails, the defaults and the reason; a missing file is no failure.
 #[must_use]
 pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
     let defaults = |reason: String| {
@@ -57,7 +56,7 @@ pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
     }
 }
 
-/// Writes the settings in one piece.
+/// Writes the settings atomically.
 ///
 /// # Errors
 /// The file or its folder cannot be written.

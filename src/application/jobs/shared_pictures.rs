@@ -1,5 +1,4 @@
-//! The decoded frames that the window, the filmstrip and the trainer share, so that none of them
-//! decodes what another has.
+//! Decoded frames that window, filmstrip and trainer share, so that each is decoded once.
 
 use crate::app::operation::Decoders;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -8,25 +7,25 @@ use touchline_vision::media::{
     FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames,
 };
 
-/// Decoded frames within a budget, for everybody who asks. The window's frames go first: what
-/// others decode is kept only where there is room, and forgotten first.
+/// Decoded frames within a memory budget. The window's frames have priority: frames that others
+/// decode are kept only if there is room, and dropped first.
 #[derive(Clone, Debug)]
 pub struct SharedPictures(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
     frames: Mutex<FrameCache>,
-    /// The window waits for the picture that it shows.
+    /// Whether the window waits for the picture of its current frame.
     awaited: Mutex<bool>,
-    /// It no longer does.
+    /// Signals that it no longer waits.
     served: Condvar,
 }
 
-/// How long work in the background waits for the window at most, before each of its frames.
+/// Maximum time for which background work pauses for the window before each of its frames.
 const MOST_WAITED: Duration = Duration::from_millis(500);
 
 impl SharedPictures {
-    /// Keeps up to `budget_bytes` of pixels.
+    /// A memory of up to `budget_bytes` of pixels.
     #[must_use]
     pub fn new(budget_bytes: usize) -> Self {
         Self(Arc::new(Shared {
@@ -36,52 +35,52 @@ impl SharedPictures {
         }))
     }
 
-    /// Keeps nothing: for work without a window.
+    /// A memory of no pixels, for work without a window.
     #[must_use]
     pub fn none() -> Self {
         Self::new(0)
     }
 
-    /// A frame, if it is kept; this counts as a use.
+    /// The picture of a frame, if it is in memory. Marks it as used.
     #[must_use]
     pub fn get(&self, frame: &FrameRef) -> Option<Picture> {
         self.lock().get(frame)
     }
 
-    /// Whether a frame is kept; this is no use.
+    /// Whether a frame is in memory. Does not mark it as used.
     #[must_use]
     pub fn contains(&self, frame: &FrameRef) -> bool {
         self.lock().contains(frame)
     }
 
-    /// The memory that the pixels may take, bytes.
+    /// The memory budget, bytes.
     #[must_use]
     pub fn budget_bytes(&self) -> usize {
         self.lock().budget_bytes()
     }
 
-    /// Changes the memory that the pixels may take, bytes.
+    /// Changes the memory budget, bytes.
     pub(super) fn set_budget(&self, budget_bytes: usize) {
         self.lock().set_budget(budget_bytes);
     }
 
-    /// Keeps a frame that the window shows or is about to show; others make room.
+    /// Keeps a frame of the window; others make room.
     pub(super) fn insert(&self, frame: FrameRef, picture: Picture) {
         self.lock().insert(frame, picture);
     }
 
-    /// Keeps a frame that somebody else decoded if there is room.
+    /// Keeps a frame that another reader has decoded, if there is room.
     pub(super) fn offer(&self, frame: &FrameRef, picture: &Picture) {
         self.lock().offer(frame, picture);
     }
 
-    /// Forgets everything, as when another document is opened.
+    /// Drops all frames, as when another document is opened.
     pub(super) fn clear(&self) {
         let mut frames = self.lock();
         *frames = FrameCache::new(frames.budget_bytes());
     }
 
-    /// Whether the window waits for the picture that it shows.
+    /// Sets whether the window waits for the picture of its current frame.
     pub(super) fn set_awaited(&self, awaited: bool) {
         *self
             .0
@@ -93,22 +92,22 @@ impl SharedPictures {
         }
     }
 
-    /// Pauses work that nobody waits for while the window waits for its picture: both would take
-    /// the same processor.
+    /// Pauses background work while the window waits for its picture, because both would use the
+    /// same processor. Returns after [`MOST_WAITED`] at the latest.
     pub(super) fn wait_for_window(&self) {
         let awaited = self
             .0
             .awaited
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        // Whether it was in vain or not: this goes on.
+        // Continue even if the wait timed out.
         let _ = self
             .0
             .served
             .wait_timeout_while(awaited, MOST_WAITED, |awaited| *awaited);
     }
 
-    /// Nobody can panic with the lock held.
+    /// Locks the frames. No code that holds this lock can panic.
     fn lock(&self) -> MutexGuard<'_, FrameCache> {
         self.0.frames.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -127,14 +126,15 @@ impl Decoders for SharedPictures {
     }
 }
 
-/// Reads frames, those that somebody has decoded already without decoding them.
+/// Reads frames from the shared memory, or else with a reader of its own.
 pub(super) struct SharedReader {
     own: Box<dyn ReadFrames>,
     pictures: SharedPictures,
 }
 
 impl SharedReader {
-    /// Reads with `own` what is not among `pictures`, and offers it to the others.
+    /// A reader that uses `own` for frames that are not among `pictures`, and offers those to the
+    /// others.
     pub(super) fn new(own: Box<dyn ReadFrames>, pictures: SharedPictures) -> Self {
         Self { own, pictures }
     }
@@ -160,7 +160,7 @@ mod tests {
     use super::super::stand_in::{frame, picture};
     use super::*;
 
-    /// Counts what it reads.
+    /// A reader that counts what it reads.
     struct Counting(Arc<Mutex<Vec<FrameRef>>>);
 
     impl ReadFrames for Counting {

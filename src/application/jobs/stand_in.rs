@@ -1,4 +1,5 @@
-//! A reader of frames for tests: it reports what it starts and continues when the test lets it.
+//! A fake reader for tests: it reports the frames that it begins and continues when the test lets
+//! it.
 
 use super::Wake;
 use super::frame_worker::MakeReader;
@@ -9,43 +10,43 @@ use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
 use touchline_vision::media::{CountProgress, FrameRef, MediaError, Picture, ReadFrames};
 
-/// The test's end of a stand-in.
+/// The test's control over the fake reader.
 pub(super) struct Controller {
-    /// The frames whose reading has begun, in order.
+    /// The frames that the reader has begun, in order.
     pub(super) begun: Receiver<usize>,
     go: Sender<Reply>,
-    /// One for each call of the wake callback.
+    /// One value for each call of the wake callback.
     pub(super) woken: Receiver<()>,
 }
 
-/// What the stand-in is to do with the frame it has begun.
+/// What the reader does with the frame that it has begun.
 pub(super) enum Reply {
     Picture,
     Missing,
     Panic,
-    /// Count frames until told to stop.
+    /// Counts frames until it is stopped.
     Count,
 }
 
 impl Controller {
-    /// Waits until a frame is begun, and says which.
+    /// Waits until the reader begins a frame and returns its index.
     pub(super) fn next_begun(&self) -> usize {
         self.begun.recv().unwrap()
     }
 
-    /// Lets the frame that has been begun, or the next one, come out in a way.
+    /// Says what happens to the frame that has been begun, or to the next one.
     pub(super) fn let_out(&self, reply: Reply) {
         self.go.send(reply).unwrap();
     }
 
-    /// Lets the next frames come out well.
+    /// Lets the next frames succeed.
     pub(super) fn let_out_pictures(&self, count: usize) {
         for _ in 0..count {
             self.let_out(Reply::Picture);
         }
     }
 
-    /// Polls after each wake until something is there.
+    /// Polls after each wake until there are reports.
     pub(super) fn poll_until<R>(&self, mut poll: impl FnMut() -> Vec<R>) -> Vec<R> {
         loop {
             let reports = poll();
@@ -57,17 +58,17 @@ impl Controller {
     }
 }
 
-/// Frame `index` of a video that exists only here.
+/// Frame `index` of a video that does not exist.
 pub(super) fn frame(index: usize) -> FrameRef {
     FrameRef::video(Path::new("match.mp4"), index)
 }
 
-/// What the stand-in gives for frame `index`.
+/// The picture that the reader gives for frame `index`.
 pub(super) fn picture(index: usize) -> Picture {
     Picture::filled(ImageSize::new(16, 9), [index as u8, 0, 0, 255])
 }
 
-/// A stand-in and its controller.
+/// A fake reader, its wake callback and its controller.
 pub(super) fn stand_in() -> (MakeReader, Wake, Controller) {
     let (begin, begun) = channel();
     let (go, orders) = channel();
@@ -99,7 +100,7 @@ impl ReadFrames for StandIn {
             panic!("{frame} is no frame of a video")
         };
         self.begin.send(*index).unwrap_or_default();
-        // The controller was dropped: succeed.
+        // Succeed if the controller was dropped.
         let answer = self.orders.lock().map_or(Reply::Picture, |orders| {
             orders.recv().unwrap_or(Reply::Picture)
         });

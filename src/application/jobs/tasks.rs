@@ -1,4 +1,4 @@
-//! What is done in the background at a person's request, apart from opening.
+//! Short tasks of the runner: copying a document, reading a camera.
 
 use super::JobError;
 use std::path::Path;
@@ -6,7 +6,7 @@ use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store;
 use touchline_documents::store::{Location, Store};
 
-/// Writes a document into another folder; an existing project there is not touched.
+/// Writes a document into another folder; fails if that has a project.
 pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), JobError> {
     std::fs::create_dir_all(folder).map_err(JobError::io(folder))?;
     let location = Location::for_new_document(folder)?;

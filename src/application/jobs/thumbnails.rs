@@ -1,4 +1,4 @@
-//! Makes the small pictures of the filmstrip, whenever the decoder has nothing to do.
+//! Makes the thumbnails of the filmstrip while the decoder is idle.
 
 use super::frame_orders::{Choice, WorkReport};
 use super::frame_worker::{FrameWorker, MakeReader};
@@ -11,47 +11,46 @@ use touchline_vision::media::{
     letterboxed,
 };
 
-/// Memory for thumbnails, bytes: some 2,300 of them.
+/// Memory for thumbnails, bytes: about 2,300 of them.
 const CACHE_BYTES: usize = 128 << 20;
 
-/// What the maker of thumbnails says.
+/// A report about thumbnails.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ThumbnailReport {
-    /// A thumbnail is made; it is also kept for [`Thumbnails::picture`].
+    /// A thumbnail has been made; [`Thumbnails::picture`] also returns it.
     Ready {
-        /// Of which frame.
+        /// The frame.
         frame: FrameRef,
-        /// Its pixels, [`THUMBNAIL_SIZE`] large.
+        /// Its pixels, in the size [`THUMBNAIL_SIZE`].
         picture: Picture,
     },
-    /// There is no thumbnail to be had. The reason is reported when the user comes to the frame, by
-    /// the decoder.
+    /// The frame cannot be read. The decoder reports the reason when it becomes the current frame.
     Failed {
-        /// Of which frame.
+        /// The frame.
         frame: FrameRef,
     },
-    /// An internal error of this program or of a library; the job goes on with other frames.
+    /// Reading a frame panicked; the job continues with others.
     Panicked {
-        /// At which frame.
+        /// The frame.
         frame: FrameRef,
         /// The panic's message.
         message: String,
     },
-    /// An internal error stopped the job: there are no further thumbnails.
+    /// The job panicked; it makes no more thumbnails.
     Broken {
         /// The panic's message.
         message: String,
     },
 }
 
-/// Makes thumbnails on a thread of its own and keeps them. Dropping it stops and joins the thread.
+/// The handle of the thread that makes thumbnails. Dropping it ends and joins the thread.
 pub struct Thumbnails {
     worker: FrameWorker,
     asked: Vec<FrameRef>,
     memory: Memory,
 }
 
-/// What the maker remembers on its owner's side.
+/// The owner's side of the job.
 struct Memory {
     cache: FrameCache,
     failed: BTreeSet<FrameRef>,
@@ -59,7 +58,7 @@ struct Memory {
 }
 
 impl Thumbnails {
-    /// Starts the maker. It starts no thumbnail while `decoder` has a frame to decode.
+    /// Starts the job. It begins no thumbnail while `decoder` has a frame to decode.
     ///
     /// # Errors
     /// The operating system gives no thread.
@@ -74,7 +73,7 @@ impl Thumbnails {
         Self::with_reader(decoder, wake, make_reader)
     }
 
-    /// Starts a maker that reads frames in a way of its own.
+    /// Starts the job with another reader.
     pub(super) fn with_reader(
         decoder: &Decoder,
         wake: Wake,
@@ -96,8 +95,8 @@ impl Thumbnails {
         })
     }
 
-    /// Asks for the thumbnails of these frames in this order, the visible ones first; what was
-    /// asked before and is not in here is given up. Asking the same again costs nothing.
+    /// Requests the thumbnails of these frames in this order, visible ones first. Frames of earlier
+    /// requests that are not in this one are dropped. Repeating a request costs nothing.
     pub fn request(&mut self, frames: &[FrameRef]) {
         if self.asked == frames {
             return;
@@ -120,7 +119,7 @@ impl Thumbnails {
         self.asked = frames.to_vec();
     }
 
-    /// What has happened since the last call. To be called whenever the window is drawn.
+    /// The reports that have arrived since the last call. Call it whenever the window is drawn.
     pub fn poll(&mut self) -> Vec<ThumbnailReport> {
         for report in self.worker.fetch_reports() {
             self.memory.take_in(report);
@@ -128,7 +127,7 @@ impl Thumbnails {
         std::mem::take(&mut self.memory.unpolled)
     }
 
-    /// The thumbnail of a frame, if it is kept.
+    /// The thumbnail of a frame, if it is in memory.
     pub fn picture(&mut self, frame: &FrameRef) -> Option<Picture> {
         self.memory.cache.get(frame)
     }
@@ -141,6 +140,8 @@ impl Thumbnails {
 }
 
 impl Memory {
+    /// Takes in a report of the worker: keeps thumbnails and failures, and queues what the owner
+    /// should see.
     fn take_in(&mut self, report: WorkReport) {
         let report = match report {
             WorkReport::Frame(frame, Ok(picture)) => {
@@ -156,7 +157,7 @@ impl Memory {
                 ThumbnailReport::Panicked { frame, message }
             }
             WorkReport::Broken(message) => ThumbnailReport::Broken { message },
-            // The decoder opens the same videos and says it.
+            // The decoder opens the same videos and reports this.
             WorkReport::Counting(_) | WorkReport::Notice(_) => return,
         };
         self.unpolled.push(report);
@@ -167,7 +168,7 @@ impl Memory {
     }
 }
 
-/// Reads frames small.
+/// Reads frames and scales them to thumbnails.
 struct SmallReader {
     full: Box<dyn ReadFrames>,
 }
@@ -214,7 +215,7 @@ mod tests {
             [ThumbnailReport::Failed { frame: frame(4) }]
         );
         assert!(thumbnails.has_failed(&frame(4)) && !thumbnails.has_failed(&frame(3)));
-        // Neither is read again.
+        // Neither frame is read again.
         thumbnails.request(&[frame(5), frame(4), frame(3)]);
         controller.let_out(Reply::Panic);
         let message = "frame 5 is cursed".to_owned();

@@ -1,9 +1,9 @@
-//! A thread that carries out orders and leaves reports: what every job is built on.
+//! The mechanism of every job: a thread that carries out orders and leaves reports.
 //!
-//! The owner and the thread share a mailbox. One lock guards the orders and the reports, so that an
-//! order is at every moment either waiting, being carried out, or reported. The owner never waits,
-//! except for the thread to end; the thread waits for orders, and for room when nobody takes its
-//! reports.
+//! The owner and the thread share a mailbox. One lock guards orders and reports, so that an order
+//! is always either waiting, being carried out, or reported. The owner never blocks, except while
+//! the thread ends. The thread blocks while there is no order, and while reports that the owner has
+//! not taken fill the mailbox.
 
 use super::{Wake, panic_message};
 use std::collections::VecDeque;
@@ -13,42 +13,42 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How long the owner waits for a thread whose work nobody needs any more. A read from a network
-/// drive that does not answer can be ended by nothing; its thread is then left to itself.
+/// Maximum time that the owner waits for a thread to end when its work is no longer needed. A read
+/// from a network drive that does not answer cannot be cancelled; its thread is then detached.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Orders `O` for a thread, and its reports `R`.
+/// Orders `O` to a thread, and its reports `R`.
 pub(super) struct Mailbox<O, R> {
     state: Mutex<State<O, R>>,
     changed: Condvar,
-    /// How many reports may wait before the thread waits for its owner.
+    /// Maximum number of waiting reports; beyond it the thread blocks.
     capacity: usize,
     wake: Wake,
 }
 
-/// What the lock of a mailbox guards.
+/// The state that the lock guards.
 pub(super) struct State<O, R> {
-    /// What is to be done, and what both sides have to know of what is being done.
+    /// What is to be done, and what both sides must know about the work in progress.
     pub(super) orders: O,
-    /// What the owner has not taken yet, oldest first.
+    /// Reports that the owner has not taken yet, oldest first.
     pub(super) reports: VecDeque<R>,
     is_closing: bool,
     has_ended: bool,
 }
 
-/// Why a thread no longer waits for orders.
+/// Why [`Mailbox::wait_for`] returned.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Waited<T> {
     /// This is to be done.
     Order(T),
     /// The time is up.
     TimeIsUp,
-    /// Nothing is left to do, and no order will follow.
+    /// There is no order left, and none will follow.
     Closing,
 }
 
 impl<O, R> Mailbox<O, R> {
-    /// A mailbox in which `capacity` reports may wait. `wake` is called after each report.
+    /// A mailbox for up to `capacity` waiting reports. `wake` is called after each report.
     pub(super) fn new(orders: O, capacity: usize, wake: Wake) -> Self {
         let state = State {
             orders,
@@ -64,7 +64,8 @@ impl<O, R> Mailbox<O, R> {
         }
     }
 
-    /// Looks at orders and reports or changes them; whoever waits for something here looks again.
+    /// Reads or changes orders and reports under the lock, then wakes everyone who waits for a
+    /// change.
     pub(super) fn update<T>(&self, change: impl FnOnce(&mut State<O, R>) -> T) -> T {
         let result = change(&mut self.lock());
         self.changed.notify_all();
@@ -81,23 +82,23 @@ impl<O, R> Mailbox<O, R> {
         self.lock().is_closing
     }
 
-    /// Tells the thread to end.
+    /// Orders the thread to end.
     pub(super) fn begin_closing(&self) {
         self.update(|state| state.is_closing = true);
     }
 
-    /// The reports that have arrived since the last call.
+    /// Takes all waiting reports.
     pub(super) fn take_reports(&self) -> Vec<R> {
         self.update(|state| state.reports.drain(..).collect())
     }
 
-    /// The oldest report that has not been taken.
+    /// Takes the oldest waiting report.
     pub(super) fn take_report(&self) -> Option<R> {
         self.update(|state| state.reports.pop_front())
     }
 
-    /// What `pick` finds among the orders: waits for it, but not beyond `until`, and not once no
-    /// order will follow.
+    /// Waits until `pick` finds something among the orders, until a time, or until the mailbox
+    /// closes. Orders that are left when it closes are still returned.
     pub(super) fn wait_for<T>(
         &self,
         until: Option<Instant>,
@@ -127,12 +128,13 @@ impl<O, R> Mailbox<O, R> {
         }
     }
 
-    /// Leaves a report; waits for room.
+    /// Leaves a report; blocks until there is room.
     pub(super) fn report(&self, report: R) {
         self.report_done(report, |_| ());
     }
 
-    /// Leaves the report of an order and strikes it off in one step; waits for room.
+    /// Leaves the report of an order and removes the order under the same lock; blocks until there
+    /// is room.
     pub(super) fn report_done(&self, report: R, strike_off: impl FnOnce(&mut O)) {
         let is_full = |state: &mut State<O, R>| state.reports.len() >= self.capacity;
         let mut state = self
@@ -146,7 +148,7 @@ impl<O, R> Mailbox<O, R> {
         (self.wake)();
     }
 
-    /// Leaves a report in place of one that it makes stale; never waits.
+    /// Leaves a report and drops those that it makes obsolete; never blocks.
     pub(super) fn report_instead(&self, report: R, is_stale: impl Fn(&R) -> bool) {
         self.update(|state| {
             state.reports.retain(|before| !is_stale(before));
@@ -155,7 +157,7 @@ impl<O, R> Mailbox<O, R> {
         (self.wake)();
     }
 
-    /// Leaves a report if there is room, and drops it otherwise.
+    /// Leaves a report if there is room; drops it otherwise.
     pub(super) fn report_if_room(&self, report: R) {
         let has_room = self.update(|state| {
             let has_room = state.reports.len() < self.capacity;
@@ -169,23 +171,22 @@ impl<O, R> Mailbox<O, R> {
         }
     }
 
-    /// No code that holds the lock can panic half-way, so that the state is whole even when the
-    /// lock is poisoned.
+    /// Locks the state. No code that holds the lock can panic half-way, so the state is consistent
+    /// even if the lock is poisoned.
     fn lock(&self) -> MutexGuard<'_, State<O, R>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// A thread and its mailbox. Dropping it ends the thread and waits for that, [`PATIENCE`] long at
-/// most.
+/// A thread and its mailbox. Dropping it ends the thread and waits for at most [`PATIENCE`].
 pub(super) struct Worker<O, R> {
     mailbox: Arc<Mailbox<O, R>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl<O: Send + 'static, R: Send + 'static> Worker<O, R> {
-    /// Starts a thread of a name that does `work` until that returns. If it panics, `broke_down`
-    /// turns the message into the last report.
+    /// Starts a thread that runs `work`. If `work` panics, `broke_down` turns the message into the
+    /// last report.
     ///
     /// # Errors
     /// The operating system gives no thread.
@@ -213,31 +214,31 @@ impl<O: Send + 'static, R: Send + 'static> Worker<O, R> {
 }
 
 impl<O, R> Worker<O, R> {
-    /// The mailbox that it shares with its thread.
+    /// The mailbox that the owner shares with the thread.
     pub(super) const fn mailbox(&self) -> &Arc<Mailbox<O, R>> {
         &self.mailbox
     }
 
-    /// Tells the thread to end, waits for it so long, and returns its last reports, and whether it
-    /// has ended; one that goes on is left to itself.
+    /// Orders the thread to end and waits for up to `patience`. Returns its last reports and
+    /// whether it has ended; a thread that has not is detached.
     pub(super) fn close(&mut self, patience: Duration) -> (Vec<R>, bool) {
         let (mut last, until) = (Vec::new(), Instant::now() + patience);
         if let Some(thread) = self.thread.take() {
             self.mailbox.begin_closing();
-            // The thread may wait for room.
+            // The thread may be waiting for room, so take its reports while it ends.
             while !self.has_ended_after(until, &mut last) {
                 if until <= Instant::now() {
                     return (last, false);
                 }
             }
-            // A panic of the work has been turned into a report.
+            // A panic of `work` has already become a report.
             let _ = thread.join();
         }
         (last, true)
     }
 
-    /// Waits until there is a report, the thread has ended or the time is up, and takes the
-    /// reports.
+    /// Waits for a report, the end of the thread, or the time `until`; moves the reports to
+    /// `reports` and returns whether the thread has ended.
     fn has_ended_after(&self, until: Instant, reports: &mut Vec<R>) -> bool {
         let Mailbox { changed, .. } = &*self.mailbox;
         let left = until.saturating_duration_since(Instant::now());
@@ -266,7 +267,7 @@ mod tests {
         Mailbox::new(VecDeque::new(), capacity, Arc::new(|| ()))
     }
 
-    /// Reports each order until it is closed.
+    /// Reports each order until the mailbox closes.
     fn echo(mailbox: &Arc<Mailbox<VecDeque<i32>, String>>) {
         while let Waited::Order(order) = mailbox.wait_for(None, VecDeque::pop_front) {
             assert_ne!(order, -1, "an unlucky order");
@@ -287,7 +288,7 @@ mod tests {
     fn a_thread_whose_reports_nobody_takes_waits() {
         let worker = Worker::spawn("test", mailbox(3), |message| message, echo).unwrap();
         worker.mailbox().update(|state| state.orders.extend(0..10));
-        // Three reports wait, the fourth order has been taken.
+        // Three reports wait; the fourth order has been taken.
         while worker.mailbox().look(VecDeque::len) > 6 {
             std::thread::yield_now();
         }

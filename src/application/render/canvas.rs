@@ -1,4 +1,4 @@
-//! What one canvas keeps between `prepare` and `paint`: its view, its vertices, its list of draws.
+//! The state of one canvas between `prepare` and `paint`: view, vertices, draw calls.
 
 use super::fill::{FillVertex, append_triangles};
 use super::gpu::Gpu;
@@ -14,7 +14,7 @@ use crate::scene::drawing::{Drawing, StrokeGroup};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
-/// The view as `view.wgsl` declares it.
+/// The view, laid out as in `view.wgsl`.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct ViewUniform {
@@ -24,7 +24,7 @@ struct ViewUniform {
     size: [f32; 2],
 }
 
-/// One draw call of `paint`: where its vertices lie, and how many instances or vertices there are.
+/// One draw call of `paint`: the range of its vertices in the buffer, and their number.
 #[derive(Debug)]
 enum Draw {
     Picture {
@@ -49,12 +49,13 @@ enum Draw {
     },
 }
 
-/// A group of strokes to be drawn into its target during `prepare`.
+/// A group of strokes that `prepare` draws into a texture of its own.
 struct PendingGroup {
     bytes: Range<u64>,
     instances: u32,
 }
 
+/// A canvas and its GPU resources.
 #[derive(Debug)]
 pub(super) struct Canvas {
     uniform: wgpu::Buffer,
@@ -112,6 +113,7 @@ impl Canvas {
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
 
+        // Collect the vertices of all layers in one buffer, and one draw call for each.
         let mut bytes = Vec::new();
         let mut groups = Vec::new();
         for layer in layers {
@@ -143,6 +145,7 @@ impl Canvas {
         self.draw_groups(gpu, pipelines, view.size_px, &groups);
     }
 
+    /// Appends areas, groups of strokes and markers, in this order from bottom to top.
     fn append_drawing(
         &mut self,
         drawing: &Drawing,
@@ -172,6 +175,8 @@ impl Canvas {
         }
     }
 
+    /// Appends a group of strokes: its segments for the group's texture, and the draw call that
+    /// composites that texture.
     fn append_group(
         &mut self,
         group: &StrokeGroup,
@@ -196,6 +201,7 @@ impl Canvas {
         }
     }
 
+    /// Uploads the vertices, into a larger buffer if necessary.
     fn upload(&mut self, gpu: &Gpu<'_>, bytes: &[u8]) {
         let needed = bytes.len() as u64;
         if needed > self.vertices.size() {
@@ -239,7 +245,7 @@ impl Canvas {
         }
     }
 
-    /// Draws what was prepared; the pass's viewport is the canvas.
+    /// Draws what was prepared. The pass's viewport is the canvas.
     pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &Pipelines) {
         pass.set_bind_group(0, &self.view_bind_group, &[]);
         for draw in &self.draws {
@@ -269,7 +275,7 @@ impl Canvas {
     }
 }
 
-/// Appends plain data and returns where it lies; every item's size is a multiple of four, as vertex
+/// Appends plain data and returns its range. Sizes of items are multiples of four, as vertex
 /// offsets must be.
 fn append<T: Pod>(bytes: &mut Vec<u8>, items: &[T]) -> Range<u64> {
     let start = bytes.len() as u64;

@@ -1,4 +1,4 @@
-//! Filled polygons as triangles of `fill.wgsl`, with a soft border one px wide.
+//! Filled polygons as triangles of `fill.wgsl`, with a soft border 1 px wide.
 
 use super::stroke::rgba;
 use crate::scene::drawing::Area;
@@ -8,20 +8,23 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct FillVertex {
+    /// The corner, px of the picture.
     at: [f32; 2],
+    /// Shift of the corner for the soft border, px of the canvas.
     shift: [f32; 2],
     colour: [u8; 4],
 }
 
-/// How [`FillVertex`] lies in a vertex buffer.
+/// The layout of [`FillVertex`] in a vertex buffer.
 pub(super) const FILL_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Unorm8x4];
 
-/// Appends the triangles of an area; one with fewer than three corners, or with a corner that is
-/// not a number, has none.
+/// Appends the triangles of an area. An area with fewer than three corners, or with a corner that
+/// is not finite, has none.
 ///
-/// The inside is drawn half a px smaller than the polygon, and a band from there to half a px
-/// outside fades out, so that a pixel is covered as far as the polygon covers it.
+/// The polygon is drawn 0.5 px smaller than it is. A band from there to 0.5 px outside fades to
+/// transparent, so that the opacity of a border pixel approximates the share that the polygon
+/// covers.
 pub(super) fn append_triangles(area: &Area, vertices: &mut Vec<FillVertex>) {
     let Some(corners) = counter_clockwise(&area.corners) else {
         return;
@@ -48,6 +51,7 @@ pub(super) fn append_triangles(area: &Area, vertices: &mut Vec<FillVertex>) {
         shift: outward[i],
         colour: clear,
     };
+    // The inside, and for each edge two triangles of the soft border.
     for triangle in triangulate(&corners) {
         vertices.extend(triangle.map(inner));
     }
@@ -57,7 +61,8 @@ pub(super) fn append_triangles(area: &Area, vertices: &mut Vec<FillVertex>) {
     }
 }
 
-/// The corners without repetitions, turning from +x towards +y; none if they span no area.
+/// The corners without repetitions, ordered so that the polygon turns from +x to +y. `None` if they
+/// span no area.
 fn counter_clockwise(corners: &[[f32; 2]]) -> Option<Vec<[f32; 2]>> {
     let mut corners = corners.to_vec();
     corners.dedup();
@@ -81,13 +86,13 @@ fn cross(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// Twice the signed area of a triangle; positive when it turns from +x towards +y.
+/// Twice the signed area of a triangle; positive if it turns from +x to +y.
 fn turn(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
     cross([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]])
 }
 
-/// Where a corner moves when both its edges move outwards by half a px; sharp corners are cut at
-/// four times that.
+/// The shift of a corner when both its edges move outwards by 0.5 px: (n + m) / |n + m|² for the
+/// unit normals n and m. |n + m|² is at least 0.25, so that acute corners do not become spikes.
 fn half_px_outward(before: [f32; 2], at: [f32; 2], after: [f32; 2]) -> [f32; 2] {
     let normal = |from: [f32; 2], to: [f32; 2]| {
         let (x, y) = (to[0] - from[0], to[1] - from[1]);
@@ -100,8 +105,7 @@ fn half_px_outward(before: [f32; 2], at: [f32; 2], after: [f32; 2]) -> [f32; 2] 
     sum.map(|x| x / squared)
 }
 
-/// Cuts a simple polygon (turning from +x towards +y) into triangles by clipping its ears (Meisters
-/// 1975), O(n²).
+/// Triangulates a simple polygon that turns from +x to +y by ear clipping (Meisters 1975), O(n²).
 fn triangulate(corners: &[[f32; 2]]) -> Vec<[usize; 3]> {
     let mut rest: Vec<usize> = (0..corners.len()).collect();
     let mut triangles = Vec::with_capacity(corners.len() - 2);
@@ -118,7 +122,7 @@ fn triangulate(corners: &[[f32; 2]]) -> Vec<[usize; 3]> {
                     .iter()
                     .any(|&p| p != a && p != b && p != c && in_triangle(corners, p, [a, b, c]))
         });
-        // A polygon that crosses itself may have no ear left; then any corner will do.
+        // A polygon that crosses itself may have no ear left; then cut any corner.
         let i = ear.unwrap_or(0);
         triangles.push([
             rest[(i + count - 1) % count],

@@ -1,19 +1,19 @@
-//! What is needed to put something on the GPU, and the small pieces that pipelines are bound with.
+//! Access to the GPU, and constructors of wgpu's small parts.
 
 use touchline_shaders::Shader;
 
-/// What is needed to put something on the GPU.
+/// What uploading and drawing need.
 #[derive(Debug)]
 pub struct Gpu<'a> {
-    /// Makes buffers and textures.
+    /// Creates buffers and textures.
     pub device: &'a wgpu::Device,
-    /// Takes their contents.
+    /// Uploads their contents.
     pub queue: &'a wgpu::Queue,
-    /// Records what is drawn before a canvas's own pass.
+    /// Records passes that precede the one of the canvas.
     pub encoder: &'a mut wgpu::CommandEncoder,
 }
 
-/// A shader module of one of our shaders.
+/// The module of one of the program's shaders.
 pub(super) fn module(device: &wgpu::Device, shader: Shader) -> wgpu::ShaderModule {
     device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(shader.name),
@@ -21,7 +21,7 @@ pub(super) fn module(device: &wgpu::Device, shader: Shader) -> wgpu::ShaderModul
     })
 }
 
-/// A bind group layout of (binding, stages, type).
+/// A bind group layout from entries of binding, stages and type.
 pub(super) fn layout(
     device: &wgpu::Device,
     label: &str,
@@ -42,7 +42,7 @@ pub(super) fn layout(
     })
 }
 
-/// A uniform buffer.
+/// The type of a uniform buffer.
 pub(super) const fn uniform() -> wgpu::BindingType {
     wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
@@ -51,7 +51,7 @@ pub(super) const fn uniform() -> wgpu::BindingType {
     }
 }
 
-/// A filterable two-dimensional texture.
+/// The type of a filterable two-dimensional texture.
 pub(super) const fn texture() -> wgpu::BindingType {
     wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: true },
@@ -60,7 +60,7 @@ pub(super) const fn texture() -> wgpu::BindingType {
     }
 }
 
-/// A filtering sampler.
+/// The type of a filtering sampler.
 pub(super) const fn sampler() -> wgpu::BindingType {
     wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)
 }

@@ -1,13 +1,12 @@
-//! Groups of strokes: drawn opaque into textures of their own, then laid over the canvas.
+//! Groups of strokes: drawn opaque into a texture of their own, then composited onto the canvas.
 
 use crate::scene::drawing::StrokeGroup;
 use bytemuck::{Pod, Zeroable};
 
-/// The format of the textures in which groups of strokes are drawn: gamma space, as everything
-/// here.
+/// The format of those textures, in gamma space.
 pub(super) const GROUP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// A group of strokes laid over the canvas; the fields are those of `Instance` in `composite.wgsl`.
+/// A group of strokes to be composited; the fields are those of `Instance` in `composite.wgsl`.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct GroupInstance {
@@ -15,11 +14,11 @@ pub(super) struct GroupInstance {
     opacity: f32,
 }
 
-/// How [`GroupInstance`] lies in a vertex buffer.
+/// The layout of [`GroupInstance`] in a vertex buffer.
 pub(super) const GROUP_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32];
 
-/// A box that clips nothing; finite, so that it survives the way to the canvas.
+/// A box that clips nothing. Finite, so that it stays finite when it is scaled to the canvas.
 const EVERYWHERE: [f32; 4] = [-1e9, -1e9, 1e9, 1e9];
 
 impl From<&StrokeGroup> for GroupInstance {
@@ -31,7 +30,7 @@ impl From<&StrokeGroup> for GroupInstance {
     }
 }
 
-/// A texture for one group of strokes, as large as the canvas.
+/// A texture for one group of strokes, with the size of the canvas.
 #[derive(Debug)]
 pub(super) struct GroupTarget {
     pub view: wgpu::TextureView,

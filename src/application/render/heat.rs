@@ -1,4 +1,4 @@
-//! A heat map over the picture: a small texture of levels, coloured by the shader.
+//! A heat map over the picture: a small texture of levels, which the shader turns into colours.
 
 use super::gpu::Gpu;
 use super::stroke::rgba;
@@ -15,7 +15,7 @@ pub(super) struct HeatInstance {
     colours: [[u8; 4]; HEAT_STOPS.len()],
 }
 
-/// How [`HeatInstance`] lies in a vertex buffer.
+/// The layout of [`HeatInstance`] in a vertex buffer.
 pub(super) const HEAT_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
     0 => Float32x2, 1 => Float32, 2 => Unorm8x4, 3 => Unorm8x4, 4 => Unorm8x4, 5 => Unorm8x4, 6 => Unorm8x4
 ];
@@ -31,7 +31,7 @@ impl HeatInstance {
     }
 }
 
-/// The levels on the GPU, to be drawn once; none for a map without cells.
+/// Uploads the levels for one frame. `None` for an empty map.
 pub(super) fn bind(
     gpu: &Gpu<'_>,
     layout: &wgpu::BindGroupLayout,
@@ -41,7 +41,8 @@ pub(super) fn bind(
     if width == 0 || heat.levels.len() != (width * height) as usize {
         return None;
     }
-    // A format that every adapter reads has 8 bits: a low and a high byte.
+    // Every adapter reads 8-bit channels, but 16-bit ones are optional. So upload a low and a high
+    // byte for each level.
     let bytes: Vec<u8> = heat
         .levels
         .iter()

@@ -1,4 +1,4 @@
-//! What a canvas shows, from the bottom up.
+//! The layers of a canvas, from bottom to top.
 
 use crate::scene::PictureLook;
 use crate::scene::drawing::Drawing;
@@ -7,20 +7,18 @@ use std::sync::Arc;
 use touchline_vision::media;
 
 /// The identity of a picture's pixels: equal keys mean equal pixels, so that they are uploaded
-/// once.
-///
-/// The caller makes it from what it knows, such as a frame's number and a generation.
+/// once. The caller chooses the keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PictureKey(pub u64);
 
-/// A picture, with its top-left corner at the origin.
+/// A picture with its top-left corner at the origin.
 #[derive(Clone, Debug)]
 pub struct PictureLayer {
-    /// What its pixels are known by.
+    /// Identifies the pixels.
     pub key: PictureKey,
-    /// sRGB bytes; shown as they are, in gamma space.
+    /// sRGB bytes; drawn unchanged, in gamma space.
     pub pixels: media::Picture,
-    /// How bright it is; darker lets lines stand out.
+    /// Brightness, contrast and gamma. A darker picture makes lines stand out.
     pub look: PictureLook,
 }
 
@@ -29,9 +27,8 @@ pub struct PictureLayer {
 pub enum Layer {
     /// A frame.
     Picture(PictureLayer),
-    /// Colours over a frame that say how far the lines are to be trusted, at an opacity from 0 to
-    /// 1.
+    /// A heat map of the overlay's uncertainty, and its opacity from 0 to 1.
     Heat(Arc<HeatMap>, f32),
-    /// Lines, areas and markers over it.
+    /// Lines, areas and markers.
     Drawing(Arc<Drawing>),
 }

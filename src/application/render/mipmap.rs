@@ -1,9 +1,9 @@
-//! The smaller copies of a picture that keep it from shimmering when it is shown reduced.
+//! Smaller copies of a picture, which prevent aliasing when it is drawn reduced.
 
 use super::gpu::{layout, module, sampler, texture};
 use touchline_shaders::MIPMAP;
 
-/// Makes the mip levels of a texture, each from the one before it.
+/// Computes the mip levels of a texture, each from the one before.
 #[derive(Debug)]
 pub(super) struct MipmapMaker {
     layout: wgpu::BindGroupLayout,
@@ -62,7 +62,7 @@ impl MipmapMaker {
         }
     }
 
-    /// Fills every level above the first.
+    /// Fills all levels above the first.
     pub fn fill(
         &self,
         device: &wgpu::Device,

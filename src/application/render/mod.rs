@@ -1,9 +1,9 @@
-//! The wgpu layers: frame picture, anti-aliased lines, points; on screen and off.
+//! Draws layers with wgpu: pictures, anti-aliased lines, areas and markers; on screen and off.
 //!
-//! A canvas shows [`Layer`]s, the lowest first: pictures and plain-data drawings
-//! ([`crate::scene::drawing`]). A [`Renderer`] uploads them in `prepare` and draws them in `paint`,
-//! into a pass that belongs to the window or to an [`Offscreen`] target. Everything stays in gamma
-//! space with premultiplied alpha; edges are smoothed by the shaders, one sample per pixel.
+//! A canvas shows [`Layer`]s from bottom to top: pictures, heat maps and plain-data drawings
+//! ([`crate::scene::drawing`]). [`Renderer::prepare`] uploads them and [`Renderer::paint`] draws
+//! them, into a render pass that belongs to the window or to [`Offscreen`]. All values stay in
+//! gamma space with premultiplied alpha. The shaders smooth edges, with one sample per pixel.
 //! `stroke.rs` explains how strokes stay even where they join and cross.
 
 mod canvas;
@@ -29,7 +29,7 @@ pub use picture::SMOOTH_UP_TO_SCALE;
 pub use renderer::{CanvasId, Renderer};
 pub use view::View;
 
-/// A pass that clears one target and draws on it.
+/// Begins a pass that clears one target and draws on it.
 fn begin_pass<'encoder>(
     encoder: &'encoder mut wgpu::CommandEncoder,
     label: &str,

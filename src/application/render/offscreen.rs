@@ -1,4 +1,4 @@
-//! A device without a window, and pictures instead of a screen.
+//! Renders layers into pictures, without a window.
 
 use super::gpu::Gpu;
 use super::layer::Layer;
@@ -10,23 +10,23 @@ use image::RgbaImage;
 use std::fmt;
 use thiserror::Error;
 
-/// Why nothing could be rendered off-screen.
+/// Why nothing can be rendered off-screen.
 #[derive(Debug, Error)]
 pub enum RenderError {
-    /// Neither a GPU nor a software renderer answered.
+    /// There is neither a GPU nor a software renderer.
     #[error(
         "no graphics adapter: neither a GPU driver nor a software renderer was found; install one \
          (Debian: apt install mesa-vulkan-drivers libvulkan1)"
     )]
     NoAdapter,
-    /// Adapters answered, but none gave a device; the first one's reason.
+    /// There are adapters, but none gives a device. States the first one's reason.
     #[error(
         "the graphics adapter {adapter} gives no device: {reason}; update its driver, or try WGPU_BACKEND=gl"
     )]
     NoDevice {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
-        /// What it said.
+        /// The driver's message.
         reason: String,
     },
     /// The canvas is empty or larger than the adapter's textures.
@@ -34,37 +34,37 @@ pub enum RenderError {
         "a canvas of {width} × {height} px cannot be rendered: this adapter takes 1 to {limit} px a side"
     )]
     BadSize {
-        /// Columns asked for.
+        /// Requested columns.
         width: u32,
-        /// Rows asked for.
+        /// Requested rows.
         height: u32,
-        /// The longest side that the adapter takes.
+        /// Maximum side of the adapter's textures, px.
         limit: u32,
     },
-    /// The typeface of the labels is broken.
+    /// The typeface of the labels cannot be read.
     #[error("the program's built-in typeface cannot be read: {0}")]
     Typeface(#[from] ab_glyph::InvalidFont),
-    /// The finished picture could not be read back.
+    /// The finished picture cannot be read back.
     #[error("the rendered picture could not be read back from the graphics adapter: {reason}")]
     Readback {
-        /// What the driver said.
+        /// The driver's message.
         reason: String,
     },
 }
 
-/// Which adapter draws.
+/// The adapter that draws.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterReport {
     /// The adapter's name, such as "llvmpipe (LLVM 15.0.6, 256 bits)".
     pub name: String,
-    /// The interface it is driven by, such as "vulkan".
+    /// Its graphics interface, such as "vulkan".
     pub backend: String,
-    /// A software renderer on the processor: right, but slow.
+    /// Whether it is a software renderer: correct, but slow.
     pub is_cpu: bool,
 }
 
 impl AdapterReport {
-    /// What a wgpu adapter says about itself.
+    /// The description of a wgpu adapter.
     #[must_use]
     pub fn from_info(info: &wgpu::AdapterInfo) -> Self {
         Self {
@@ -93,19 +93,19 @@ pub struct Offscreen {
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const CANVAS: CanvasId = CanvasId(0);
-/// The longest side that is drawn at a time, px: 64 MiB, a quarter of the buffer that every adapter
-/// gives.
+/// Maximum side of what is drawn at a time, px: 64 MiB, a quarter of the buffer size that every
+/// adapter allows.
 const TILE_PX: u32 = 4096;
 
 impl Offscreen {
-    /// The fastest adapter there is: a GPU of its own, one beside the processor, a virtual one, a
-    /// software renderer. OpenGL's are looked at only where no other gives a device: Mesa's can end
-    /// the process with a fault when it exits.
+    /// Opens the fastest adapter: first discrete, then integrated, then virtual GPUs, then software
+    /// renderers. OpenGL is tried only if no other interface gives a device, because Mesa's OpenGL
+    /// can crash the process on exit.
     ///
-    /// The environment variable `WGPU_BACKEND` (vulkan, gl, metal, dx12) narrows the choice.
+    /// The environment variable `WGPU_BACKEND` (vulkan, gl, metal, dx12) restricts the choice.
     ///
     /// # Errors
-    /// No adapter, or none that gives a device.
+    /// There is no adapter, or none that gives a device.
     pub fn new() -> Result<Self, RenderError> {
         if let Some(chosen) = wgpu::Backends::from_env() {
             return Self::among(chosen);
@@ -119,7 +119,7 @@ impl Offscreen {
         }
     }
 
-    /// The fastest adapter of some backends.
+    /// Opens the fastest adapter of some interfaces.
     fn among(backends: wgpu::Backends) -> Result<Self, RenderError> {
         let described = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
@@ -158,18 +158,17 @@ impl Offscreen {
         Err(first_refusal.unwrap_or(RenderError::NoAdapter))
     }
 
-    /// Which adapter draws.
+    /// The adapter that draws.
     #[must_use]
     pub const fn adapter(&self) -> &AdapterReport {
         &self.adapter
     }
 
-    /// Draws layers on a canvas of `view.size_px` filled with `background`, their labels on top of
-    /// all.
+    /// Draws layers on a canvas of `view.size_px` filled with `background`, and all labels on top.
     ///
     /// # Errors
-    /// A canvas without a pixel or beyond the adapter's limit, or a driver that does not give the
-    /// picture back.
+    /// The canvas is empty or larger than the adapter's textures, or the picture cannot be read
+    /// back.
     pub fn render(
         &mut self,
         view: &View,
@@ -194,7 +193,7 @@ impl Offscreen {
         Ok(picture)
     }
 
-    /// Draws a canvas without its labels, in tiles of at most so many px a side.
+    /// Draws a canvas without labels, in tiles of at most `tile_px` a side.
     fn in_tiles(
         &mut self,
         view: &View,
@@ -224,6 +223,7 @@ impl Offscreen {
         Ok(picture)
     }
 
+    /// Draws one tile and waits for its pixels.
     fn tile(
         &mut self,
         view: &View,
@@ -247,7 +247,7 @@ impl Offscreen {
     }
 }
 
-/// A texture to draw on, and a buffer through which it comes back.
+/// A texture to draw on, and a buffer to read it back through.
 struct ReadbackTexture {
     texture: wgpu::Texture,
     buffer: wgpu::Buffer,
@@ -284,7 +284,7 @@ impl ReadbackTexture {
         }
     }
 
-    /// Records the painting of a prepared canvas, and the copy into the buffer.
+    /// Records the drawing of a prepared canvas and the copy into the buffer.
     fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -310,10 +310,10 @@ impl ReadbackTexture {
         encoder.copy_texture_to_buffer(self.texture.as_image_copy(), into, self.texture.size());
     }
 
-    /// Waits for what was submitted and takes the picture out.
+    /// Waits for the submitted work and returns the picture.
     fn read_back(&self, device: &wgpu::Device) -> Result<RgbaImage, RenderError> {
         let failed = |reason: String| RenderError::Readback { reason };
-        // Whether the mapping worked shows when the range is mapped after the wait.
+        // A failed mapping shows as an error of `get_mapped_range` after the wait.
         self.buffer.map_async(wgpu::MapMode::Read, .., |_| ());
         device
             .poll(wgpu::PollType::wait_indefinitely())
@@ -324,6 +324,7 @@ impl ReadbackTexture {
             .map_err(|error| failed(error.to_string()))?;
         let (width, height) = (self.texture.width(), self.texture.height());
         let mut pixels = Vec::with_capacity(4 * width as usize * height as usize);
+        // Rows in the buffer are padded to wgpu's alignment.
         for row in bytes.chunks_exact(self.bytes_per_row as usize) {
             pixels.extend_from_slice(&row[..4 * width as usize]);
         }
@@ -332,7 +333,7 @@ impl ReadbackTexture {
     }
 }
 
-/// The order in which kinds of adapters are tried.
+/// The rank of a kind of adapter by speed, the fastest first.
 const fn slowness(kind: wgpu::DeviceType) -> u8 {
     match kind {
         wgpu::DeviceType::DiscreteGpu => 0,
@@ -343,7 +344,7 @@ const fn slowness(kind: wgpu::DeviceType) -> u8 {
     }
 }
 
-/// Premultiplied, as the target holds it.
+/// The clear colour, premultiplied like the target.
 fn clear_colour(colour: Colour) -> wgpu::Color {
     let alpha = f64::from(colour.a) / 255.0;
     let channel = |byte: u8| f64::from(byte) / 255.0 * alpha;

@@ -1,4 +1,4 @@
-//! Frames on the GPU: uploaded once, kept while they are likely to be shown again.
+//! Frames on the GPU: uploaded once and kept while they are likely to be shown again.
 
 use super::gpu::Gpu;
 use super::layer::{PictureKey, PictureLayer};
@@ -11,31 +11,35 @@ use std::num::NonZeroUsize;
 use touchline_core::geometry::ImageSize;
 use touchline_vision::media;
 
-/// Above this scale a picture shows its bare pixels.
+/// Above this scale a picture is drawn without interpolation, so that its pixels show.
 pub const SMOOTH_UP_TO_SCALE: f32 = 4.0;
 
-/// Pictures that stay on the GPU: the frame, its neighbours in both directions and one to compare
+/// Number of pictures on the GPU: the frame, its neighbours in both directions, and one to compare
 /// with.
 const KEPT: NonZeroUsize = NonZeroUsize::MIN.saturating_add(5);
 
-/// A picture goes to the GPU in bands of so many bytes.
+/// Pictures are uploaded in bands of at most this size, bytes.
 const BAND_BYTES: usize = 32 << 20;
 
-/// Mip levels are chosen this much sharper than the scale asks for; trilinear filtering errs on the
-/// soft side.
+/// The mip level is this much lower than the scale suggests, because trilinear filtering is too
+/// soft.
 const SHARPER_LEVELS: f32 = 0.25;
 
 /// One picture; the fields are those of `Instance` in `picture.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct PictureInstance {
+    /// Size of the picture, px.
     size: [f32; 2],
+    /// Brightness, contrast, gamma; 1 leaves the values unchanged.
     look: [f32; 3],
+    /// Mip level for the scale.
     level: f32,
+    /// 1 for nearest-neighbour, 0 for smooth sampling.
     bare: u32,
 }
 
-/// How [`PictureInstance`] lies in a vertex buffer.
+/// The layout of [`PictureInstance`] in a vertex buffer.
 pub(super) const PICTURE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_attr_array![
     0 => Float32x2, 1 => Float32x3, 2 => Float32, 3 => Uint32
 ];
@@ -43,6 +47,7 @@ pub(super) const PICTURE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_a
 impl PictureInstance {
     pub fn new(picture: &PictureLayer, texture_width: u32, view: &View) -> Self {
         let ImageSize { width, height } = picture.pixels.size();
+        // More than 1 if the picture is shown reduced.
         let texels_per_px = texture_width as f32 / width.max(1) as f32 / view.scale;
         Self {
             size: [width as f32, height as f32],
@@ -61,6 +66,7 @@ impl PictureInstance {
     }
 }
 
+/// A picture on the GPU.
 #[derive(Debug)]
 struct Kept {
     texture: wgpu::Texture,
@@ -68,7 +74,7 @@ struct Kept {
     has_mipmaps: bool,
 }
 
-/// The pictures on the GPU, the least recently used one leaving first.
+/// The pictures on the GPU; the least recently used one is dropped first.
 #[derive(Debug)]
 pub(super) struct PictureCache {
     sampler: wgpu::Sampler,
@@ -93,10 +99,10 @@ impl PictureCache {
         }
     }
 
-    /// The bind group and the texture's width of a picture, uploaded if it is not there yet; none
-    /// for an empty picture.
+    /// The bind group of a picture and the width of its texture; uploads the picture if necessary.
+    /// `None` for an empty picture.
     ///
-    /// Mipmaps are made only once a picture is shown smaller than it is.
+    /// Mipmaps are made when a picture is first drawn `shrunk`.
     pub fn bind(
         &mut self,
         gpu: &mut Gpu<'_>,
@@ -140,8 +146,8 @@ impl PictureCache {
     }
 }
 
-/// A texture of the picture with room for its mip levels; a picture beyond the device's limit is
-/// shrunk to it.
+/// Uploads a picture into a texture with room for its mip levels. A picture larger than the
+/// device's limit is scaled down to it.
 fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) -> wgpu::Texture {
     let ImageSize { width, height } = picture.size();
     let limit = device.limits().max_texture_dimension_2d;
@@ -173,7 +179,7 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) 
             | wgpu::TextureUsages::RENDER_ATTACHMENT,
         view_formats: &[],
     });
-    // A band at a time: the buffers through which they go are smaller than the largest pictures.
+    // In bands, because wgpu's staging buffers are smaller than the largest pictures.
     let band = (BAND_BYTES / (4 * width as usize)).max(1) as u32;
     for (top, rows) in (0..height)
         .step_by(band as usize)

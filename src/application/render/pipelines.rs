@@ -1,4 +1,4 @@
-//! The pipelines and what they are bound to; built once for a device and a target format.
+//! The render pipelines and their bind group layouts, built once for a device and a target format.
 
 use super::fill::{FILL_ATTRIBUTES, FillVertex};
 use super::gpu::{layout, module, sampler, texture, uniform};
@@ -10,6 +10,7 @@ use super::stroke::{SEGMENT_ATTRIBUTES, Segment};
 use touchline_shaders::{COMPOSITE, FILL, HEAT, MARKER, PICTURE, STROKE, Shader};
 use wgpu::VertexStepMode::{Instance, Vertex};
 
+/// All pipelines.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub view_layout: wgpu::BindGroupLayout,
@@ -24,7 +25,7 @@ pub(super) struct Pipelines {
     pub marker: wgpu::RenderPipeline,
 }
 
-/// What sets one pipeline apart from the others.
+/// What distinguishes one pipeline from the others.
 struct Parts<'a> {
     shader: Shader,
     vertex_entry: &'a str,
@@ -51,6 +52,7 @@ impl Pipelines {
         let group_layout = layout(device, "stroke group", &[texture_layout]);
         let strip = wgpu::PrimitiveTopology::TriangleStrip;
         let stroke_layouts = [&view_layout];
+        // Rims and cores differ in the vertex shader only.
         let stroke = |vertex_entry| Parts {
             shader: STROKE,
             vertex_entry,

@@ -1,4 +1,4 @@
-//! Draws layers in two steps, as a render pass that belongs to someone else wants it.
+//! Draws layers in two steps, because the render pass may belong to the window.
 
 use super::canvas::Canvas;
 use super::gpu::Gpu;
@@ -8,13 +8,13 @@ use super::pipelines::Pipelines;
 use super::view::View;
 use std::collections::BTreeMap;
 
-/// One place that layers are drawn on: the viewport, the loupe, the field map.
+/// One surface that layers are drawn on: the viewport, the loupe, the field map.
 ///
-/// Each keeps its own buffers, so that several can be prepared before the first is painted.
+/// Each has its own buffers, so that several canvases can be prepared before the first is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CanvasId(pub u64);
 
-/// The pipelines, the pictures on the GPU and the canvases.
+/// The pipelines, the pictures on the GPU, and the canvases.
 #[derive(Debug)]
 pub struct Renderer {
     pipelines: Pipelines,
@@ -26,8 +26,8 @@ impl Renderer {
     /// Builds the pipelines for passes with one colour attachment of `format`, one sample and no
     /// depth.
     ///
-    /// The format is one of gamma space (`Rgba8Unorm`, `Bgra8Unorm`), never one of the `Srgb`
-    /// formats: colours are written as they are stored.
+    /// `format` must be in gamma space (`Rgba8Unorm`, `Bgra8Unorm`), not an `Srgb` format: colours
+    /// are written as they are stored.
     #[must_use]
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         Self {
@@ -37,10 +37,10 @@ impl Renderer {
         }
     }
 
-    /// Uploads what a canvas's layers need and records the passes that go before `paint`'s.
+    /// Uploads what the layers of a canvas need, and records the passes that precede the one of
+    /// [`Self::paint`].
     ///
-    /// To be called at most once per canvas between two submissions: a second call replaces the
-    /// first.
+    /// Call it at most once per canvas between two submissions: a second call overwrites the first.
     pub fn prepare(&mut self, mut gpu: Gpu<'_>, id: CanvasId, view: &View, layers: &[Layer]) {
         let canvas = self
             .canvases
@@ -49,17 +49,15 @@ impl Renderer {
         canvas.prepare(&mut gpu, &self.pipelines, &mut self.pictures, view, layers);
     }
 
-    /// Draws what was last prepared for a canvas; the pass's viewport must be the canvas,
-    /// `View::size_px` large.
-    ///
-    /// A canvas that was never prepared stays as it is.
+    /// Draws the layers that were last prepared for a canvas. The pass's viewport must be the
+    /// canvas, with the size [`View::size_px`]. A canvas that was never prepared draws nothing.
     pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>, id: CanvasId) {
         if let Some(canvas) = self.canvases.get(&id) {
             canvas.paint(pass, &self.pipelines);
         }
     }
 
-    /// Frees what a canvas that is no longer shown keeps on the GPU.
+    /// Frees the GPU memory of a canvas that is no longer shown.
     pub fn forget(&mut self, id: CanvasId) {
         self.canvases.remove(&id);
     }

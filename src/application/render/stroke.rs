@@ -2,22 +2,22 @@
 //!
 //! # How a translucent stroke stays even
 //!
-//! A polyline drawn as one capsule per segment covers its joins twice, which shows as dark beads as
-//! soon as it is translucent, and as soft beads along the anti-aliased border even when it is
-//! opaque. Two measures prevent it:
+//! If each segment of a polyline is drawn as a capsule, joins are covered twice. That shows as dark
+//! beads when the stroke is translucent, and as soft beads along the anti-aliased border even when
+//! it is opaque. Two measures prevent it:
 //!
-//! 1. Within a stroke every pixel belongs to one segment. Neighbours are parted by the line that
-//!    halves the angle of their join, which on the inner side is where both are equally far and on
-//!    the outer side where both see the shared vertex: the two coverages agree along the cut, so
-//!    the union of the capsules comes out exactly, round joins included.
-//! 2. A group of strokes is drawn opaque into a texture of its own, rims before cores, and laid
-//!    over the picture with the group's opacity. Crossings of different strokes are therefore as
-//!    even as the strokes themselves, and no rim shines through a core.
+//! 1. Within a stroke, every pixel belongs to one segment. The bisector of their join separates two
+//!    neighbouring segments. A point on it is equally far from both: on the inner side from their
+//!    interiors, on the outer side from the shared vertex. So the two coverages agree along the
+//!    cut, and the result is exactly the union of the capsules, round joins included.
+//! 2. A group of strokes is drawn opaque into a texture of its own, rims before cores, and
+//!    composited with the group's opacity. So crossings of different strokes are as even as the
+//!    strokes, and no rim shows through a core.
 //!
-//! Miter joins in a triangle strip would do the first, but spike at sharp angles and overlap
-//! themselves inside tight arcs; a maximum-blended coverage texture would do both, but only for one
-//! colour per texture. The cut presumes that the stroke does not fold back within its own width;
-//! where it does, only the soft border of the overlap is affected.
+//! Miter joins in a triangle strip would replace the first measure, but they spike at acute angles
+//! and overlap within tight arcs. A coverage texture with maximum blending would replace both, but
+//! only for one colour per texture. The cut assumes that a stroke does not fold back within its own
+//! width; where it does, only the soft border of the overlap is affected.
 
 use crate::scene::drawing::{Colour, Dash, Stroke};
 use bytemuck::{Pod, Zeroable};
@@ -26,32 +26,37 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Segment {
+    /// The two ends, px of the picture.
     a: [f32; 2],
     b: [f32; 2],
+    /// Direction of the bisector at each end; zero at a loose end.
     through_a: [f32; 2],
     through_b: [f32; 2],
+    /// Length of the stroke before `a`, px of the picture.
     before_a: f32,
+    /// Half the width of the core, points.
     half_width: f32,
+    /// Width of the rim beyond the core, points.
     rim_width: f32,
+    /// Lengths of dash and gap, points; zeros draw a solid line.
     dash: [f32; 2],
     colour: [u8; 4],
     rim_colour: [u8; 4],
 }
 
-/// How [`Segment`] lies in a vertex buffer.
+/// The layout of [`Segment`] in a vertex buffer.
 pub(super) const SEGMENT_ATTRIBUTES: [wgpu::VertexAttribute; 10] = wgpu::vertex_attr_array![
     0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32,
     5 => Float32, 6 => Float32, 7 => Float32x2, 8 => Unorm8x4, 9 => Unorm8x4
 ];
 
-/// A colour as the vertex buffers hold it.
+/// A colour in the layout of the vertex buffers.
 pub(super) fn rgba(colour: Colour) -> [u8; 4] {
     [colour.r, colour.g, colour.b, colour.a]
 }
 
-/// Appends the segments of a stroke.
-///
-/// Points that are not numbers split the stroke; points that repeat their predecessor are left out.
+/// Appends the segments of a stroke. Points that are not finite split it; repeated points are
+/// dropped.
 pub(super) fn append_segments(stroke: &Stroke, segments: &mut Vec<Segment>) {
     for piece in stroke
         .points
@@ -61,6 +66,7 @@ pub(super) fn append_segments(stroke: &Stroke, segments: &mut Vec<Segment>) {
     }
 }
 
+/// Appends the segments of a polyline of finite points.
 fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>) {
     let mut points = piece.to_vec();
     close_exactly(&mut points);
@@ -73,6 +79,7 @@ fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>
         .map(|pair| direction(pair[0], pair[1]))
         .collect();
     let last = directions.len() - 1;
+    // A closed line is cut at its first vertex, too.
     let closing = if points.first() == points.last() {
         bisector(directions[last], directions[0])
     } else {
@@ -112,7 +119,7 @@ fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>
     }
 }
 
-/// A line whose ends are as good as equal is closed: its last point becomes its first.
+/// Makes the last point equal to the first if they differ by less than 0.01 px.
 fn close_exactly(points: &mut [[f32; 2]]) {
     if let [first, .., last] = points
         && (first[0] - last[0]).hypot(first[1] - last[1]) < 1e-2
@@ -128,8 +135,8 @@ fn direction(from: [f32; 2], to: [f32; 2]) -> [f32; 2] {
     [x / length, y / length]
 }
 
-/// The direction half way between two unit vectors; zero, which cuts nothing, where the stroke
-/// turns back on itself.
+/// The direction of the bisector of two unit vectors, not normalised. Zero, which means no cut, if
+/// the stroke turns back on itself.
 fn bisector(before: [f32; 2], after: [f32; 2]) -> [f32; 2] {
     let sum = [before[0] + after[0], before[1] + after[1]];
     if sum[0].hypot(sum[1]) < 1e-3 {

@@ -1,15 +1,15 @@
-//! Labels, written by the processor over a finished picture; a window writes them with its own
-//! fonts instead.
+//! Writes labels over a finished picture on the CPU. A window draws them with its own fonts
+//! instead.
 
 use super::view::View;
 use crate::scene::drawing::{Colour, Label};
 use ab_glyph::{Font as _, FontRef, InvalidFont, PxScale, ScaleFont as _, point};
 use image::{Rgba, RgbaImage};
 
-/// The typeface that the window uses, too.
+/// The typeface of the window.
 const TYPEFACE: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 
-/// How far the plate reaches beyond the text, as a share of the type's height.
+/// Margin of the plate around the text, as a share of the type's height.
 const PADDING: f32 = 0.28;
 
 /// Writes labels over a picture that shows `view`.
@@ -28,16 +28,17 @@ pub(super) fn write_labels<'a>(
     Ok(())
 }
 
+/// Writes one label, moved into the canvas where it would protrude.
 fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: &Label) {
     let scale = PxScale::from(label.size_pt * view.pixels_per_point);
     let font = font.as_scaled(scale);
     let [x, y] = view.canvas_from_image(label.at);
     let [width, height] = view.size_px.map(|side| side as f32);
-    // A label belongs to its point: with the point off the canvas it is gone, on the canvas it is
-    // whole.
+    // A label is shown whole if its point is on the canvas, and not at all otherwise.
     if !((0.0..=width).contains(&x) && (0.0..=height).contains(&y)) {
         return;
     }
+    // Shift the label so that its plate lies within the canvas.
     let padding = PADDING * scale.y;
     let text_width: f32 = label
         .text
@@ -52,6 +53,7 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
         .min(height - half_height)
         .max(half_height);
     let baseline = middle + f32::midpoint(font.ascent(), font.descent());
+    // Place the glyphs from left to right, with kerning.
     let mut pen = left;
     let mut outlines = Vec::new();
     let mut previous = None;
@@ -65,6 +67,7 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
         pen += font.h_advance(id);
         previous = Some(id);
     }
+    // Draw the plate, then the glyphs.
     let (top, bottom) = (baseline - font.ascent(), baseline - font.descent());
     fill_box(
         picture,
@@ -90,7 +93,7 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
     }
 }
 
-/// Fills a box (left, top, right, bottom) to whole pixels.
+/// Fills a box (left, top, right, bottom), rounded to whole pixels.
 fn fill_box(picture: &mut RgbaImage, [left, top, right, bottom]: [f32; 4], colour: Colour) {
     let columns =
         left.round().max(0.0) as u32..(right.round().max(0.0) as u32).min(picture.width());
@@ -101,7 +104,7 @@ fn fill_box(picture: &mut RgbaImage, [left, top, right, bottom]: [f32; 4], colou
     }
 }
 
-/// Lays a colour over a pixel, if the picture has it.
+/// Blends a colour over a pixel; does nothing outside the picture.
 fn blend(picture: &mut RgbaImage, x: f32, y: f32, colour: Colour, covered: f32) {
     if !(x >= 0.0 && y >= 0.0 && x < picture.width() as f32 && y < picture.height() as f32) {
         return;

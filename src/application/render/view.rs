@@ -1,23 +1,23 @@
-//! Where a picture lies on its canvas.
+//! The transform from a picture to a canvas.
 
-/// The transform from picture to canvas, and the canvas's size.
+/// The transform from picture to canvas, and the size of the canvas.
 ///
-/// `canvas = image × scale + offset_px`; both in the corner convention: (0, 0) is the top-left
-/// corner, the first pixel's centre is (0.5, 0.5).
+/// `canvas = image × scale + offset_px`, both in the corner convention: (0, 0) is the top-left
+/// corner, and the centre of the first pixel is (0.5, 0.5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Physical px of the canvas per px of the picture.
     pub scale: f32,
-    /// Where the picture's top-left corner lies, physical px of the canvas.
+    /// Position of the picture's top-left corner, physical px of the canvas.
     pub offset_px: [f32; 2],
-    /// The canvas, physical px.
+    /// Size of the canvas, physical px.
     pub size_px: [u32; 2],
-    /// Physical px per point: how large what is measured in points becomes.
+    /// Physical px per point: converts sizes in points.
     pub pixels_per_point: f32,
 }
 
 impl View {
-    /// A picture at its own size, pixel on pixel.
+    /// A picture at its own size, one px of the canvas for each of its px.
     #[must_use]
     pub const fn one_to_one(size_px: [u32; 2]) -> Self {
         Self {
@@ -28,7 +28,7 @@ impl View {
         }
     }
 
-    /// A picture as large as the canvas allows, centred.
+    /// A picture scaled to fit the canvas, centred.
     #[must_use]
     pub fn fit(picture_px: [u32; 2], size_px: [u32; 2]) -> Self {
         let [width, height] = picture_px.map(|side| side.max(1) as f32);
@@ -46,7 +46,7 @@ impl View {
         }
     }
 
-    /// A point of the picture on the canvas, physical px.
+    /// The point of the canvas for a point of the picture, physical px.
     #[must_use]
     pub fn canvas_from_image(&self, point: [f32; 2]) -> [f32; 2] {
         [
@@ -55,7 +55,7 @@ impl View {
         ]
     }
 
-    /// A point of the canvas in the picture, px.
+    /// The point of the picture for a point of the canvas, px.
     #[must_use]
     pub fn image_from_canvas(&self, point: [f32; 2]) -> [f32; 2] {
         [

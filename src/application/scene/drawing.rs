@@ -1,8 +1,9 @@
-//! What is drawn over a picture or a field map, as plain data: no camera, no GPU, no widget.
+//! The types of what is drawn over a picture or a field map: plain data without camera, GPU or
+//! widgets.
 //!
-//! Positions are px of the picture (corner convention), in `f32` as the GPU takes them; sizes are
-//! points of the screen, so that a line keeps its width while the picture is zoomed. Colours are
-//! sRGB bytes as a screen shows them (gamma space) with straight alpha.
+//! Positions are px of the picture (corner convention), in `f32` as the GPU takes them. Sizes are
+//! points of the screen, so that a line keeps its width when the picture is zoomed. Colours are
+//! sRGB bytes (gamma space) with straight alpha.
 
 /// A colour: sRGB bytes and straight (not premultiplied) alpha.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,110 +32,109 @@ impl Colour {
     }
 }
 
-/// A rim around a line or a marker that keeps it readable on any ground.
+/// A rim around a line or a marker that keeps it readable on any background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outline {
-    /// Its colour.
+    /// The colour of the rim.
     pub colour: Colour,
-    /// How far it reaches beyond the core on each side, points.
+    /// Width of the rim on each side of the core, points.
     pub width_pt: f32,
 }
 
-/// Dashes along a line, measured from its first point.
+/// Dashes along a line, starting at its first point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dash {
-    /// Length of a dash without its round ends, points.
+    /// Length of a dash without its round caps, points.
     pub on_pt: f32,
-    /// From the end of a dash to the next one's start, points; the round ends reach into it.
+    /// Length of the gap to the next dash, points; the round caps reach into it.
     pub off_pt: f32,
 }
 
-/// A polyline with round joins and ends.
+/// A polyline with round joins and caps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
-    /// Its points, px of the picture; a line whose last point equals its first is closed.
+    /// Points, px of the picture. The line is closed if the last point equals the first.
     pub points: Vec<[f32; 2]>,
-    /// The core's colour.
+    /// Colour of the core.
     pub colour: Colour,
-    /// The core's width, points.
+    /// Width of the core, points.
     pub width_pt: f32,
-    /// The rim, if any.
+    /// The rim, if the line has one.
     pub outline: Option<Outline>,
-    /// Dashes, or a line without gaps.
+    /// The dashes; `None` draws a solid line.
     pub dash: Option<Dash>,
 }
 
-/// Strokes that fade as one: where they cross or join, nothing shows through twice.
+/// Strokes with a common opacity: crossings and joins are not darker than the rest.
 ///
-/// All rims are drawn first, then all cores, so a crossing looks painted and not stacked.
+/// All rims are drawn before all cores, so that crossings look painted, not stacked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrokeGroup {
-    /// Later ones lie on top.
+    /// Strokes; later ones lie on top.
     pub strokes: Vec<Stroke>,
-    /// Of the whole group, 0 to 1.
+    /// Opacity of the whole group, 0 to 1.
     pub opacity: f32,
-    /// Nothing of the group shows outside this box: left, top, right, bottom, px of the picture.
+    /// The group is clipped to this box: left, top, right, bottom, px of the picture.
     pub clip_px: Option<[f32; 4]>,
 }
 
 /// The shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkerShape {
-    /// A cross whose centre is left open, so that the pixel that was clicked stays visible.
+    /// A cross with an open centre, so that the clicked pixel stays visible.
     Cross,
-    /// A circle line.
+    /// A circle.
     Ring,
     /// A filled disc.
     Dot,
-    /// A square line standing on its tip.
+    /// The outline of a square that stands on its corner.
     Diamond,
 }
 
-/// A symbol of constant size on the screen.
+/// A symbol of constant size on screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {
-    /// Its centre, px of the picture.
+    /// Centre, px of the picture.
     pub at: [f32; 2],
-    /// What it looks like.
+    /// Shape.
     pub shape: MarkerShape,
-    /// The core's colour.
+    /// Colour of the core.
     pub colour: Colour,
-    /// From the centre to the outermost point of the core, points.
+    /// Distance of the outermost point of the core from the centre, points.
     pub radius_pt: f32,
-    /// The width of its lines, points; a dot has none.
+    /// Width of its lines, points. A dot has none.
     pub line_pt: f32,
-    /// The rim, if any.
+    /// The rim, if the marker has one.
     pub outline: Option<Outline>,
 }
 
 /// A filled simple polygon, not necessarily convex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Area {
-    /// Its corners in either direction, px of the picture; the last is joined to the first.
+    /// Corners in either direction, px of the picture; the polygon is closed.
     pub corners: Vec<[f32; 2]>,
-    /// Its filling.
+    /// Colour of the filling.
     pub colour: Colour,
 }
 
 /// A short text beside a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
-    /// The point it belongs to, px of the picture.
+    /// The point that it labels, px of the picture.
     pub at: [f32; 2],
-    /// From that point to the left end of the text's middle line, points.
+    /// Offset from that point to the left end of the text's middle line, points.
     pub offset_pt: [f32; 2],
-    /// What it says.
+    /// The text.
     pub text: String,
-    /// The height of the type, points.
+    /// Height of the type, points.
     pub size_pt: f32,
-    /// The letters' colour.
+    /// Colour of the letters.
     pub colour: Colour,
-    /// The plate behind them.
+    /// Colour of the plate behind them.
     pub plate: Colour,
 }
 
-/// Everything that lies over one picture, the lowest first: areas, groups of strokes, markers,
-/// labels.
+/// All that lies over one picture, from bottom to top: areas, groups of strokes, markers, labels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// Filled areas.
@@ -143,6 +143,6 @@ pub struct Drawing {
     pub strokes: Vec<StrokeGroup>,
     /// Symbols.
     pub markers: Vec<Marker>,
-    /// Texts; the window writes them with its own fonts.
+    /// Texts; the window draws them with its own fonts.
     pub labels: Vec<Label>,
 }

@@ -1,4 +1,4 @@
-//! The field from above: where it lies on its map, and what is drawn there.
+//! The field from above: the mapping from the field to the map, and the drawing.
 
 use super::drawing::{Area, Colour, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
 use super::overlay::{CHECK, CLICK, DISPUTED, OverlayScene, SELECTED};
@@ -10,36 +10,36 @@ use touchline_core::markings::visible_ground;
 use touchline_documents::document::Target;
 use touchline_vision::media::Picture;
 
-/// The grass of the playing area.
+/// Colour of the playing area.
 const GRASS: Colour = Colour::rgb(46, 92, 62);
-/// What lies around it.
+/// Colour around the playing area.
 pub const SURROUND: Colour = Colour::rgb(33, 62, 45);
-/// The markings.
+/// Colour of the markings.
 const MARKINGS: Colour = Colour::rgb(226, 236, 228);
-/// The rim of what lies on the map.
+/// Colour of the rims of outlines and markers.
 const RIM: Colour = Colour {
     r: 10,
     g: 14,
     b: 12,
     a: 200,
 };
-/// The visible ground ends this far from the camera, where the picture shows the horizon, m.
+/// Where the picture shows the horizon, the visible ground ends this far from the camera, m.
 const REACH_M: f64 = 400.0;
 
-/// Where a field lies on its map: x to the right and y up as seen from the camera's side.
+/// The mapping from the field to its map: x to the right and y up, as seen from the −y side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldMap {
-    /// The map reaches so far from the field's centre along x and y, m: half the field and a
+    /// Distance of the borders from the field's centre along x and y, m: half the field and a
     /// margin.
     pub reach_m: [f64; 2],
     /// px of the map per metre.
     pub px_per_m: f64,
-    /// Turned by 180°, for a camera on the +y side.
+    /// Whether the map is rotated by 180°, for a camera on the +y side.
     pub turned: bool,
 }
 
 impl FieldMap {
-    /// The map of a field with a margin around it.
+    /// The map of a field with a margin on each side.
     #[must_use]
     pub fn new(field: &FieldModel, margin_m: f64, px_per_m: f64) -> Self {
         let reach_m = [
@@ -53,7 +53,7 @@ impl FieldMap {
         }
     }
 
-    /// The same map, turned so that the camera stands at its lower border.
+    /// This map, rotated if necessary so that the camera is at the lower border.
     #[must_use]
     pub fn turned_to(self, camera: &PtzCamera) -> Self {
         Self {
@@ -62,7 +62,7 @@ impl FieldMap {
         }
     }
 
-    /// The size of the map, px.
+    /// Size of the map, px.
     #[must_use]
     pub fn size_px(&self) -> ImageSize {
         let [width, height] = self
@@ -71,11 +71,12 @@ impl FieldMap {
         ImageSize::new(width, height)
     }
 
+    /// −1 if the map is rotated, else 1.
     fn sign(&self) -> f64 {
         if self.turned { -1.0 } else { 1.0 }
     }
 
-    /// A place of the field on the map, px; heights do not count.
+    /// The point of the map for a point of the field, px. The height is ignored.
     #[must_use]
     pub fn map_from_world(&self, point_in_world: Vec3) -> ImagePoint {
         ImagePoint::new(
@@ -84,7 +85,7 @@ impl FieldMap {
         )
     }
 
-    /// The nominal ground (z = 0, m) at a place of the map.
+    /// The point of the nominal ground (z = 0) for a point of the map, m.
     #[must_use]
     pub fn world_from_map(&self, point: ImagePoint) -> Vec3 {
         Vec3::new(
@@ -100,12 +101,12 @@ impl FieldMap {
     }
 }
 
-/// What the map shows, the lowest first.
+/// The field map, to be drawn in two layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldMapDrawing {
-    /// The grass.
+    /// The grass, below.
     pub ground: Drawing,
-    /// The markings, what the picture shows, and the landmarks that have been clicked.
+    /// Above: the markings, the visible part of the field, the clicked landmarks.
     pub over: Drawing,
 }
 
@@ -147,13 +148,14 @@ pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
     FieldMapDrawing { ground, over }
 }
 
-/// A curve as a polyline of the map, a tenth of a canvas px exact.
+/// A curve as a polyline on the map that deviates by at most 0.1 px of the canvas.
 fn flattened(curve: &Curve, map: &FieldMap, zoom: f64) -> Vec<[f32; 2]> {
     let pieces = match curve {
         Curve::Segment { .. } => 1.0,
         Curve::Arc {
             radius_m, sweep, ..
         } => {
+            // A chord over the angle α deviates from its arc by r (1 − cos(α/2)).
             let radius_px = (radius_m * map.px_per_m * zoom).max(1.0);
             let step = 2.0 * (1.0 - 0.1 / radius_px).acos();
             (sweep.radians().abs() / step).ceil().clamp(4.0, 1024.0)
@@ -164,6 +166,7 @@ fn flattened(curve: &Curve, map: &FieldMap, zoom: f64) -> Vec<[f32; 2]> {
         .collect()
 }
 
+/// Appends the outline of the ground that the picture shows.
 fn append_visible(
     scene: &OverlayScene<'_>,
     camera: &PtzCamera,
@@ -198,6 +201,7 @@ fn append_visible(
     });
 }
 
+/// Appends the clicked landmarks.
 fn append_clicked(scene: &OverlayScene<'_>, map: &FieldMap, over: &mut Drawing) {
     for (index, click) in scene.clicks.iter().enumerate() {
         let Some(Target::Landmark(id)) = &click.target else {
@@ -234,8 +238,8 @@ fn append_clicked(scene: &OverlayScene<'_>, map: &FieldMap, over: &mut Drawing) 
     }
 }
 
-/// The frame's picture laid onto the map, transparent where the camera does not look: each pixel of
-/// the map is the mean of four samples of the picture.
+/// The frame's picture projected onto the map; transparent where the picture shows nothing. Each
+/// pixel of the map is the mean of four samples of the picture.
 #[must_use]
 pub fn picture_from_above(
     picture: &Picture,
@@ -243,7 +247,7 @@ pub fn picture_from_above(
     camera: &PtzCamera,
     map: &FieldMap,
 ) -> Picture {
-    /// Where a pixel is sampled, px from its corner.
+    /// Positions of the samples within a pixel, px.
     const SAMPLES: [(f64, f64); 4] = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)];
     let size = map.size_px();
     let mut rgba = vec![0; 4 * size.width as usize * size.height as usize];
@@ -265,6 +269,8 @@ pub fn picture_from_above(
                         *total += value;
                     }
                 }
+                // The mean colour of the samples that lie in the picture; their number gives the
+                // opacity.
                 if sum[3] > 0.0 {
                     let seen = sum[3] / 255.0;
                     for (byte, total) in pixel.iter_mut().zip([
@@ -278,11 +284,12 @@ pub fn picture_from_above(
                 }
             }
         });
-    // The buffer was made for this size; a picture of one colour stands in for what cannot happen.
+    // `rgba` has the length for this size, so that the fallback is never used.
     Picture::new(size, rgba).unwrap_or_else(|_| Picture::filled(size, [0; 4]))
 }
 
-/// The picture's colour between its pixels' centres; none outside the picture.
+/// The colour of the picture at a point, interpolated between pixel centres. `None` outside the
+/// picture.
 fn bilinear(picture: &Picture, at: ImagePoint) -> Option<[f64; 3]> {
     let size = picture.size();
     if !size.contains(at) {
@@ -310,8 +317,7 @@ fn bilinear(picture: &Picture, at: ImagePoint) -> Option<[f64; 3]> {
     }))
 }
 
-/// Whether a line is seen from above: paint, and what stands along the ground such as the boards of
-/// a rink.
+/// Whether a line is visible from above: paint, and lines at z = 0 such as the boards of a rink.
 fn lies_on_ground(line: &FieldLine) -> bool {
     line.painted
         || [0.0, 0.5, 1.0]
@@ -400,7 +406,7 @@ mod tests {
     fn the_picture_lies_on_the_map_where_the_camera_saw_it() {
         let (field, camera) = (field(), camera(-60.0, 0.0));
         let map = FieldMap::new(&field, 5.0, 4.0);
-        // Red left of the picture's middle, blue right of it.
+        // Red left of the picture's centre, blue right of it.
         let rgba = (0..SIZE.height).flat_map(|_| {
             (0..SIZE.width).flat_map(|x| {
                 if x < 320 {

@@ -1,5 +1,5 @@
-//! Colours for the field's lines over a picture, and which of them every colour vision tells from a
-//! sport's ground.
+//! Colours for the field's lines over a picture, and on which grounds people with any kind of
+//! colour vision can see them.
 
 /// What a sport is played on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,18 +14,18 @@ pub enum Ground {
     Painted,
 }
 
-/// A colour that can be chosen.
+/// A colour for lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineColour {
-    /// What it is called.
+    /// Name for the user.
     pub name: &'static str,
     /// Red, green, blue, 0–255.
     pub rgb: [u8; 3],
-    /// Where people with any colour vision tell it from the ground.
+    /// The grounds on which people with any kind of colour vision can distinguish it.
     pub safe_on: &'static [Ground],
 }
 
-/// The colours to choose from.
+/// The colours that a user can choose.
 pub const LINE_COLOURS: [LineColour; 10] = [
     LineColour {
         name: "Yellow",
@@ -79,20 +79,20 @@ pub const LINE_COLOURS: [LineColour; 10] = [
     },
 ];
 
-/// A sport, as far as the colour of its lines goes.
+/// A sport and the default colour of its lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sport {
-    /// How the names of its field templates begin, and its key in the settings.
+    /// Prefix of the names of its field templates, and its key in the settings.
     pub id: &'static str,
-    /// What it is called.
+    /// Name for the user.
     pub name: &'static str,
     /// What it is played on.
     pub ground: Ground,
-    /// The colour that its lines have unless another is chosen.
+    /// Default colour of its lines: red, green, blue, 0–255.
     pub colour: [u8; 3],
 }
 
-/// Every sport that has field templates.
+/// All sports with built-in field templates.
 pub const SPORTS: [Sport; 8] = [
     Sport {
         id: "soccer",
@@ -145,7 +145,7 @@ pub const SPORTS: [Sport; 8] = [
 ];
 
 impl Sport {
-    /// The sport of a field template; none for a template of one's own.
+    /// The sport of a built-in field template. `None` for a user's own template.
     #[must_use]
     pub fn of_template(template: &str) -> Option<&'static Self> {
         SPORTS.iter().find(|sport| {
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use touchline_core::field::builtin_names;
 
-    /// Grounds as cameras show them.
+    /// Typical colours of grounds in camera pictures.
     const GROUNDS: [(Ground, &[[u8; 3]]); 4] = [
         (Ground::Turf, &[[62, 118, 66], [110, 150, 80], [45, 85, 40]]),
         (
@@ -174,10 +174,10 @@ mod tests {
             &[[60, 100, 160], [70, 120, 90], [180, 90, 60]],
         ),
     ];
-    /// Colours at least this far apart (CIE 1976 ΔE) are told apart in a thin line.
+    /// Minimum difference (CIE 1976 ΔE) at which colours in a thin line are distinguishable.
     const APART: f64 = 40.0;
-    /// Colour visions: ordinary, and protanopia, deuteranopia and tritanopia as linear RGB has them
-    /// (Machado, Oliveira and Fernandes 2009, severity 1).
+    /// Colour visions: normal, then protanopia, deuteranopia and tritanopia as matrices of linear
+    /// RGB (Machado, Oliveira and Fernandes 2009, severity 1).
     const VISIONS: [[[f64; 3]; 3]; 4] = [
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         [
@@ -230,7 +230,7 @@ mod tests {
         [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
     }
 
-    /// How far two colours are apart for the colour vision that tells them apart least.
+    /// The difference of two colours for the colour vision that distinguishes them least.
     fn apart(one: [u8; 3], other: [u8; 3]) -> f64 {
         let distance = |vision: &[[f64; 3]; 3]| {
             let (one, other) = (lab(one, vision), lab(other, vision));

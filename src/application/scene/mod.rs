@@ -1,8 +1,17 @@
-//! What is drawn over a picture or a map, as plain data: overlay, uncertainty, field map, next
-//! click.
+//! What is drawn over a picture or a map, as plain data.
 //!
-//! A [`drawing`] knows neither widgets nor the graphics card; `render` draws it, on the screen or
-//! off it.
+//! | module | draws |
+//! |---|---|
+//! | [`drawing`] | the types: strokes, areas, markers, labels |
+//! | [`overlay`] | the field's lines, landmarks and clicks over a frame |
+//! | [`uncertainty`] | 1-σ of the lines, as a band or a heat map |
+//! | [`next_click`] | the landmarks that are worth clicking next |
+//! | [`field_map`] | the field from above |
+//! | [`paint_map`] | paint and lines over pan and tilt |
+//! | [`timeline`] | the frames of a document on one line |
+//!
+//! The functions are pure: from a field, a camera and clicks to data. They know neither widgets nor
+//! the graphics card. `render` draws the result, on screen or off.
 
 pub mod drawing;
 pub mod field_map;

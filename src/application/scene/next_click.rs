@@ -7,26 +7,28 @@ use touchline_core::markings::project_landmarks;
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Click, Target};
 
-/// A landmark nearer to the border than this is hard to hit, px at 1920 px width.
+/// Minimum distance of a proposed landmark from the border of the picture, px at 1920 px width.
+/// Nearer ones are hard to click.
 const MARGIN_PX: f64 = 15.0;
-/// A click that leaves more than this share of the worst corner's 1-σ is not worth proposing.
+/// Maximum ratio of the worst corner's 1-σ with the click to that without it. Clicks that gain less
+/// are not proposed.
 const WORTHWHILE: f64 = 0.9;
 
-/// A landmark to click next.
+/// A landmark that is worth clicking next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NextClick {
-    /// The landmark.
+    /// Its id.
     pub id: LandmarkId,
-    /// Where the solution has it, px.
+    /// Where the solution predicts it, px.
     pub at: ImagePoint,
-    /// 1-σ of the lines at the picture's worst corner with a click on it, px.
+    /// 1-σ of the overlay at the worst corner of the picture with a click on the landmark, px.
     pub worst_corner_px: f64,
-    /// What is left of the 1-σ now: 0.5 halves it.
+    /// That 1-σ divided by the present one: 0.5 halves it.
     pub share_left: f64,
 }
 
 impl NextClick {
-    /// What it gains, in words.
+    /// The gain, as a phrase for the user.
     #[must_use]
     pub fn gain(&self) -> String {
         match self.share_left {
@@ -37,8 +39,8 @@ impl NextClick {
     }
 }
 
-/// The landmarks on the ground that a solved frame shows and nobody has clicked, the most useful
-/// first; those that gain little are left out.
+/// The unclicked landmarks on the ground in the view of a solved frame, the most useful first.
+/// Landmarks that gain too little are left out.
 #[must_use]
 pub fn next_clicks(
     field: &FieldModel,
@@ -64,6 +66,8 @@ pub fn next_clicks(
                 .any(|click| click.target == Some(Target::Landmark(landmark.id.clone())))
         })
         .filter_map(|(landmark, at)| {
+            // In the linearised problem, the covariance after a click depends on its σ and
+            // predicted position only.
             let with =
                 solved
                     .uncertainty

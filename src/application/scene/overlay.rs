@@ -1,8 +1,8 @@
-//! What lies over a frame's picture: the field's lines, its landmarks, the clicks and what is wrong
-//! with them.
+//! The overlay over a frame's picture: the field's lines, its landmarks, the clicks and their
+//! residuals.
 //!
-//! Pure functions from a field, a pointed camera and clicks to a [`Drawing`]; the window, the loupe
-//! and `touchline render` draw the same one.
+//! Pure functions from a field, a frame's camera and clicks to a [`Drawing`]. The window, the loupe
+//! and `touchline render` all draw this one.
 
 use super::OverlayStyle;
 use super::drawing::{
@@ -14,72 +14,72 @@ use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 use touchline_core::markings::{MarkingOptions, project_landmarks, project_lines};
 use touchline_documents::document::{Click, Target};
 
-/// The rim around lines and markers.
+/// Colour of the rim around lines and markers.
 const RIM: Colour = Colour {
     r: 10,
     g: 14,
     b: 12,
     a: 190,
 };
-/// A click that takes part in the solve.
+/// Colour of a click that is used in the solve.
 pub const CLICK: Colour = Colour::rgb(90, 225, 255);
-/// The selected click.
+/// Colour of the selected click.
 pub const SELECTED: Colour = Colour::rgb(255, 255, 255);
-/// A check click, held out of the solve.
+/// Colour of a check click, which the solve does not use.
 pub const CHECK: Colour = Colour::rgb(206, 160, 255);
-/// A click that waits for its name.
+/// Colour of a click without a name.
 pub const UNNAMED: Colour = Colour::rgb(255, 170, 60);
-/// A click that contradicts the others.
+/// Colour of a click that contradicts the others.
 pub const DISPUTED: Colour = Colour::rgb(255, 96, 88);
-/// The plate behind a label.
+/// Colour of the plate behind a label.
 const PLATE: Colour = Colour {
     r: 10,
     g: 14,
     b: 12,
     a: 170,
 };
-/// The boxes whose pixels give no features.
+/// Colour of masks.
 const MASK: Colour = Colour::rgb(240, 120, 200);
 
-/// The ring in the gap of a click's cross that lies on the paint, points.
+/// Radius of the ring that marks a click aligned to the paint, points. It fits into the gap of the
+/// cross.
 const SNAPPED_RADIUS_PT: f32 = 4.5;
 
-/// How the camera came about, as far as one sees it.
+/// Where the camera comes from, as far as the overlay shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Standing {
-    /// From clicks, or accepted: plain lines.
+    /// From clicks, or accepted: solid lines.
     #[default]
     Solved,
-    /// Proposed by the program and not yet looked at: dashed lines.
+    /// Proposed by the program and not yet accepted: dashed lines.
     Proposed,
 }
 
-/// What an overlay shows.
+/// What an overlay is drawn from.
 #[derive(Clone, Copy, Debug)]
 pub struct OverlayScene<'a> {
     /// The field.
     pub field: &'a FieldModel,
-    /// The pointed camera; none: no lines yet.
+    /// The camera of the frame. Without it no lines are drawn.
     pub camera: Option<&'a PtzCamera>,
-    /// How the camera came about.
+    /// Where the camera comes from.
     pub standing: Standing,
-    /// The frame's picture, px.
+    /// Size of the frame's picture, px.
     pub image_size: ImageSize,
     /// The frame's clicks.
     pub clicks: &'a [Click],
-    /// The selected click.
+    /// Index of the selected click.
     pub selected: Option<usize>,
-    /// Clicks that contradict the others.
+    /// Indices of the clicks that contradict the others.
     pub disputed: &'a [usize],
     /// Colour, width and opacity of the lines.
     pub style: &'a OverlayStyle,
-    /// Canvas px per px of the picture: curves are as fine as the screen can tell.
+    /// Canvas px per px of the picture. Determines how finely curves are sampled.
     pub zoom: f64,
 }
 
 impl<'a> OverlayScene<'a> {
-    /// A field over a picture of this size, without camera or clicks, one canvas px for a px of the
-    /// picture.
+    /// A scene without camera and clicks, with one canvas px per px of the picture.
     #[must_use]
     pub const fn new(
         field: &'a FieldModel,
@@ -100,7 +100,7 @@ impl<'a> OverlayScene<'a> {
     }
 }
 
-/// The colour of a click's marker while it is not selected.
+/// The colour of a click's marker when the click is not selected.
 #[must_use]
 pub fn click_colour(click: &Click, disputed: bool) -> Colour {
     if disputed {
@@ -123,7 +123,7 @@ pub fn overlay(scene: &OverlayScene<'_>) -> Drawing {
     drawing
 }
 
-/// The field alone: its lines, and the landmarks without clicks as small rings.
+/// The field alone: its lines, and unclicked landmarks as small rings.
 #[must_use]
 pub fn field_overlay(scene: &OverlayScene<'_>) -> Drawing {
     let mut drawing = Drawing::default();
@@ -131,7 +131,8 @@ pub fn field_overlay(scene: &OverlayScene<'_>) -> Drawing {
     drawing
 }
 
-/// The clicks alone: a marker with its code each, and a thin line to where the solution has it.
+/// The clicks alone: for each a marker with its code, and a thin line to where the camera predicts
+/// it.
 #[must_use]
 pub fn click_overlay(scene: &OverlayScene<'_>) -> Drawing {
     let mut drawing = Drawing::default();
@@ -139,7 +140,7 @@ pub fn click_overlay(scene: &OverlayScene<'_>) -> Drawing {
     drawing
 }
 
-/// Boxes whose pixels give no features.
+/// Masks: boxes from which no features are taken.
 #[must_use]
 pub fn mask_overlay(boxes: &[PixelBox]) -> Drawing {
     let corners = |pixel_box: &PixelBox| {
@@ -177,15 +178,18 @@ pub fn mask_overlay(boxes: &[PixelBox]) -> Drawing {
     }
 }
 
+/// Appends the lines and unclicked landmarks as the camera predicts them.
 fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let Some(camera) = scene.camera else { return };
     let style = scene.style;
     let [r, g, b] = style.colour;
     let colour = Colour::rgb(r, g, b);
+    // Curves deviate from the truth by at most 0.1 px of the canvas.
     let options = MarkingOptions {
         tolerance_px: 0.1 / scene.zoom.max(1.0),
         ..MarkingOptions::default()
     };
+    // Gaps allow for the round caps and rims of the dashes.
     let dash = (scene.standing == Standing::Proposed).then_some(Dash {
         on_pt: 5.0 * style.width,
         off_pt: 4.0 * style.width + 2.0 * style.outline,
@@ -207,6 +211,7 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
         opacity: style.opacity,
         clip_px,
     });
+    // Clicked landmarks have the marker of their click.
     if style.landmarks {
         let alpha = (255.0 * style.opacity.clamp(0.0, 1.0)) as u8;
         let unclicked = project_landmarks(scene.field, camera, scene.image_size, 0.0)
@@ -232,6 +237,7 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     }
 }
 
+/// Appends the clicks: residual, marker, marks for aligned and selected clicks, code.
 fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let mut whiskers = Vec::new();
     for (index, click) in scene
@@ -242,11 +248,13 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     {
         let selected = scene.selected == Some(index);
         let kind = click_colour(click, scene.disputed.contains(&index));
+        // The selection does not hide that a click is disputed, unnamed or a check.
         let colour = if selected && kind == CLICK {
             SELECTED
         } else {
             kind
         };
+        // The residual: from the click to where the camera predicts its landmark.
         if let Some(predicted) = predicted(scene, click) {
             let times = if scene.style.residuals_times_ten {
                 10.0
@@ -296,6 +304,7 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
             };
             drawing.markers.push(ring);
         }
+        // Its code, or a question mark for a click without a name.
         let text = code_of(scene.field, click).unwrap_or("?").to_owned();
         let offset_pt = if selected {
             [18.0, -14.0]
@@ -320,7 +329,7 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     }
 }
 
-/// Where the solution has the landmark of a click; none for clicks on lines.
+/// Where the camera predicts the landmark of a click. `None` for clicks on lines.
 fn predicted(scene: &OverlayScene<'_>, click: &Click) -> Option<ImagePoint> {
     let Some(Target::Landmark(id)) = &click.target else {
         return None;
@@ -332,7 +341,7 @@ fn predicted(scene: &OverlayScene<'_>, click: &Click) -> Option<ImagePoint> {
         .ok()
 }
 
-/// The short code that names a click on the picture.
+/// The short code of a click's landmark or line.
 fn code_of<'a>(field: &'a FieldModel, click: &Click) -> Option<&'a str> {
     click.target.as_ref()?.element(field)?.code(field)
 }

@@ -1,6 +1,6 @@
-//! The map of what a camera found without clicks has seen: the ground, the paint that stays on it,
-//! and the field's lines as the base has them, over pan and tilt. Where paint and lines fall
-//! together, a person believes the base at a glance.
+//! A map over pan and tilt for judging an autocalibrated camera: the ground that its frames show,
+//! the persistent paint, and the field's lines as the base predicts them. If paint and lines
+//! coincide, the base is right, which a user sees at a glance.
 
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -10,45 +10,47 @@ use touchline_vision::media::Picture;
 /// What the map is drawn from.
 #[derive(Clone, Copy, Debug)]
 pub struct PaintMapScene<'a> {
-    /// The base.
+    /// The base of the camera.
     pub base: &'a CameraBase,
-    /// The field, of the size and with the crown that were found.
+    /// The field, with the size and crown that autocalibration found.
     pub field: &'a FieldModel,
-    /// Where the frames look, and the size of their pictures.
+    /// Pan, tilt and focal length of each frame, and the size of its picture.
     pub frames: &'a [(Ptz, ImageSize)],
-    /// Where paint stays.
+    /// Directions of persistent paint.
     pub paint: &'a [PanTilt],
 }
 
-/// Where pan and tilt lie on the map.
+/// The mapping between pan and tilt and the pixels of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaintMapFrame {
-    /// Columns and rows, px.
+    /// Size of the map, px.
     pub size: ImageSize,
     left: Angle,
     top: Angle,
     px_per_degree: f64,
 }
 
-/// A map is at most so wide and so high, px.
+/// Maximum width and height of a map, px.
 const MOST_PX: [f64; 2] = [2400.0, 1000.0];
 
-/// What is seen beyond the frames' corners, degrees.
+/// Margin around the corners of the frames, degrees.
 const MARGIN_DEG: f64 = 1.0;
 
-/// Ground that no frame shows, ground that one does, paint, and the field's lines.
+/// Colours of ground that no frame shows, ground that some frame shows, paint, and the field's
+/// lines.
 const UNSEEN: [u8; 4] = [24, 27, 31, 255];
 const SEEN: [u8; 4] = [44, 70, 50, 255];
 const PAINT: [u8; 4] = [235, 238, 235, 255];
 const LINE: [u8; 4] = [255, 138, 36, 255];
 
-/// Ground is looked for in squares of so many px.
+/// Whether ground is shown by a frame is decided for squares of this size, px.
 const SQUARE_PX: usize = 6;
 
 impl PaintMapFrame {
-    /// As large as the frames need; none without frames.
+    /// The mapping that just contains all frames. `None` without frames.
     #[must_use]
     pub fn of(scene: &PaintMapScene<'_>) -> Option<Self> {
+        // Pan is measured from the first frame's, so that a range across ±180° stays one interval.
         let middle = scene.frames.first()?.0.pan;
         let (mut pan, mut tilt) = (
             [f64::INFINITY, f64::NEG_INFINITY],
@@ -82,10 +84,10 @@ impl PaintMapFrame {
         })
     }
 
-    /// Where a ray lies on the map, px.
+    /// The point of the map for a ray, px.
     #[must_use]
     pub fn map_from_ray(&self, ray: PanTilt) -> ImagePoint {
-        // A turn to the left of the left edge is one nearly all the way round to the right.
+        // A pan beyond the left edge wraps to the far right.
         let right = ray.pan.turn_from(self.left).degrees();
         ImagePoint::new(
             right * self.px_per_degree,
@@ -93,7 +95,7 @@ impl PaintMapFrame {
         )
     }
 
-    /// The ray of a point of the map.
+    /// The ray for a point of the map.
     #[must_use]
     pub fn ray_from_map(&self, at: ImagePoint) -> PanTilt {
         PanTilt {
@@ -102,7 +104,7 @@ impl PaintMapFrame {
         }
     }
 
-    /// The outlines of the frames' pictures on the map.
+    /// The outlines of the frames on the map.
     pub fn outlines<'a>(
         &'a self,
         scene: &'a PaintMapScene<'_>,
@@ -117,8 +119,8 @@ impl PaintMapFrame {
         })
     }
 
-    /// The frame, by its place among the scene's, that shows a point of the map nearest to its
-    /// middle; none where none does.
+    /// The index of the frame that shows a point of the map nearest to its centre. `None` if no
+    /// frame shows it.
     #[must_use]
     pub fn frame_at(&self, scene: &PaintMapScene<'_>, at: ImagePoint) -> Option<usize> {
         let ray = self.ray_from_map(at);
@@ -140,7 +142,7 @@ impl PaintMapFrame {
     }
 }
 
-/// The map as a picture.
+/// Draws the map: ground, paint, lines, each over the one before.
 #[must_use]
 pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Option<Picture> {
     let (width, height) = (frame.size.width as usize, frame.size.height as usize);
@@ -184,7 +186,8 @@ pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Op
     Picture::new(frame.size, rgba).ok()
 }
 
-/// The field's painted lines on the map, in pieces that lie within it; points about a px apart.
+/// The painted lines of the field on the map, cut into pieces that lie within it. Points are about
+/// 1 px apart.
 #[must_use]
 pub fn line_pieces(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Vec<Vec<ImagePoint>> {
     const SPACING_M: f64 = 0.1;
@@ -194,6 +197,7 @@ pub fn line_pieces(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Vec<Vec<
         let mut piece = Vec::new();
         for step in 0..=count as usize {
             let mut at = line.paint_centre.point_at(step as f64 / count);
+            // Pieces end where the line leaves the map.
             at.z = scene.field.ground_z(at.y);
             let at = frame.map_from_ray(PanTilt::from_direction(
                 scene.base.base_from_world_point(at),
@@ -226,7 +230,7 @@ mod tests {
     #[test]
     fn the_map_shows_paint_under_the_lines_and_leads_to_the_frame() {
         let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
-        // Across the back, where the pan wraps.
+        // Also across the back, where pan wraps.
         for turned in [0.0, 178.0] {
             let frames = [-15.0, 0.0, 15.0]
                 .map(|pan| (Ptz::from_degrees(pan + turned, -13.0, 1400.0), SIZE));

@@ -1,4 +1,4 @@
-//! How the overlay and the picture below it look.
+//! Settings for the look of the overlay and the picture below it.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,15 +8,15 @@ use serde::{Deserialize, Serialize};
 pub struct OverlayStyle {
     /// Red, green, blue, 0–255.
     pub colour: [u8; 3],
-    /// The width of a line on the screen, points.
+    /// Width of a line on screen, points.
     pub width: f32,
     /// 0 is invisible, 1 solid.
     pub opacity: f32,
-    /// The dark rim that keeps a line readable on any grass, points on each side.
+    /// Width of the dark rim that keeps a line readable on any grass, points on each side.
     pub outline: f32,
-    /// Draw the landmarks as small rings once there is a solution.
+    /// Whether to draw landmarks as small rings when there is a solution.
     pub landmarks: bool,
-    /// Draw what separates a click from its solution ten times as long, to see which way it points.
+    /// Whether to draw the residual of a click ten times as long, so that its direction shows.
     pub residuals_times_ten: bool,
 }
 
@@ -33,15 +33,15 @@ impl Default for OverlayStyle {
     }
 }
 
-/// How bright a picture is shown. Only how: its pixels, and what is measured in them, stay.
+/// Brightness, contrast and gamma of the shown picture. They do not affect what is measured in it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PictureLook {
-    /// The factor of every value; 1: as it is.
+    /// Factor of all values; 1 leaves them unchanged.
     pub brightness: f32,
-    /// The factor of every difference from a middle grey; 1: as it is.
+    /// Factor of the difference from a middle grey; 1 leaves it unchanged.
     pub contrast: f32,
-    /// Values `v` of 0 to 1 become `v^(1/gamma)`; 1: as they are.
+    /// Values `v` from 0 to 1 become `v^(1/gamma)`; 1 leaves them unchanged.
     pub gamma: f32,
 }
 
@@ -56,10 +56,10 @@ impl Default for PictureLook {
 }
 
 impl PictureLook {
-    /// What each number may be.
+    /// Range of each of the three numbers.
     pub const RANGE: std::ops::RangeInclusive<f32> = 0.25..=4.0;
 
-    /// As it is, but darker or brighter.
+    /// A look with only the brightness changed.
     #[must_use]
     pub fn of_brightness(brightness: f32) -> Self {
         Self {
@@ -68,7 +68,7 @@ impl PictureLook {
         }
     }
 
-    /// The same, darker or brighter.
+    /// This look, with the brightness multiplied by `factor`.
     #[must_use]
     pub const fn dimmed(self, factor: f32) -> Self {
         Self {
@@ -77,7 +77,8 @@ impl PictureLook {
         }
     }
 
-    /// Numbers from a file edited by hand, brought into their range.
+    /// This look with each number clamped to [`Self::RANGE`], or 1 if it is not finite. The
+    /// settings file may have been edited by hand.
     #[must_use]
     pub const fn within_limits(self) -> Self {
         const fn within(value: f32) -> f32 {

@@ -1,22 +1,22 @@
-//! A document's frames on one line, as plain data: what has been done, what is suggested, how
-//! doubtful that is, the shots.
+//! The frames of a document on one line, as plain data: progress, suggestions and their doubt,
+//! shots.
 
 use touchline_documents::document::{
     Document, Frame, FrameChanges, FrameStatus, Frames, Shot, ShotKind, VideoShots,
 };
 
-/// The frames of a document, in so many parts of equal length as there is room for.
+/// The frames of a document, divided into as many parts of equal length as the screen has room for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timeline {
-    /// How many frames there are.
+    /// Number of frames.
     pub frames: usize,
     /// The parts, in the order of the frames.
     pub parts: Vec<TimelinePart>,
-    /// Where shots begin, in their order; the beginning of a video is not among them.
+    /// The first frames of shots, in order, except for the first shot of the video.
     pub cuts: Vec<TimelineCut>,
 }
 
-/// What a summary was made of.
+/// The state of a document of which a timeline was made.
 #[derive(Clone, Debug)]
 pub struct TimelineSource {
     frames: Frames,
@@ -24,7 +24,7 @@ pub struct TimelineSource {
 }
 
 impl TimelineSource {
-    /// Of a document. Its frames are shared, not copied.
+    /// The state of a document. Frames are shared, not copied.
     #[must_use]
     pub fn of(document: &Document) -> Self {
         Self {
@@ -34,37 +34,37 @@ impl TimelineSource {
     }
 }
 
-/// What the frames of a part have come to.
+/// Summary of the frames of one part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TimelinePart {
-    /// How many frames it has.
+    /// Number of frames.
     pub frames: u32,
-    /// How many of them are references.
+    /// Number of references.
     pub references: u32,
-    /// How many are suggestions.
+    /// Number of suggestions.
     pub suggestions: u32,
-    /// How many have points and are not accepted.
+    /// Number of frames that have clicks and are not accepted.
     pub drafts: u32,
-    /// How many are not calibratable.
+    /// Number of frames that cannot be calibrated.
     pub rejected: u32,
-    /// The greatest doubt about one of them, 0 to 1: what a suggestion's confidence lacks of 1; 1
-    /// where no answer was found.
+    /// Greatest doubt about one of them, 0 to 1: for a suggestion 1 − confidence; 1 for a frame
+    /// without an answer.
     pub doubt: f64,
 }
 
-/// A shot begins.
+/// The first frame of a shot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimelineCut {
-    /// The place in the document of the first frame of the shot.
+    /// Index of the frame in the document.
     pub position: usize,
-    /// The number that this frame has in its video.
+    /// Index of the frame in its video.
     pub frame_index: u64,
     /// How the cut was found.
     pub kind: ShotKind,
 }
 
 impl Timeline {
-    /// Sums a document up in at most `parts` parts; the shots are those of `video`.
+    /// Summarises a document in at most `parts` parts; the shots are those of `video`.
     #[must_use]
     pub fn of(document: &Document, video: &str, parts: usize) -> Self {
         let frames = document.frames.len();
@@ -100,9 +100,9 @@ impl Timeline {
         timeline
     }
 
-    /// The summary of `document`, made from this one of what it was `before`: only the parts whose
-    /// frames changed are summed up again. None where a cut may lie elsewhere, or many frames
-    /// changed.
+    /// The timeline of `document`, updated from this one, which was made of `before`: only parts
+    /// with changed frames are summarised again. `None` if cuts may have moved or too many frames
+    /// have changed; then [`Self::of`] is needed.
     #[must_use]
     pub fn followed(&self, document: &Document, before: &TimelineSource) -> Option<Self> {
         let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else {
@@ -129,26 +129,26 @@ impl Timeline {
         Some(timeline)
     }
 
-    /// The part that a frame belongs to, as shares of the whole length.
+    /// The interval of a part, as shares of the whole length.
     #[must_use]
     pub fn span_of_part(&self, part: usize) -> [f64; 2] {
         let count = self.parts.len().max(1) as f64;
         [part as f64 / count, (part + 1) as f64 / count]
     }
 
-    /// Where the middle of a frame lies, as a share of the whole length.
+    /// The middle of a frame, as a share of the whole length.
     #[must_use]
     pub fn share_of(&self, position: usize) -> f64 {
         (position as f64 + 0.5) / self.frames.max(1) as f64
     }
 
-    /// Where a frame begins, as a share of the whole length.
+    /// The beginning of a frame, as a share of the whole length.
     #[must_use]
     pub fn beginning_of(&self, position: usize) -> f64 {
         position as f64 / self.frames.max(1) as f64
     }
 
-    /// The frame at a share of the whole length, the first or last one beyond the ends.
+    /// The frame at a share of the whole length; beyond the ends the first or the last.
     #[must_use]
     pub fn frame_at(&self, share: f64) -> usize {
         ((share.max(0.0) * self.frames as f64) as usize).min(self.frames.saturating_sub(1))
@@ -169,6 +169,7 @@ impl TimelinePart {
     }
 }
 
+/// Doubt about a frame, 0 to 1 (see [`TimelinePart::doubt`]).
 fn doubt(frame: &Frame) -> f64 {
     if frame.is_unanswered() {
         return 1.0;

@@ -1,8 +1,8 @@
-//! How far the overlay is to be trusted, as something to look at: a band around the lines, or a
-//! heat map over the picture.
+//! The uncertainty of the overlay as a drawing: a band around the lines, or a heat map over the
+//! picture.
 //!
-//! Both show the 1-σ of the lines where they are drawn (see [`Uncertainty`]): the band its share
-//! across the line, the map its RMS distance.
+//! Both show the 1-σ of the lines in the picture (see [`Uncertainty`]). The band shows its
+//! component across the line, the heat map its RMS length.
 
 use super::OverlayStyle;
 use super::drawing::{Area, Colour, Drawing, Stroke, StrokeGroup};
@@ -26,7 +26,7 @@ pub enum UncertaintyView {
 }
 
 impl UncertaintyView {
-    /// The one that comes after it.
+    /// The next view in the cycle.
     #[must_use]
     pub const fn next(self) -> Self {
         match self {
@@ -37,8 +37,8 @@ impl UncertaintyView {
     }
 }
 
-/// The colours of a heat map, evenly spaced on a logarithmic scale: from dark (sure) to bright
-/// (unsure), apart for colour-blind eyes too.
+/// Colours of a heat map, evenly spaced on a logarithmic scale: from dark (certain) to bright
+/// (uncertain), distinguishable for colour-blind people, too.
 pub const HEAT_STOPS: [Colour; 5] = [
     Colour::rgb(20, 40, 110),
     Colour::rgb(30, 120, 180),
@@ -47,20 +47,20 @@ pub const HEAT_STOPS: [Colour; 5] = [
     Colour::rgb(255, 95, 60),
 ];
 
-/// The 1-σ of the first and the last colour, px at 1920 px width.
+/// 1-σ of the first and the last colour, px at 1920 px width.
 const HEAT_FROM_TO_PX: (f64, f64) = (1.0, 16.0);
 
-/// Columns and rows of a heat map's grid, the picture's borders included.
+/// Columns and rows of a heat map's grid, including the borders of the picture.
 pub const HEAT_GRID: [u32; 2] = [60, 40];
 
-/// 1-σ of the overlay over the picture.
+/// 1-σ of the overlay on a grid over the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatMap {
-    /// Columns and rows; the first and the last lie on the picture's borders.
+    /// Columns and rows. The first and the last lie on the borders of the picture.
     pub size: [u32; 2],
-    /// The picture it covers, px.
+    /// Size of the picture, px.
     pub image_size: ImageSize,
-    /// Place on the colours' scale at each crossing, 0 to 65535, row by row.
+    /// Position on the colour scale at each grid point, 0 to 65535, row by row.
     pub levels: Vec<u16>,
 }
 
@@ -94,12 +94,13 @@ impl HeatMap {
     }
 }
 
-/// The place of a 1-σ on the colours' scale: 0 the first colour, 1 the last.
+/// The position of a 1-σ on the colour scale: 0 is the first colour, 1 the last. `sigma_px` is in
+/// px of the picture.
 #[must_use]
 pub fn heat_level(sigma_px: f64, image_size: ImageSize) -> f64 {
     let (from_px, to_px) = HEAT_FROM_TO_PX;
     let share = (sigma_px / image_size.scale_from_1920() / from_px).ln() / (to_px / from_px).ln();
-    // A value that is not a number is one that nothing is known of.
+    // NaN means unknown: show it as the most uncertain.
     if share.is_nan() {
         1.0
     } else {
@@ -107,7 +108,7 @@ pub fn heat_level(sigma_px: f64, image_size: ImageSize) -> f64 {
     }
 }
 
-/// The 1-σ of each colour of the scale, px.
+/// The 1-σ of each colour of the scale, px of the picture.
 #[must_use]
 pub fn heat_ticks_px(image_size: ImageSize) -> [f64; HEAT_STOPS.len()] {
     let (from_px, to_px) = HEAT_FROM_TO_PX;
@@ -117,7 +118,7 @@ pub fn heat_ticks_px(image_size: ImageSize) -> [f64; HEAT_STOPS.len()] {
     })
 }
 
-/// The lines' 1-σ as a band around them: within it they lie in 68 of 100 frames.
+/// A band of ±1-σ around the lines, in which they truly lie in 68 of 100 frames.
 #[must_use]
 pub fn band(
     uncertainty: &Uncertainty,
@@ -126,7 +127,8 @@ pub fn band(
     image_size: ImageSize,
     style: &OverlayStyle,
 ) -> Drawing {
-    /// From one place where the band's width is computed to the next, px of the picture at most.
+    /// Maximum distance between points at which the width of the band is computed, px of the
+    /// picture.
     const STEP_PX: f64 = 60.0;
     let [r, g, b] = style.colour;
     let colour = Colour::rgb(r, g, b);
@@ -137,6 +139,7 @@ pub fn band(
         let Some([left, right]) = sides(&points, uncertainty, camera) else {
             continue;
         };
+        // The area between the borders: one side forwards, the other backwards.
         let mut corners = left.clone();
         corners.extend(right.iter().rev());
         drawing.areas.push(Area {
@@ -161,7 +164,8 @@ pub fn band(
     drawing
 }
 
-/// Both borders of the band along a polyline; none for fewer than two points.
+/// The two borders of the band along a polyline. `None` for fewer than two points with a
+/// covariance.
 fn sides(
     points: &[ImagePoint],
     uncertainty: &Uncertainty,
@@ -174,6 +178,7 @@ fn sides(
     for (index, point) in points.iter().enumerate() {
         let before = points.get(index.wrapping_sub(1)).unwrap_or(point);
         let after = points.get(index + 1).unwrap_or(point);
+        // The component of the covariance across the line: √(nᵀ Σ n), with the unit normal n.
         let along = after.offset_from(*before).try_normalize(1e-9)?;
         let across = Vec2::new(-along.y, along.x);
         let Some(covariance) = uncertainty.overlay_at(camera, *point) else {
@@ -187,7 +192,7 @@ fn sides(
     (left.len() > 1).then_some([left, right])
 }
 
-/// A polyline with points at most so far apart, and not much closer where it has more.
+/// Resamples a polyline so that its points are at most `step_px` apart, and not much less.
 fn resampled(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
     let Some(first) = points.first() else {
         return Vec::new();
@@ -198,7 +203,7 @@ fn resampled(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
         let parts = (way.norm() / step_px).ceil().max(1.0);
         found.extend((1..=parts as usize).map(|part| pair[0].moved(way * (part as f64 / parts))));
     }
-    // Curves come in far finer steps than a band needs.
+    // Curves have far more points than a band needs: keep one about every sixth of a step.
     let last = found[found.len() - 1];
     let mut thinned: Vec<ImagePoint> = Vec::with_capacity(found.len());
     for point in found {

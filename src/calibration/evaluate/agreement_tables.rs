@@ -1,4 +1,4 @@
-//! The agreement of two annotators, for people and for scripts.
+//! Reports of the agreement of two annotators: tables, text and JSON.
 
 use super::{Agreement, FrameAgreement};
 use serde_json::{Value, json};
@@ -159,6 +159,7 @@ pub fn agreement_json(agreement: &Agreement) -> Value {
     })
 }
 
+/// Click noise as JSON.
 fn described(noise: &ClickScatter) -> Value {
     json!({
         "sigma_px": noise.sigma,

@@ -1,4 +1,4 @@
-//! The report of an evaluation for people: tables, and figures of the errors.
+//! Reports of an evaluation: tables, and figures of the errors.
 
 use super::{Evaluation, FrameGroup, FrameScores, GroupKind, Measure};
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use touchline_core::score::Summary;
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Column, Report, Table};
 
-/// The measures whose distributions are plotted.
+/// The measures that are plotted as cumulative distributions.
 const DRAWN: [Measure; 6] = [
     Measure::Rotation,
     Measure::Focal,
@@ -149,6 +149,7 @@ pub fn evaluation_tables(groups: &[FrameGroup], write: fn(&Table) -> String) -> 
     text
 }
 
+/// A table with a row for each measure of a group.
 fn summary_table(group: &FrameGroup) -> Table {
     let mut table = Table::new(&[
         ("measure", "measure"),

@@ -51,7 +51,7 @@ pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Op
     partners
 }
 
-/// Whether the SHA-256 of two frames, if both are stated, are equal.
+/// Whether two frames may show the same picture: their SHA-256 are equal, or one is not stated.
 fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
     a.sha256
         .as_ref()
@@ -59,6 +59,7 @@ fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
         .is_none_or(|(a, b)| a.eq_ignore_ascii_case(b))
 }
 
+/// The absolute location of the image, or of the video with the frame's number.
 fn by_place(frame: &Frame, folder: &Path) -> Option<String> {
     match (&frame.image, &frame.video) {
         (Some(image), _) => Some(resolved(&folder.join(image)).to_string_lossy().into_owned()),
@@ -71,14 +72,17 @@ fn by_place(frame: &Frame, folder: &Path) -> Option<String> {
     }
 }
 
+/// The image's SHA-256, if stated.
 fn by_digest(frame: &Frame, _: &Path) -> Option<String> {
     frame.sha256.clone()
 }
 
+/// The path as written in the document.
 fn by_path(frame: &Frame, _: &Path) -> Option<String> {
     (frame.image.is_some() || frame.video.is_some()).then(|| frame.name())
 }
 
+/// The file's name without its folder, with the frame's number for a video.
 fn by_name(frame: &Frame, _: &Path) -> Option<String> {
     let name = |path: &str| {
         Path::new(path)

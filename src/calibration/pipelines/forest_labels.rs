@@ -26,7 +26,7 @@ use touchline_documents::document::Document;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, Stopped, TrainProgress};
 
-/// A cancellation takes effect after at most this many frames, whose answers are kept.
+/// Number of frames between two checks for cancellation. Answers up to the check are kept.
 const BATCH_FRAMES: usize = 16;
 
 /// Progress of learning.
@@ -104,8 +104,8 @@ pub fn learn_forest(
     }
 }
 
-/// The error to report: the reason of the first reference without a sample says more than that
-/// there are no samples.
+/// The error to report. If there are no samples, the reason of the first failed reference explains
+/// more.
 fn explain_failure(error: LearnError, document: &Document, studied: Studied) -> LearnForestError {
     let is_without_samples = matches!(error, LearnError::Stopped(Stopped::NoSamples { .. }));
     match studied.failed.into_iter().next() {
@@ -160,7 +160,7 @@ fn propose_in_batches(
     progress: &Progress<'_, usize>,
 ) -> Vec<Proposal> {
     let num_done = AtomicUsize::new(0);
-    // Find out whether it is cancelled already.
+    // Checks whether the job is cancelled already.
     let _ = progress.report(0);
     let mut proposals = Vec::with_capacity(frames.len());
     for batch in frames.chunks(BATCH_FRAMES) {
@@ -195,7 +195,7 @@ fn propose_in_batches(
 /// The folders of a document's pictures and of their features.
 #[derive(Clone, Copy)]
 pub struct PictureFiles<'a> {
-    /// Where the document's relative paths start.
+    /// The folder to which the document's relative paths refer.
     pub folder: &'a Path,
     /// The store of features extracted before.
     pub store: &'a FeatureStore,

@@ -51,7 +51,7 @@ impl Default for MatchOptions {
 pub enum MatchEvent {
     /// Progress of the search for a camera.
     Searching(AutocalibrationProgress),
-    /// The picture of a frame cannot be read. The search goes on with the others.
+    /// The picture of a frame cannot be read. The search continues with the others.
     Unreadable {
         /// The frame's name.
         frame: String,

@@ -4,12 +4,12 @@
 use std::collections::BTreeMap;
 use touchline_documents::document::{Camera, CameraId, Document};
 
-/// Minimum number of frames for a camera of their own.
+/// Minimum number of frames for a separate camera.
 const FEWEST: usize = 6;
 
-/// Assigns the frames `others` of a camera, and those between two of them, to a new camera of which
-/// nothing is known. `looked_at` are the frames of the camera that was found. None if there are too
-/// few others.
+/// Assigns the frames `others`, and those between two of them, to a new camera without a base.
+/// `camera` is the camera that was found, and `looked_at` are its sampled frames. Returns the new
+/// id; none if there are too few others.
 pub(super) fn split_off(
     document: &mut Document,
     camera: &CameraId,
@@ -32,9 +32,8 @@ pub(super) fn split_off(
     let mut other = Camera::new(id.clone(), known.image_size);
     (other.masks, other.ranged_masks) = (known.masks.clone(), known.ranged_masks.clone());
     document.cameras.push(other.into());
-    // Assign frames that were not sampled: one between two sampled frames of the other camera is
-    // taken to be the other camera's. Before the first and after the last sampled frame the nearest
-    // one decides.
+    // Assign the frames that were not sampled. A frame between two sampled frames of the new camera
+    // goes to it. Before the first and after the last sampled frame, the nearest one decides.
     let mut is_other: BTreeMap<usize, bool> =
         looked_at.iter().map(|index| (*index, false)).collect();
     is_other.extend(others.iter().map(|index| (*index, true)));

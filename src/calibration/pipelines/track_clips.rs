@@ -1,9 +1,9 @@
 //! Tracking the clips of a document: the cameras of all frames from those that are known.
 //!
-//! The frames of a pass can show that the field or the base is wrong: the lines of a field that is
-//! longer than assumed lie beside their paint, and so do those of a base from one clicked frame.
-//! Such a pass is discarded. Field or base is corrected in the document as it was before, and the
-//! clips are tracked again from the points that were already followed.
+//! A pass can show that the field or the base is wrong. If the field is longer than assumed, its
+//! lines lie beside their paint; so do the lines with a base from a single clicked frame. Such a
+//! pass is discarded: the field or base is corrected in the document as it was before, and the
+//! clips are tracked again with the point tracks that were already measured.
 
 use crate::calibrate::{
     BaseEstimationError, BaseProblem, ClipEvidence, ClipFrames, ClipProgress, ClipSpan,
@@ -114,7 +114,8 @@ pub fn track_clips(
         evidence,
         progress,
     };
-    // The document before a pass. Tracked cameras are no constraints, so every pass starts from it.
+    // The document before a pass. Every pass starts from it, because tracked cameras must not
+    // constrain the next pass.
     let mut known = document.clone();
     // First pass; then again if it shows another length of the field, and until the bases are
     // settled.
@@ -188,8 +189,8 @@ impl Tracking<'_> {
             {
                 break;
             }
-            // All clips are tracked from the document as it was before the pass, so their order
-            // does not matter.
+            // All clips are tracked from the document as it was before the pass, so that their
+            // order does not matter.
             let of_clip = self.progress.part(TrackingEvent::Progress);
             let (at, evidence) = (known.at(self.folder), &mut self.evidence[index]);
             let end = match track_clip(
@@ -254,9 +255,9 @@ impl Tracking<'_> {
     }
 
     /// Refines the bases on the paint of all tracked frames and tracks again, until no base
-    /// improves. Keeps the last pass whose frames are about as certain as the best so far and no
-    /// fewer: a single pass may be worse, because it still starts from frames of the previous base.
-    /// `known` is the document before tracking.
+    /// improves. Keeps the last pass with about the confidence of the best so far and no fewer
+    /// frames. A single pass may be worse, because it still starts from frames of the previous
+    /// base.
     fn refine_until_settled(
         &mut self,
         document: &mut Document,
@@ -283,7 +284,7 @@ impl Tracking<'_> {
             }
         }
         if last < best - CONFIDENCE_NOISE {
-            // Nothing follows that could be cancelled.
+            // Nothing follows that could be cancelled, so the answer is ignored.
             let _ = self.progress.report(TrackingEvent::NoBetter {
                 kept: best,
                 refined: last,
@@ -305,7 +306,7 @@ impl Tracking<'_> {
             {
                 return None;
             }
-            // Too little paint, or clicks that determine no base: the base stays.
+            // With too little paint, or with clicks that determine no base, the base stays.
             let Ok(Some(seen)) = self.refine_base(tracked, camera, &mut refined) else {
                 continue;
             };

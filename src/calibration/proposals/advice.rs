@@ -1,8 +1,8 @@
-//! Where to label next; every panel, the status row and the command line use this.
+//! Advice on where to label next. All panels, the status row and the command line use it.
 //!
-//! A label helps the frames whose views overlap with its own, and most where few references look:
-//! each further reference in one direction adds less. Where the directions of a shot's frames are
-//! unknown, a label in the shot with most such frames helps.
+//! A label helps frames with overlapping views, and most where few references look: each further
+//! reference in one direction adds less. If the directions of a shot's frames are unknown, a label
+//! in the shot with most such frames helps.
 
 use super::Coverage;
 use super::label_needs::LabelNeeds;
@@ -10,7 +10,7 @@ use super::needing_frames::{DIRECTION_DEG, Look, NeedingFrames};
 use touchline_core::geometry::{Angle, AngleRange};
 use touchline_documents::document::{CameraId, Document};
 
-/// Assumed overlap of the views of frames in a shot whose directions are unknown.
+/// Assumed overlap of the views of a shot's frames if their directions are unknown.
 const BLIND_OVERLAP: f64 = 0.5;
 
 /// The frames without a confident answer, and what to do about them.
@@ -26,7 +26,7 @@ pub struct LabelAdvice {
     pub next: Option<LabelNext>,
 }
 
-/// A frame whose label helps many.
+/// The frame to label next: its label helps many others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabelNext {
     /// Index of the frame in the document.
@@ -87,8 +87,8 @@ impl LabelAdvice {
     }
 }
 
-/// The direction in which a label helps the frames of a camera most, and its gain: 1 for each frame
-/// that would be answered because of it. None if no frame sees the field.
+/// The direction in which a label helps the frames of a camera most, and its gain: the expected
+/// number of frames that would be answered because of it. None if no frame sees the field.
 fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f64, LabelNext)> {
     let (mut whole, mut half_view_deg) = (0.0, 0.0);
     let mut weights: Vec<(i64, f64)> = Vec::new();
@@ -114,7 +114,7 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
             .map(|&(other, weight)| weight * overlap(other).max(0.0))
             .sum()
     };
-    // Among equals the least pan.
+    // Of equal gains, the smallest pan.
     let gains = weights.iter().map(|&(at, _)| (gain(at), at));
     let (gain, at) = gains.rev().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let chosen = needing.neediest(at)?;

@@ -5,20 +5,20 @@ use touchline_core::camera::CameraBase;
 use touchline_documents::document::{Camera, Document};
 use touchline_vision::relocalize::ForestModel;
 
-/// Tolerance between two bases, m, px and as matrix entries: digits that were rounded when a
-/// document was written.
+/// Tolerance between two bases, m, px and as matrix entries, for the digits that are rounded when a
+/// document is written.
 const SAME_BASE: f64 = 1e-6;
 
-/// Why a forest does not serve a document.
+/// Why a forest cannot be used with a document.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum BaseMismatch {
-    /// The forest's own document lacks the base.
+    /// The forest's own document lacks the base of its camera.
     #[error("the forest does not hold the base of its camera {camera}")]
     Unknown {
         /// The camera's name.
         camera: String,
     },
-    /// The base of the camera is another one.
+    /// The document's camera has another base.
     #[error(
         "camera {camera}: its position, rotation, principal point or lens is not the one that the forest was trained with; \
          train the forest again"
@@ -29,8 +29,8 @@ pub enum BaseMismatch {
     },
 }
 
-/// Gives cameras of the document that have no base the one of the forest. `of_forest` is the
-/// document in the forest.
+/// Gives cameras of the document that have no base that of the forest. `of_forest` is the document
+/// stored in the forest.
 ///
 /// # Errors
 /// A camera has another base, with which the rays of the forest are wrong.

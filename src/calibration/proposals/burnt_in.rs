@@ -1,6 +1,6 @@
 //! Graphics burnt into the pictures of references: score bugs, watermarks, black boxes. They stay
-//! in one place of the picture however the camera moves, so the forest would learn them as parts of
-//! the stadium in every direction.
+//! in one place of the picture while the camera moves, so the forest would learn them as parts of
+//! the stadium in all directions.
 
 use super::TrainingSample;
 use std::collections::BTreeSet;
@@ -9,9 +9,8 @@ use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{CameraId, Document, Extra, MaskSource, RangedMask};
 use touchline_vision::features::{Features, burnt_in};
 
-/// The labels of two references say that the camera moved if they move a point of the picture by
-/// more than this, px at 1920 px width: due to click noise, the labels of a static camera differ by
-/// a few px.
+/// If the labels of two references move a point of the picture by more than this, the camera moved,
+/// px at 1920 px width. The labels of a static camera differ by a few px because of click noise.
 const MOVED_PX: f64 = 20.0;
 
 /// A graphic that was found, as a mask of its camera.
@@ -28,14 +27,14 @@ pub struct FoundMask {
 }
 
 impl FoundMask {
-    /// Adds it to the masks of its camera.
+    /// Adds the graphic to the masks of its camera.
     pub fn mask_in(&self, document: &mut Document) {
         if let Some(camera) = document.camera_mut(&self.camera) {
             camera.ranged_masks.push(self.mask.clone());
         }
     }
 
-    /// A line of text about it.
+    /// Describes the graphic in one line.
     #[must_use]
     pub fn describe(&self, document: &Document) -> String {
         let area = &self.mask.pixel_box;
@@ -61,8 +60,8 @@ impl FoundMask {
     }
 }
 
-/// Finds what is burnt into the pictures of training samples, camera by camera, and removes the
-/// rays of features in it.
+/// Finds graphics that are burnt into the pictures of training samples, camera by camera, and
+/// removes the rays of features in them.
 pub(super) fn leave_out_burnt_in(
     document: &Document,
     training_samples: &mut [TrainingSample],

@@ -1,4 +1,4 @@
-//! Cameras that are tracked to a frame from neighbours that have one from the forest or the user.
+//! Cameras that are tracked to a frame from neighbours with a camera from the forest or the user.
 
 use super::{Asked, Offer};
 use crate::calibrate::{TrackedClip, TrackedFrame, record_tracked_frame};
@@ -48,7 +48,7 @@ impl CarriedProposal {
         }
     }
 
-    /// Writes the camera into its frame, in the form of files.
+    /// Writes the camera into its frame, in the form in which files have it.
     pub fn record(&self, frame: &mut Frame) {
         self.suggestion.show_in(frame);
     }
@@ -63,6 +63,7 @@ pub fn offer_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<Offer>
         .collect()
 }
 
+/// The camera of one tracked frame as an offer; none if the user has decided on the frame.
 fn offer_tracked(document: &Document, clip: &TrackedClip, tracked: &TrackedFrame) -> Option<Offer> {
     Offer::from_recorded(document, tracked.place, |frame| {
         record_tracked_frame(frame, clip, tracked);

@@ -1,4 +1,4 @@
-//! The directions that references see, and where one is missing.
+//! The directions that references see, and where a reference is missing.
 
 use std::ops::RangeInclusive;
 use touchline_core::camera::{CameraBase, PanTilt, PtzCamera};
@@ -130,8 +130,8 @@ impl Coverage {
     /// shows no field.
     #[must_use]
     pub fn novelty(&self, view: AngleRange) -> Option<f64> {
-        /// Tolerance for rounding, in columns: a view that ends on the border of a column does not
-        /// show it.
+        /// Tolerance for rounding, in columns, so that a view that ends exactly on the border of a
+        /// column does not include the next one.
         const ROUNDING: f64 = 1e-9;
         let columns = self.columns as f64;
         // The columns that the view overlaps.
@@ -151,10 +151,10 @@ impl Coverage {
         (places > 0).then(|| told / f64::from(places))
     }
 
-    /// Pan of the middle of the longest run of columns whose field no reference sees; the first of
-    /// equally long ones.
+    /// Pan of the middle of the longest run of columns with a part of the field that no reference
+    /// sees. Of equally long runs, the first.
     fn widest_gap_deg(&self) -> Option<f64> {
-        // A gap is a column that shows some field and no reference in any of it.
+        // A gap is a column that shows some of the field, of which no reference sees any cell.
         let is_gap = |column: &usize| {
             let mut cells = self
                 .cells
@@ -179,8 +179,8 @@ struct Sight {
     image_size: ImageSize,
     /// Direction of the centre of its picture in the base.
     middle: Vec3,
-    /// Cosine of the angle from there to the farthest corner. Most rays lie outside of this cone,
-    /// which is cheaper to test than a projection.
+    /// Cosine of the angle between that direction and the farthest corner. Most rays lie outside of
+    /// this cone, and the test is cheaper than a projection.
     reach: f64,
 }
 

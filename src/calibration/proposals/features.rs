@@ -17,7 +17,7 @@ use touchline_vision::media::{FrameReader, Picture, ReadFrames, sha256_of_file};
 pub struct FramePictures<'a> {
     /// The document.
     pub document: &'a Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     pub folder: &'a Path,
     /// Options of the feature extraction.
     pub options: FeatureOptions,
@@ -116,14 +116,14 @@ impl FramePictures<'_> {
         Some(made)
     }
 
-    /// The features of a picture that was read: from the store if it has them.
+    /// The features of a picture, from the store if it has them.
     pub(super) fn features_in(
         &self,
         frame: &Frame,
         picture: &Picture,
     ) -> Result<Arc<Features>, PictureError> {
-        // The key of the store is the content: the hash of an image file, the identity of a video's
-        // frame.
+        // The store's key identifies the content: the hash of an image file, or the identity of a
+        // video's frame.
         let identity = match frame.image_path(self.folder) {
             Some(path) => Some(sha256_of_file(&path)?),
             None => frame
@@ -137,6 +137,7 @@ impl FramePictures<'_> {
         Ok(self.look(frame, picture, key.as_ref(), false)?.features)
     }
 
+    /// The features of a frame, from the state that was found.
     fn features_of(&self, frame: &Frame, found: Found) -> Result<FrameFeatures, PictureError> {
         match found {
             Found::Before(features) => Ok(features),
@@ -145,6 +146,7 @@ impl FramePictures<'_> {
         }
     }
 
+    /// The features of an image file, from the store or extracted.
     fn of_image(&self, frame: &Frame) -> Result<FrameFeatures, PictureError> {
         let path = frame.image_path(self.folder).ok_or(PictureError::None)?;
         let sha256 = sha256_of_file(&path)?;
@@ -157,11 +159,12 @@ impl FramePictures<'_> {
         if let Some(before) = self.before(frame, &key, &path.to_string_lossy(), changed)? {
             return Ok(before);
         }
-        // A reader of its own, so that no decoder stays open.
+        // Use a separate reader, so that no decoder stays open.
         let picture = read_picture(&mut FrameReader::new(), frame, self.folder)?;
         self.look(frame, &picture, Some(&key), changed)
     }
 
+    /// The features of a video's frame from the store, or its picture.
     fn of_video(&self, reader: &mut dyn ReadFrames, frame: &Frame) -> Found {
         let key = frame
             .picture_source(self.folder)

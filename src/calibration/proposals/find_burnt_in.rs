@@ -14,11 +14,11 @@ use touchline_vision::features::{
 };
 use touchline_vision::media::ReadFrames;
 
-/// Number of pictures of a camera whose edges are compared. It is enough for a banner that is shown
-/// an eighth of the time, and few enough to finish within the first minute.
+/// Number of pictures of a camera in which edges are compared. It is enough to find a banner that
+/// is shown an eighth of the time, and takes less than a minute.
 const LOOKED_AT: usize = 64;
 
-/// Features are extracted from one in this many of these pictures.
+/// Features are extracted from every n-th of these pictures.
 const FEATURES_EVERY: usize = 4;
 
 /// A sampled picture.
@@ -63,8 +63,8 @@ pub fn find_burnt_in(
             }))
         })?;
         let seen: Vec<Seen> = seen.into_iter().flatten().collect();
-        // A graphic that both methods find is kept once, with the more exact range of frames that
-        // edges give.
+        // A graphic that both methods find is kept once, as found by edges, which give a more exact
+        // range of frames.
         let by_edges = by_edges(pictures, camera, reader, (&of_camera, &seen), progress)?;
         let looked_at: Vec<(usize, Arc<Features>)> = seen
             .into_iter()

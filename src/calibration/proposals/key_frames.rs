@@ -5,14 +5,14 @@ use crate::calibrate::{ClipFrame, ClipFrames, clips};
 use touchline_documents::document::DocumentAt;
 use touchline_vision::media::FrameRef;
 
-/// Maximum number of pictures of a video from one key frame to the next.
+/// Maximum number of pictures of a video between two key frames.
 const EVERY: usize = 25;
 
 /// If neighbouring frames of a document are this many pictures of the video apart, tracking costs
 /// more than querying the forest.
 const SPARSE: usize = 8;
 
-/// Maximum number of key frames of a window: what is tracked at a time.
+/// Maximum number of key frames of a window, which is tracked at a time.
 const OF_WINDOW: usize = 11;
 
 /// A window of closely spaced frames of a video, from a key frame to a later one.
@@ -46,6 +46,7 @@ impl KeyWindow {
             .collect()
     }
 
+    /// The windows of one clip.
     fn of_clip(clip: &ClipFrames) -> Vec<Self> {
         // Positions in the clip of the document's frames, split where the document skips too many
         // pictures.

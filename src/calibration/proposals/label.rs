@@ -1,4 +1,4 @@
-//! The uncertainty of a reference's camera, with the base taken as exact.
+//! The uncertainty of a reference's camera, if the base is exact.
 
 use crate::calibrate::{observations, own_covariance};
 use touchline_core::camera::PtzCamera;
@@ -7,8 +7,9 @@ use touchline_core::solve::{ClickResidual, Observation, Uncertainty};
 use touchline_documents::document::{Frame, SolutionSource};
 use touchline_vision::relocalize::{Label, Misfit};
 
-/// The label of a reference: covariance and misfit from its clicks; if it was not solved from
-/// clicks, the covariance that is stored with it.
+/// The label of a reference: covariance and misfit from its clicks. If it was solved in another way
+/// than from clicks or by an import, or if its clicks do not determine a camera, the covariance
+/// that is stored with it.
 pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCamera) -> Label {
     let source = frame.source();
     let by_clicks = || {
@@ -25,7 +26,7 @@ pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCa
         None | Some(SolutionSource::Clicks | SolutionSource::Import)
     );
     let known = if is_by_clicks { by_clicks() } else { None };
-    // The uncertainty of the base is common to all references and is added elsewhere.
+    // The uncertainty of the base is common to all references and is added later.
     known.unwrap_or_else(|| Label {
         covariance: own_covariance(frame, camera, field),
         misfit: None,

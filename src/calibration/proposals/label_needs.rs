@@ -25,7 +25,7 @@ pub struct LabelNeeds {
     /// Suggestions that the forest is not sure of: see [`CERTAIN`].
     pub(super) uncertain: usize,
     shots: BTreeMap<ShotKey, Shot>,
-    /// The frames whose direction is known, by camera.
+    /// The frames that need a label and have a known direction, by camera.
     needing: BTreeMap<CameraId, NeedingFrames>,
     edition: u64,
 }
@@ -33,14 +33,14 @@ pub struct LabelNeeds {
 /// A camera and one of its shots. All frames of a camera that belong to no shot form one.
 type ShotKey = (CameraId, Option<Clip>);
 
-/// The frames of a shot, by their indices in the document.
+/// The frames of a shot, by index in the document.
 #[derive(Clone, Debug, Default)]
 struct Shot {
     /// Views of the solved frames.
     looks: BTreeMap<usize, Look>,
-    /// Frames without an answer whose picture can be read.
+    /// Frames without an answer, if their picture can be read.
     unanswered: BTreeSet<usize>,
-    /// Those of them whose direction is unknown.
+    /// Those of the unanswered frames that have no known direction.
     unknown: BTreeSet<usize>,
 }
 
@@ -50,14 +50,14 @@ impl LabelNeeds {
         Self::anew(&document.frames, 0)
     }
 
-    /// Updates them to a document.
+    /// Updates the needs to a new state of the document.
     pub fn update(&mut self, document: &Document) {
         let FrameChanges::At(changed) = document.frames.changes_since(&self.frames) else {
             *self = Self::anew(&document.frames, self.edition + 1);
             return;
         };
         // Remove the old state of each changed frame and add the new one; then recompute all frames
-        // that this concerns.
+        // that depend on it.
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
         let mut concerned = BTreeSet::new();
         for index in changed {
@@ -82,13 +82,13 @@ impl LabelNeeds {
         self.edition
     }
 
-    /// The frames whose direction is known, camera by camera.
+    /// The frames that need a label and have a known direction, camera by camera.
     pub(super) fn needing(&self) -> impl DoubleEndedIterator<Item = (&CameraId, &NeedingFrames)> {
         self.needing.iter()
     }
 
-    /// The frames of unknown direction in the shot that has most of them; among equals the shot
-    /// where they begin first.
+    /// The frames of unknown direction in the shot that has most of them. Of equal shots, the one
+    /// that begins first.
     pub(super) fn unknown(&self) -> Option<&BTreeSet<usize>> {
         let first = |shot: &&BTreeSet<usize>| std::cmp::Reverse(shot.first().copied());
         let unknown = self
@@ -104,7 +104,7 @@ impl LabelNeeds {
         self.frames.get(index).map(|frame| &frame.camera)
     }
 
-    /// All of them computed from scratch, with a number for their edition.
+    /// Computes all needs from scratch.
     fn anew(frames: &Frames, edition: u64) -> Self {
         let mut needs = Self {
             frames: frames.clone(),
@@ -120,6 +120,7 @@ impl LabelNeeds {
         needs
     }
 
+    /// Counts a frame and adds it to its shot.
     fn add(&mut self, index: usize, frame: &Frame) {
         self.unanswered += usize::from(frame.is_unanswered());
         self.uncertain += usize::from(is_uncertain(frame));
@@ -130,6 +131,7 @@ impl LabelNeeds {
             .extend(can_be_labelled(frame).then_some(index));
     }
 
+    /// Removes a frame's contribution, which `add` made.
     fn remove(&mut self, index: usize, frame: &Frame) {
         self.unanswered -= usize::from(frame.is_unanswered());
         self.uncertain -= usize::from(is_uncertain(frame));
@@ -144,7 +146,7 @@ impl LabelNeeds {
         }
     }
 
-    /// The frames without an answer whose direction depends on this frame: those between its solved
+    /// The unanswered frames with directions that depend on this frame: those between its solved
     /// neighbours.
     fn told_by(&self, frame: &Frame, index: usize) -> Vec<usize> {
         let Some(shot) = self.shots.get(&shot_of(frame)) else {
@@ -200,9 +202,9 @@ impl LabelNeeds {
 }
 
 impl Shot {
-    /// The interpolated view of a frame: linear in the frame index between its solved neighbours,
-    /// the short way round in pan; with one neighbour only, that neighbour's view if it is at most
-    /// [`BESIDE`] frames away.
+    /// The interpolated view of a frame. Between two solved neighbours it is linear in the frame
+    /// index, along the shorter way in pan. With one neighbour only, it is that neighbour's view if
+    /// it is at most [`BESIDE`] frames away.
     fn between(&self, index: usize) -> Option<Look> {
         let before = self.looks.range(..index).next_back();
         let after = self.looks.range(index + 1..).next();

@@ -180,7 +180,7 @@ pub fn learn(
     })
 }
 
-/// The forest of one camera, trained on references whose labels are adjusted to each other
+/// The forest of one camera, trained on references after their labels are adjusted to each other
 /// ([`aligned`]). None without samples.
 ///
 /// # Errors
@@ -228,8 +228,8 @@ fn learn_camera<'a>(
     }))
 }
 
-/// The document without its frames. A template of the user is stored by its file name only, because
-/// a forest holds no paths.
+/// The document without its frames. Of a user's template only the file name is kept, because a
+/// forest must not contain paths of the user's disk.
 fn without_frames(document: &Document) -> Document {
     let mut kept = Document {
         frames: Frames::new(),

@@ -1,4 +1,4 @@
-//! Evidence of the painted lines for or against a proposed camera.
+//! The evidence of painted lines for or against a proposed camera.
 //!
 //! The lines of a frame's picture are compared with those that the camera predicts. The result
 //! enters the confidence of the proposal, can reject it, and can replace it by a camera that is
@@ -18,10 +18,10 @@ use touchline_vision::paint::{
 };
 use touchline_vision::relocalize::{Evidence, FromReference, NotFound};
 
-/// Number of references whose paint is checked.
+/// Number of references that are checked against the paint.
 const REFERENCES: usize = 5;
 
-/// The log odds of the features enter with at most this value: however sure they are, the paint
+/// Upper limit for the log odds of the features' agreement: however confident they are, the paint
 /// decides.
 const FEATURES_AT_MOST: f64 = 1.0;
 
@@ -74,7 +74,8 @@ impl LineEvidence {
             .collect();
         let pictures =
             PictureStream::new(at, subsample(references, REFERENCES)).with_reader(reader);
-        // One supported reference suffices. References with too little open ground say nothing.
+        // One supported reference suffices. References with too few unoccluded samples decide
+        // nothing.
         for FramePicture { frame, picture, .. } in pictures {
             let (Some(camera), Ok(picture)) = (at.document.pointed(frame), picture) else {
                 continue;
@@ -196,7 +197,7 @@ impl LineEvidence {
             .pointed(frame)
             .filter(|_| frame.is_answered_without_forest());
         let earlier = earlier.map(|earlier| check_lines(&ground, field, &earlier));
-        // If the alignment does not converge, the answer stays as the forest gave it.
+        // If the alignment fails, the answer stays as the forest gave it.
         let snapped = self
             .snapping
             .then(|| snap(&ground, field, &base, start, &[], &SnapOptions::default()).ok())
@@ -277,13 +278,13 @@ fn ground(at: DocumentAt<'_>, frame: &Frame, picture: &Picture) -> GroundPicture
     GroundPicture::new(picture, &at.document.masks_of(frame))
 }
 
-/// Whether enough of the lines lie on open ground for a verdict.
+/// Whether enough line samples are unoccluded for a verdict.
 fn can_say(check: &LineCheck) -> bool {
     check.found + check.bare >= FEWEST_OPEN
 }
 
-/// Whether the paint supports hardly any of the answers, so that it says nothing about each of
-/// them.
+/// Whether the paint supports hardly any of the answers. Then the pictures do not show the field's
+/// lines, and the paint is no evidence about a single answer.
 fn supports_hardly_any(proposals: &[Proposal]) -> bool {
     let checks = proposals
         .iter()

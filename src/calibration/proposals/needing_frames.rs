@@ -14,7 +14,7 @@ pub(super) struct Look {
     pub(super) half_view: Angle,
 }
 
-/// A frame that needs a label somewhere near where it looks.
+/// A frame that needs a label in about its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Needing {
     pub(super) frame: usize,
@@ -23,7 +23,7 @@ pub(super) struct Needing {
     pub(super) need: f64,
 }
 
-/// The frames of a camera that need a label and whose view is known.
+/// The frames of a camera that need a label and have a known view.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NeedingFrames {
     /// The direction of each frame, by its index in the document: see [`Look::direction`].
@@ -34,7 +34,7 @@ pub(super) struct NeedingFrames {
 /// The frames of one direction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Direction {
-    /// By their indices in the document.
+    /// The frames, by index in the document.
     frames: BTreeMap<usize, Needing>,
     /// The sum of their needs, in units of 1/[`PARTS`]. Integer sums do not depend on the order in
     /// which frames were added and removed.
@@ -98,12 +98,12 @@ impl NeedingFrames {
         neediest.get(neediest.len() / 2).copied()
     }
 
-    /// Number of frames whose pan is within `reach` of a pan.
+    /// Number of frames with a pan within `reach` of this one.
     pub(super) fn within(&self, pan: Angle, reach: Angle) -> usize {
         let half = Angle::from_degrees(DIRECTION_DEG / 2.0);
         let apart = |other: Angle| other.turn_from(pan).abs();
-        // A direction that lies entirely within or without is counted as a whole; only those at the
-        // limit are counted frame by frame.
+        // Directions entirely within or beyond the reach are counted as a whole, those at the limit
+        // frame by frame.
         let count = |(&to, direction): (&i64, &Direction)| match apart(Look::towards(to)) {
             all if all + half <= reach => direction.frames.len(),
             none if none - half > reach => 0,
@@ -129,6 +129,7 @@ impl Direction {
     }
 }
 
+/// The need as an integer, in units of 1/[`PARTS`].
 impl Needing {
     fn need_parts(&self) -> u64 {
         (self.need * PARTS).round() as u64

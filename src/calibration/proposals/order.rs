@@ -2,10 +2,10 @@
 
 use touchline_documents::document::{Document, shots};
 
-/// Number of frames on either side of the current one that come first.
+/// Number of frames on either side of the current one that are queried first.
 const NEAR: usize = 8;
 
-/// A longer shot counts as several, and so does an uncut recording.
+/// Longer shots, such as uncut recordings, are split into parts of this length.
 const LONGEST_SHOT: usize = 250;
 
 /// The frames in the order of their queries.
@@ -19,7 +19,8 @@ pub struct AskingOrder {
 }
 
 impl AskingOrder {
-    /// The order of the `wanted` frames, by their distance from the current one.
+    /// The order of the frames for which `wanted` is true. Within each part, frames nearer to the
+    /// current one come first.
     #[must_use]
     pub fn of(document: &Document, current: usize, wanted: impl Fn(usize) -> bool) -> Self {
         let is_wanted: Vec<bool> = (0..document.frames.len()).map(&wanted).collect();

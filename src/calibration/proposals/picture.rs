@@ -39,8 +39,8 @@ pub enum PictureError {
     Features(#[from] FeatureError),
 }
 
-/// The picture of a frame, from its image file or else its video. `folder` is where the document's
-/// relative paths start.
+/// Reads the picture of a frame, from its image file or otherwise its video. `folder` is the folder
+/// to which the document's relative paths refer.
 ///
 /// # Errors
 /// The frame has no picture, it cannot be read, or its size is not the one in the document.
@@ -95,7 +95,7 @@ impl<'a> PictureStream<'a> {
         }
     }
 
-    /// Reads with a decoder that is also used elsewhere, before and after.
+    /// Reads with a decoder that the caller uses elsewhere as well.
     #[must_use]
     pub fn with_reader(self, reader: &'a mut dyn ReadFrames) -> Self {
         Self {
@@ -104,7 +104,7 @@ impl<'a> PictureStream<'a> {
         }
     }
 
-    /// Reports before each picture, and ends if that is cancelled.
+    /// Reports progress before each picture, and ends if that is cancelled.
     #[must_use]
     pub fn with_progress(self, progress: Progress<'a, Share>) -> Self {
         Self {
@@ -140,7 +140,7 @@ impl<'a> Iterator for PictureStream<'a> {
     }
 }
 
-/// Whether a picture is as large as the document says.
+/// Checks that a picture has the size that the document states.
 pub(super) fn check_size(
     frame: &Frame,
     picture: &str,

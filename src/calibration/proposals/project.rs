@@ -1,15 +1,14 @@
 //! A project: the user's edits, and beside them the suggestions of the program.
 //!
-//! Both are the state. What a reader sees is derived from them ([`Project::view`]): a frame that
-//! the user has not touched shows its topmost suggestion. The view is cached, so that a change
-//! recomputes only the frames that it concerns. Files and the journal hold the view.
+//! Both are the state. The view ([`Project::view`]) is derived from them: a frame that the user has
+//! not touched shows its topmost suggestion. The view is cached, so that a change recomputes only
+//! the frames that it concerns. Files and the journal contain the view.
 //!
-//! All results of the program are handled alike, whatever found them. They come in batches.
-//! Accepting a suggestion is an edit like any other: it copies the answer into the frame.
-//! Discarding a batch removes its suggestions from the frames that the user has not touched since;
-//! these show earlier suggestions again. Undo and redo move through the user's edits only. When an
-//! acceptance is undone, the frame is untouched again and shows whatever is suggested for it at
-//! that time.
+//! All results of the program are handled alike, whichever method found them. They come in batches.
+//! Accepting a suggestion is an ordinary edit, which copies the answer into the frame. Discarding a
+//! batch removes its suggestions from the frames that the user has not touched since; these show
+//! earlier suggestions again. Undo and redo change the user's edits only. When an acceptance is
+//! undone, the frame is untouched again and shows whatever is suggested for it at that time.
 
 use super::suggestions::{Novelty, Suggestions, TakenOut};
 use super::{Asked, BatchId, Finder};
@@ -116,7 +115,7 @@ impl Project {
         &self.edited
     }
 
-    /// The document with suggestions: what readers see and what is written to files.
+    /// The document with suggestions, as readers see it and as files contain it.
     pub const fn view(&self) -> &Document {
         &self.view
     }
@@ -162,9 +161,9 @@ impl Project {
         }
     }
 
-    /// Keeps the answers that frames hold now and do not hold in another state of the user's edits.
-    /// When an answer that was accepted or corrected in an earlier session is undone, it is
-    /// suggested again, unless it was discarded in this one.
+    /// Keeps the answers that frames have now and lack in another state of the user's edits. If the
+    /// user undoes the acceptance or correction of an answer from an earlier session, the answer is
+    /// suggested again, unless it was discarded in this session.
     pub fn keep_answers_not_in(&mut self, edited: &Document) {
         let bases = Bases::in_document(&self.edited);
         for position in edited
@@ -175,7 +174,7 @@ impl Project {
             let (frame, gone) = (&edited.frames[position], &self.edited.frames[position]);
             let base = bases.of_frame(gone);
             // Only an answer that nothing else keeps: the other state leaves the frame untouched,
-            // no suggestion is there for it, and none was discarded.
+            // there is no suggestion for it, and none was discarded.
             if frame.is_untouched()
                 && self.suggestions.topmost(&frame.id, base.as_ref()).is_none()
                 && !self.suggestions.has_discarded(&frame.id)
@@ -215,9 +214,9 @@ impl Project {
             .collect()
     }
 
-    /// Takes over a document that was edited from [`Self::view`], counts the edits in the frames'
-    /// revisions and returns the edit to journal; none if nothing changed. Suggestions that came
-    /// with the edits form a batch; one that a frame still shows stays in its own.
+    /// Adopts a document that was edited from [`Self::view`], counts the edits in the frames'
+    /// revisions and returns the edit to journal; none if nothing changed. New suggestions in the
+    /// document form a batch. One that a frame still shows stays in its batch.
     pub fn take_in(&mut self, now: &mut Document, name: &str) -> Option<Edit> {
         now.count_edits_since(&self.view);
         let edit = Edit::between(&self.view, now, name);
@@ -226,8 +225,8 @@ impl Project {
         }
         let (bases_before, bases) = (Bases::in_document(&self.edited), Bases::in_document(now));
         let mut new_batch = None;
-        // A suggestion that was there before keeps its batch. One that undo or an edit brought back
-        // joins the batch that showed it. Only what is left is new, in one batch with the edit's
+        // A suggestion that was there before keeps its batch. One that undo or an edit restored
+        // joins the batch that showed it. The others are new and form one batch with the edit's
         // name.
         for frame in self
             .concerned_positions(now, &bases)
@@ -284,7 +283,7 @@ impl Project {
             suggestion,
         } in offers
         {
-            // Results for a frame whose picture or camera changed since the request are dropped.
+            // Drop results for a frame if its picture or camera changed since the request.
             if self
                 .edited
                 .frames
@@ -352,8 +351,8 @@ impl Project {
         }
     }
 
-    /// The view with the current suggestions in some frames. `now` is updated likewise, except in
-    /// frames that are being edited.
+    /// The view with the current suggestions in some frames. `now` is updated in the same way,
+    /// except in frames that are being edited.
     fn show_suggestions(&self, now: &mut Document, frames: &[FrameId]) -> Shown {
         let bases = Bases::in_document(&self.edited);
         let mut shown = Shown {
@@ -452,14 +451,14 @@ impl Project {
 /// A view in which frames show other suggestions than before.
 struct Shown {
     view: Document,
-    /// How many frames show no suggestion now.
+    /// Number of frames that show no suggestion now.
     emptied: usize,
     /// Number of frames that show another suggestion now.
     given: usize,
 }
 
-/// The suggestion that a frame held before it was accepted, rejected or corrected, if the frame
-/// still holds it in full.
+/// The suggestion that a frame had before the user accepted, rejected or corrected it, if the frame
+/// still contains all of it.
 fn taken_from_suggestion(frame: &Frame) -> Option<(FramePtz, Solution)> {
     let mut frame = frame.clone();
     // A frame that was corrected keeps its proposal beside its camera, from where it is restored in

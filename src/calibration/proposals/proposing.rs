@@ -6,7 +6,7 @@ use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FramePtz};
 use touchline_vision::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
 
-/// The proposal of a forest for a frame with these features.
+/// Proposes a camera for a frame with these features, from the forest of its camera.
 #[must_use]
 pub fn propose(
     document: &Document,

@@ -34,7 +34,7 @@ const MOST_OF_A_SHOT: usize = 4;
 /// Number of references that take part, spread evenly over all.
 const MOST_REFERENCES: usize = 1000;
 
-/// Number of references whose features are in memory while samples are collected.
+/// Number of references with features in memory while samples are collected.
 const BATCH: usize = 32;
 
 /// An overlay with an error of at most this is right, px at 1920 px width. A confidence is the
@@ -44,7 +44,7 @@ const RIGHT_PX: f64 = 10.0;
 /// An overlay with a larger error is wrong, px at 1920 px width.
 pub const WRONG_PX: f64 = 20.0;
 
-/// What the forest answers for references left out of its training.
+/// The answers of the forest for references that were left out of its training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
     /// What is left out together.
@@ -140,7 +140,7 @@ impl Quality {
         }
     }
 
-    /// The references whose answers are wrong.
+    /// The references with wrong answers.
     pub fn wrong(&self) -> impl Iterator<Item = &LeftOut> {
         self.asked
             .iter()

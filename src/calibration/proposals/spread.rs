@@ -1,9 +1,9 @@
-//! An evenly spread selection.
+//! Evenly spread subsets.
 
 use std::collections::BTreeSet;
 
-/// At most `most` of the values, evenly spread, the first and the last among them. `most` is at
-/// least 2.
+/// At most `most` of the values, evenly spread and including the first and the last. `most` must be
+/// at least 2.
 pub(super) fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
     let count = all.len();
     if count <= most {

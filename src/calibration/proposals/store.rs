@@ -1,4 +1,4 @@
-//! A store of extracted features: on disk beside the document, the latest in memory.
+//! A store of extracted features: on disk beside the document, and the latest ones in memory.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -7,16 +7,17 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use touchline_core::files::refuse_linked_folder;
 use touchline_vision::features::{FeatureCache, FeatureKey, Features};
 
-/// Name of the hidden folder beside a document for what can be recomputed.
+/// Name of the hidden folder beside a document, for files that can be recomputed.
 const WORK_FOLDER: &str = ".touchline";
 
-/// Limit of features on disk, bytes: about 13,000 pictures of 1000 features.
+/// Maximum size of the features on disk, bytes: about 13,000 pictures of 1000 features.
 const DISK_BYTES: u64 = 2 << 30;
 
-/// Limit of features in memory, bytes: about 1,700 pictures of 1000 features.
+/// Maximum size of the features in memory, bytes: about 1,700 pictures of 1000 features.
 const MEMORY_BYTES: usize = 256 << 20;
 
-/// The hidden folder beside a document for what can be recomputed. It may be deleted at any time.
+/// The hidden folder beside a document, for files that can be recomputed. The user may delete it at
+/// any time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WorkFolder {
     folder: PathBuf,
@@ -44,7 +45,7 @@ impl WorkFolder {
         &self.folder
     }
 
-    /// The file of the document's forest. Each document in a folder has its own.
+    /// The path of the document's forest. Each document in the folder has a separate one.
     #[must_use]
     pub fn forest(&self) -> PathBuf {
         self.folder.join(format!("{}.forest", self.document))
@@ -59,8 +60,8 @@ impl WorkFolder {
         Ok(FeatureCache::new(&self.features_folder(), DISK_BYTES))
     }
 
-    /// Refuses a hidden folder that came with a received project and leads elsewhere. Call this
-    /// before anything is written into it.
+    /// Refuses a hidden folder that is a link: in a project from someone else it may lead anywhere.
+    /// Call this before anything is written into the folder.
     ///
     /// # Errors
     /// The folder, or the one for features in it, is a link or no folder.
@@ -74,21 +75,21 @@ impl WorkFolder {
     }
 }
 
-/// A store of extracted features. The disk is used until a write fails; memory holds the latest
-/// within a limit.
+/// A store of extracted features. After a failed write it uses the memory only.
 #[derive(Debug, Default)]
 pub struct FeatureStore {
     disk: Option<FeatureCache>,
     shelf: Mutex<Shelf>,
 }
 
+/// The features in memory.
 #[derive(Debug, Default)]
 struct Shelf {
     held: BTreeMap<FeatureKey, Arc<Features>>,
-    /// The oldest first.
+    /// The keys, oldest first.
     order: VecDeque<FeatureKey>,
     bytes: usize,
-    /// The first error of the disk.
+    /// The first error of the disk, if any.
     refused: Option<String>,
 }
 
@@ -129,8 +130,8 @@ impl FeatureStore {
     /// Stores features.
     pub fn put(&self, key: &FeatureKey, features: Features) -> Arc<Features> {
         let features = Arc::new(features);
-        // After the first failed write the disk is not tried again. It is written without the lock
-        // of the memory.
+        // After the first failed write the disk is not tried again. The disk is written without
+        // holding the lock of the memory, because that takes long.
         let refused = self
             .disk
             .as_ref()
@@ -144,14 +145,14 @@ impl FeatureStore {
         features
     }
 
-    /// Why the disk stores no features, if it does not; they have to be extracted again the next
-    /// time.
+    /// Why features are not stored on disk, if they are not. They then have to be extracted again
+    /// in the next session.
     #[must_use]
     pub fn refusal(&self) -> Option<String> {
         self.shelf().refused.clone()
     }
 
-    /// No code that holds the lock can panic.
+    /// Locks the memory. A poisoned lock is used all the same: no code under it can panic.
     fn shelf(&self) -> MutexGuard<'_, Shelf> {
         self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -165,7 +166,7 @@ impl Shelf {
         self.bytes += bytes_of(features);
         self.order.push_back(key.clone());
         self.held.insert(key.clone(), Arc::clone(features));
-        // First in, first out; the newest may be dropped too if it alone exceeds the limit.
+        // First in, first out. A picture that exceeds the limit alone is dropped, too.
         while self.bytes > MEMORY_BYTES {
             let Some(oldest) = self.order.pop_front() else {
                 break;
@@ -223,7 +224,7 @@ mod tests {
     #[test]
     fn where_nothing_can_be_written_memory_serves() {
         let place = tempfile::tempdir().unwrap();
-        // A file in place of the folder refuses every user, the superuser included.
+        // A file in place of the folder stops every user, including the superuser.
         std::fs::write(place.path().join(WORK_FOLDER), "").unwrap();
         let store = FeatureStore::on_disk(&WorkFolder::beside(&place.path().join("project.json")));
         store.put(&key("a"), features(2));

@@ -59,7 +59,7 @@ pub(super) enum Novelty {
     New,
     /// It equals the topmost suggestion.
     Same,
-    /// It was made for an earlier revision of the frame, or by a forest whose answers were
+    /// It was made for an earlier revision of the frame, or by a forest with answers that were
     /// discarded there.
     Stale,
 }
@@ -67,7 +67,7 @@ pub(super) enum Novelty {
 /// The suggestions of the program, by frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Suggestions {
-    /// Of each frame, the topmost last.
+    /// The stack of each frame, with the topmost suggestion last.
     by_frame: BTreeMap<FrameId, Vec<KeptSuggestion>>,
     finders: BTreeMap<BatchId, Finder>,
     /// Number of the last batch.
@@ -131,7 +131,7 @@ impl Suggestions {
         self.finders.get(&batch)
     }
 
-    /// The topmost suggestion for a frame whose camera has this base.
+    /// The topmost suggestion for a frame, if its camera has this base.
     pub fn topmost(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&Suggestion> {
         self.topmost_kept(frame, base).map(|kept| &kept.suggestion)
     }
@@ -234,7 +234,7 @@ impl Suggestions {
         is_same
     }
 
-    /// Removes a batch from the frames for which `is_open` holds. If a forest found it, neither
+    /// Removes a batch from the frames for which `is_open` is true. If a forest found it, neither
     /// that forest nor any up to `newest_forest` may answer there again.
     pub fn take_out(
         &mut self,

@@ -1,4 +1,4 @@
-//! Finds references whose labels contradict those of others.
+//! Finds references with labels that contradict those of others.
 
 use super::{FramePictures, Studied, TrainingSample, study};
 use std::cmp::Reverse;

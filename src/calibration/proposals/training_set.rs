@@ -1,4 +1,4 @@
-//! The identity of a training set, which tells whether a forest has to be trained again.
+//! The identity of a training set, by which the program decides whether to train a forest again.
 
 use serde_json::json;
 use sha2::{Digest, Sha256};

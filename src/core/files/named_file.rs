@@ -7,7 +7,7 @@ use std::fs::{self, File, FileType, OpenOptions};
 use std::io::{self, Read as _};
 use std::path::Path;
 
-/// Opens a file for reading.
+/// Opens a file for reading. It must be a regular file, or a link to one.
 ///
 /// # Errors
 /// [`NotReadable`], as the inner error, for a folder, a pipe, a socket or a device; else the
@@ -16,7 +16,7 @@ pub fn open_named(path: &Path) -> io::Result<File> {
     refuse_kind(fs::metadata(path)?.file_type())?;
     let mut options = OpenOptions::new();
     options.read(true);
-    // A pipe may be put there between the check above and the opening.
+    // Another program may put a pipe there between the check above and the opening.
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
@@ -30,7 +30,7 @@ pub fn open_named(path: &Path) -> io::Result<File> {
 /// Reads a file of at most `limit` bytes.
 ///
 /// # Errors
-/// As [`open_named`]; [`NotReadable`], as the inner error, where it is larger.
+/// As [`open_named`]; [`NotReadable`], as the inner error, if it is larger.
 pub fn read_named(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let file = open_named(path)?;
     let refuse = |bytes| io::Error::other(NotReadable::TooLarge { bytes, limit });
@@ -51,7 +51,7 @@ pub fn read_named(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
 /// Reads a UTF-8 text of at most `limit` bytes, without its byte order mark.
 ///
 /// # Errors
-/// As [`read_named`]; [`NotReadable`], as the inner error, where it is not UTF-8.
+/// As [`read_named`]; [`NotReadable`], as the inner error, if it is not UTF-8.
 pub fn read_named_text(path: &Path, limit: u64) -> io::Result<String> {
     let not_utf8 = |offset| io::Error::other(NotReadable::NotUtf8 { offset });
     let text = String::from_utf8(read_named(path, limit)?);
@@ -116,7 +116,7 @@ mod tests {
             read_named_text(&path, 4).unwrap_err().to_string(),
             "it is not UTF-8 text (byte 3)"
         );
-        // A file whose size claims far more than there is takes no memory.
+        // A file with a huge apparent size takes no memory.
         File::create(&path).unwrap().set_len(1 << 40).unwrap();
         assert!(read_named(&path, 1 << 20).is_err());
     }

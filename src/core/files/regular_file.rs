@@ -11,11 +11,11 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Something else is in the place of one of the program's own files or folders.
+/// One of the program's own files or folders is of another kind.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{} is {found}, not {wanted}; move it away", path.display())]
 pub struct WrongKind {
-    /// Where.
+    /// Its path.
     pub path: PathBuf,
     /// What it is: "a symbolic link".
     pub found: &'static str,
@@ -31,18 +31,18 @@ impl WrongKind {
     }
 }
 
-/// Opens a regular file. `options` must not truncate, because the kind of the file is only known
-/// once it is open.
+/// Opens a regular file. `options` must not truncate, because the file's kind is certain only once
+/// it is open.
 ///
 /// # Errors
-/// [`WrongKind`], as the inner error, where a link, a folder, a pipe or a device is there; else the
+/// [`WrongKind`], as the inner error, for a link, a folder, a pipe or a device; otherwise the
 /// system's error.
 pub fn open_regular(path: &Path, options: &OpenOptions) -> io::Result<File> {
     if let Ok(metadata) = fs::symlink_metadata(path) {
         refuse_irregular(path, metadata.file_type())?;
     }
     let mut options = options.clone();
-    // A link or a pipe may be put there between the check above and the opening.
+    // Another program may put a link or a pipe there between the check above and the opening.
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
@@ -66,7 +66,7 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
 /// Reads a whole regular file of at most `limit` bytes.
 ///
 /// # Errors
-/// As [`open_regular`]; [`NotReadable`], as the inner error, where it is larger.
+/// As [`open_regular`]; [`NotReadable`], as the inner error, if it is larger.
 pub fn read_regular_within(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let file = open_regular(path, OpenOptions::new().read(true))?;
     let bytes = file.metadata()?.len();

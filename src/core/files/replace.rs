@@ -1,11 +1,11 @@
-//! What `--force` may replace: files whose names are written again. All other files of a folder are
-//! kept.
+//! What `--force` may replace: files that the program writes again under the same name. All other
+//! files of a folder are kept.
 //!
-//! A folder of results is written beside its target and renamed onto it, so that it is there
-//! completely or not at all. The folder that it replaces may contain anything by then: a project,
-//! the user's notes, labels added by another program. [`refuse_other_files`] returns the first file
-//! that would be lost; [`replace_folder`] checks again when the result is ready, and even then
-//! deletes only files that are replaced.
+//! A folder of results is written beside its target and then renamed, so that it is either complete
+//! or absent. The folder that it replaces may by then contain anything: a project, the user's
+//! notes, labels added by another program. [`refuse_other_files`] returns the first file that would
+//! be lost. [`replace_folder`] checks again when the result is ready, and even then deletes only
+//! files that are replaced.
 
 use super::way_out::way_out;
 use std::fs::{self, DirEntry};
@@ -25,11 +25,11 @@ const BESIDE_DOCUMENT: [&str; 3] = [".journal", ".history", ".lock"];
 /// with it.
 const OF_FILE_MANAGERS: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
-/// Whether a file of a folder is replaced, given its name within the folder (with `/` between the
-/// parts) and its path.
+/// Whether a file in a folder is replaced, by its name relative to the folder (with `/` as
+/// separator) and its path.
 pub type IsReplaced<'a> = &'a dyn Fn(&str, &Path) -> bool;
 
-/// Why a result was not put in its place. Nothing was changed.
+/// Why a result did not replace its target. Nothing was changed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum NotReplaced {
@@ -41,7 +41,7 @@ pub enum NotReplaced {
         /// The file, from the folder.
         name: String,
     },
-    /// The folder holds a project.
+    /// The folder contains a project.
     #[error("{} holds a project ({name}); give another folder", folder.display())]
     Project {
         /// The folder.
@@ -66,7 +66,7 @@ pub enum NotReplaced {
     Io {
         /// What was to be written.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
 }
@@ -88,7 +88,7 @@ pub fn refuse_part_of_project(path: &Path) -> Result<(), NotReplaced> {
 /// missing folder is not an error.
 ///
 /// # Errors
-/// It contains one, which is named; or it is a file, or cannot be read.
+/// The folder contains such a file, which is named; or the path is a file, or cannot be read.
 pub fn refuse_other_files(folder: &Path, is_replaced: IsReplaced) -> Result<(), NotReplaced> {
     let failed = |source| NotReplaced::Io {
         path: folder.to_path_buf(),
@@ -172,8 +172,8 @@ struct OtherFile {
     is_project: bool,
 }
 
-/// The first file of a folder that is not replaced. Links are not followed, and are files of their
-/// own.
+/// Finds the first file of a folder that is not replaced. Links are not followed; they count as
+/// files.
 fn find_other_file(
     folder: &Path,
     prefix: &str,

@@ -6,9 +6,9 @@ use std::path::Path;
 use std::time::Duration;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// Prefix and suffix of their names.
+/// Prefix and suffix of temporary names.
 const NAME: (&str, &str) = (".touchline-", ".tmp");
-/// An older one does not belong to a running program.
+/// Age beyond which a temporary file belongs to no running program.
 const STRAY: Duration = Duration::from_hours(24);
 
 /// Makes a temporary file in a folder, with the permissions that any new file gets.
@@ -40,7 +40,7 @@ pub fn temporary_folder_in(folder: &Path) -> io::Result<TempDir> {
         .map_err(|error| without_name(&error))
 }
 
-/// An error of the crate `tempfile` without the path that it appends.
+/// An error of the crate `tempfile`, without the temporary path that it appends.
 fn without_name(error: &io::Error) -> io::Error {
     let text = error.to_string();
     let said = text.split(" at path \"").next().unwrap_or(&text);
@@ -48,7 +48,7 @@ fn without_name(error: &io::Error) -> io::Error {
 }
 
 /// Removes temporary files that a killed program left in a folder. Files that cannot be inspected
-/// stay, and so do temporary folders: one may contain the only copy of a dataset that was being
+/// stay. Temporary folders stay, too: one may contain the only copy of a dataset that was being
 /// replaced.
 pub fn remove_stray_files(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else {

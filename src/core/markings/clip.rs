@@ -1,5 +1,5 @@
-//! Clips straight pieces to the visible part: in `cam` at the near plane, the window's sides and
-//! the fold, in `image` at the frame.
+//! Clips straight pieces to the visible part: in `cam` to the near plane, the window's sides and
+//! the fold of the lens; in `image` to the frame.
 
 use super::window::{NEAR_M, Window};
 use crate::geometry::{ImagePoint, Vec3};
@@ -7,9 +7,9 @@ use crate::geometry::{ImagePoint, Vec3};
 /// The remaining part of a straight piece, as fractions of its length from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Where it begins.
+    /// Its start.
     pub start: f64,
-    /// Where it ends; not before `start`.
+    /// Its end, not before `start`.
     pub end: f64,
 }
 
@@ -48,7 +48,8 @@ impl Span {
 /// `slack_m` on all sides.
 pub fn within_pyramid(window: &Window, a: Vec3, b: Vec3, slack_m: f64) -> Option<Span> {
     let mut span = Span::WHOLE.keep(a.z - NEAR_M + slack_m, b.z - NEAR_M + slack_m)?;
-    // A side through the camera: x = bound · z; its distance is (x − bound z) / √(1 + bound²).
+    // A side is a plane through the camera, x = bound · z. The distance from it is (x − bound · z)
+    // / √(1 + bound²), hence the factor on the slack.
     for (axis, bound, sign) in [
         (0, window.ideal_min.x, 1.0),
         (0, window.ideal_max.x, -1.0),
@@ -62,7 +63,8 @@ pub fn within_pyramid(window: &Window, a: Vec3, b: Vec3, slack_m: f64) -> Option
     Some(span)
 }
 
-/// The part of a span before the camera that lies in the cone of the ideal radius: within the fold.
+/// The part of a span in front of the camera that lies in the cone of the ideal radius, that is
+/// within the fold.
 pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span> {
     // The cone as a quadratic form: R² z² − x² − y² ≥ 0.
     let radius_squared = window.ideal_radius * window.ideal_radius;

@@ -10,7 +10,7 @@ use crate::geometry::{Mat3, Vec3};
 /// Maximum depth of the bisection of a curve.
 const MAX_DEPTH: u32 = 10;
 
-/// The camera, the window and the tolerance for all curves of one picture.
+/// Camera, window and tolerance for all curves of one picture.
 pub struct Flattener<'a> {
     field: &'a FieldModel,
     window: &'a Window,
@@ -21,7 +21,7 @@ pub struct Flattener<'a> {
     tolerance_px: f64,
 }
 
-/// A point of a curve.
+/// A point of a curve at parameter t.
 #[derive(Clone, Copy)]
 struct Knot {
     t: f64,
@@ -53,8 +53,8 @@ impl<'a> Flattener<'a> {
     /// Calls `piece` for the visible straight pieces of a curve, in order, with their ends in
     /// `cam`, m.
     pub fn flatten(&self, curve: &Curve, piece: &mut impl FnMut(Vec3, Vec3)) {
-        // The chord of a whole circle is a point, and half a circle may leave the view of its
-        // chord: start with quarters.
+        // Start with quarters of a circle: the chord of a whole circle is a point, and half a
+        // circle may be visible although its chord is not.
         let parts = match curve {
             Curve::Segment { .. } => 1,
             Curve::Arc { sweep, .. } => (sweep.radians().abs() / std::f64::consts::FRAC_PI_2)
@@ -96,15 +96,14 @@ impl<'a> Flattener<'a> {
         {
             return;
         }
-        // Discard a part that lies outside the view even if the curve deviates from its chord by
-        // `bend_m`.
+        // Discard a part that is invisible even if the curve deviates from its chord by `bend_m`.
         let bend_m = self.bend_m(curve, a, b);
         let Some(span) = within_pyramid(self.window, a.in_cam, b.in_cam, bend_m) else {
             return;
         };
 
-        // The deviation, seen from the smallest depth of the visible part, is an angle; times
-        // px/rad it is a distance in the picture.
+        // The deviation divided by the smallest depth of the visible part is an angle. Times
+        // px/rad, it is a distance in the picture.
         let depth_at = |t: f64| a.in_cam.z + (b.in_cam.z - a.in_cam.z) * t;
         let nearest_m = (depth_at(span.start).min(depth_at(span.end)) - bend_m).max(NEAR_M);
         if depth == 0 || bend_m / nearest_m * self.px_per_radian <= self.tolerance_px {
@@ -116,9 +115,9 @@ impl<'a> Flattener<'a> {
         self.halve(curve, middle, b, depth - 1, piece);
     }
 
-    /// Upper bound of the distance of the curve from its chord, m: (Δt)²/8 · max |second
-    /// derivative|, plus a term where the crown ends within the piece, because the ground has an
-    /// edge there.
+    /// Upper bound of the distance between the curve and its chord, m: (Δt)² / 8 · max |second
+    /// derivative|. If the piece may cross the edge of the crown, where the ground has a kink, a
+    /// term for it is added.
     fn bend_m(&self, curve: &Curve, a: Knot, b: Knot) -> f64 {
         let width_m = self.field.width_m;
         let crown_m = self.field.crown_m.abs();

@@ -4,7 +4,7 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 
-/// Points on each edge of the picture, because distortion makes the edges curved.
+/// Number of points on each edge of the picture. Distortion makes the edges curved.
 const POINTS_PER_EDGE: u32 = 24;
 
 /// The border of the ground that a picture shows, as points of `world` (m) in the order of the
@@ -38,8 +38,8 @@ pub fn visible_ground(
     if sees_ground { border } else { Vec::new() }
 }
 
-/// The intersection of the ray of an image point with the crowned ground, within `reach_m` of the
-/// camera, `world`, m.
+/// The intersection of a pixel's ray with the crowned ground, `world`, m. None if it is farther
+/// than `reach_m` from the camera.
 fn ground_from_image(
     field: &FieldModel,
     camera: &PtzCamera,
@@ -47,7 +47,7 @@ fn ground_from_image(
     reach_m: f64,
 ) -> Option<Vec3> {
     let mut ground = camera.plane_from_image(point, 0.0)?;
-    // Fixed-point iteration: intersect with the plane at the ground's height of the last point. The
+    // Fixed-point iteration: intersect with the plane at the ground's height at the last point. The
     // crown is a few centimetres over tens of metres, so each step reduces the error about tenfold,
     // at grazing angles less.
     for _ in 0..12 {

@@ -4,7 +4,7 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize};
 
-/// A landmark that the picture shows.
+/// A landmark that is visible in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProjectedLandmark {
     /// Which landmark: index into [`FieldModel::landmarks`].
@@ -13,7 +13,8 @@ pub struct ProjectedLandmark {
     pub image: ImagePoint,
 }
 
-/// Every landmark within the picture and a margin around it, px, in the field's order.
+/// Projects all landmarks that lie within the picture enlarged by a margin, px, in the field's
+/// order.
 #[must_use]
 pub fn project_landmarks(
     field: &FieldModel,

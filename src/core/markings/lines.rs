@@ -12,8 +12,8 @@ use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 pub struct MarkingOptions {
     /// Maximum distance of a polyline from the exact curve, px. Default 0.1.
     pub tolerance_px: f64,
-    /// Lines extend beyond the picture's border by this, px, so that the ends of wide lines are not
-    /// visible. Default 16.
+    /// Lines extend beyond the picture's border by this, px, so that the ends of wide strokes are
+    /// not visible. Default 16.
     pub margin_px: f64,
 }
 
@@ -31,11 +31,11 @@ impl Default for MarkingOptions {
 pub struct MarkingPolyline {
     /// Which line: index into [`FieldModel::lines`].
     pub line: usize,
-    /// Two points or more, px; a whole circle ends where it begins.
+    /// At least two points, px. A whole circle ends where it begins.
     pub points: Vec<ImagePoint>,
 }
 
-/// Every visible part of every line of a field, in the field's order.
+/// Projects every visible part of every line of a field, in the field's order.
 ///
 /// All points are finite and within the picture and its margin. A camera with NaN or infinite
 /// parameters sees nothing.
@@ -74,7 +74,8 @@ struct Pen<'a> {
 }
 
 impl Pen<'_> {
-    /// Draws the piece from `a` to `b` (`cam`, m) of a line whose polylines begin at index `first`.
+    /// Draws the piece from `a` to `b` (`cam`, m) of a line. The line's polylines begin at index
+    /// `first`.
     fn piece(&mut self, line: usize, first: usize, a: Vec3, b: Vec3) {
         // Clip in `cam`, before the division by z: to the window's pyramid, then to the fold's
         // cone.
@@ -121,8 +122,8 @@ impl Pen<'_> {
         let Some(span) = within_frame(self.window, from, to) else {
             return;
         };
-        // Rounding may leave a clipped point slightly outside; points inside are not moved by the
-        // clamp. Exact ends are kept, because the next piece is joined by equality.
+        // Rounding may put a clipped point slightly outside; the clamp does not move points inside.
+        // Unclipped ends stay exact, because the next piece is joined by equality.
         let held = |point: ImagePoint| {
             ImagePoint::new(
                 point.x.clamp(self.window.min.x, self.window.max.x),

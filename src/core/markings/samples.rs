@@ -8,10 +8,10 @@ use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 /// Options of the sampling of painted lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleOptions {
-    /// The distance between neighbouring samples of a line, px. Default 8.
+    /// Distance between neighbouring samples of a line, px. Default 8.
     pub spacing_px: f64,
-    /// Samples nearer to the picture's border than this are skipped, px; a negative number includes
-    /// samples beyond it. Default 2.
+    /// Samples nearer to the picture's border than this are skipped, px. A negative number includes
+    /// samples beyond the border. Default 2.
     pub border_px: f64,
 }
 
@@ -24,7 +24,7 @@ impl Default for SampleOptions {
     }
 }
 
-/// A point in the middle of a painted line.
+/// A sample: a point on the centre line of the paint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSample {
     /// Which line: index into [`FieldModel::lines`].
@@ -33,30 +33,29 @@ pub struct LineSample {
     pub at: Vec3,
     /// Its image, px.
     pub image: ImagePoint,
-    /// The unit normal of the projected line, to its left as the picture shows it (y down).
+    /// The unit normal of the projected line, pointing to its left as displayed (y down).
     pub normal: Vec2,
     /// The width of the paint along the normal, px.
     pub width_px: f64,
-    /// The direction out of the playing area: 1 along the normal, −1 against it, 0 where both sides
-    /// belong to it.
+    /// The side that is outside the playing area: 1 along the normal, −1 against it, 0 if both
+    /// sides are inside.
     pub outward: f64,
 }
 
-/// The largest step outside the picture, as a fraction of a line, so that no visible part is
-/// stepped over.
+/// Maximum step outside the picture, as a fraction of a line, so that no visible part is skipped.
 const MAX_STEP: f64 = 1.0 / 128.0;
 
-/// The smallest step outside the picture, as a fraction of a line.
+/// Minimum step outside the picture, as a fraction of a line.
 const SHORTEST_STEP: f64 = 1e-5;
 
-/// The playing area is tested at this distance on either side of a line, to see whether the line
-/// bounds it, m.
+/// Distance on either side of a line, m, at which the playing area is tested to decide whether the
+/// line bounds it.
 const BESIDE_M: f64 = 0.5;
 
-/// Samples at even distances in the picture along every painted line, in the field's order.
+/// Samples every painted line at equal distances in the picture, in the field's order.
 ///
-/// They lie on the middle of the paint ([`crate::field::FieldLine::paint_centre`]), not on the
-/// nominal line. A camera with NaN or infinite parameters sees none.
+/// Samples lie on the centre of the paint ([`crate::field::FieldLine::paint_centre`]), not on the
+/// nominal line. A camera with NaN or infinite parameters has none.
 #[must_use]
 pub fn sample_lines(
     field: &FieldModel,
@@ -89,8 +88,8 @@ pub fn sample_lines(
             t += if outside_px == 0.0 {
                 spacing_px / here.px_per_t
             } else {
-                // Outside, the distance from the picture bounds the step: half of it does not reach
-                // the border at the current speed.
+                // Outside, half of the distance to the picture bounds the step: at the current
+                // speed it does not reach the border.
                 (spacing_px.max(0.5 * outside_px) / here.px_per_t).clamp(SHORTEST_STEP, MAX_STEP)
             };
         }
@@ -106,11 +105,12 @@ struct Projected {
     px_per_t: f64,
     /// The horizontal direction across the curve, `world`, unit.
     across: Vec3,
-    /// The derivative of the image along the normal by a shift of the point across the curve, px/m.
+    /// Derivative of the image along the normal, by a shift of the point across the curve, px/m.
     px_across_per_m: f64,
 }
 
 impl Projected {
+    /// The side of the line that is outside the playing area: see [`LineSample::outward`].
     fn outward(&self, field: &FieldModel) -> f64 {
         let beyond = |sign: f64| {
             let at = self.at + self.across * (sign * BESIDE_M);
@@ -125,6 +125,8 @@ impl Projected {
     }
 }
 
+/// Projects a point of a curve with its derivatives. None if the camera does not see it, or if the
+/// curve degenerates to a point in the picture.
 fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Option<Projected> {
     let nominal = curve.point_at(t);
     let at = field.world_from_nominal(nominal);
@@ -140,8 +142,8 @@ fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Opt
         return None;
     }
 
-    // The paint's width is horizontal and perpendicular to the line on the ground; its image along
-    // the normal gives the visible width.
+    // The paint's width is horizontal and perpendicular to the line. Its image along the normal is
+    // the visible width.
     let normal = Vec2::new(along.y, -along.x) / px_per_t;
     let across = Vec3::new(-tangent.y, tangent.x, 0.0).try_normalize(0.0)?;
     let px_across_per_m = normal.dot(&(here.by_world * across));
@@ -155,7 +157,7 @@ fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Opt
     })
 }
 
-/// The distance of a point from the picture reduced by its border, px; 0 inside.
+/// Distance of a point from the picture less its border, px; 0 inside.
 fn outside_px(point: ImagePoint, size: ImageSize, border_px: f64) -> f64 {
     let beyond = |x: f64, extent: u32| {
         (border_px - x)

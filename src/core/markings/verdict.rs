@@ -1,9 +1,9 @@
-//! The verdict of the paint of a picture on a camera.
+//! The verdict of a picture's paint on a camera.
 
 /// The minimum number of unoccluded line samples for a verdict.
 pub const FEWEST_OPEN: usize = 30;
 
-/// The probability of being right from which on a verdict is given.
+/// Minimum probability for a verdict, on either side.
 const SUPPORTS: f64 = 0.9;
 
 /// The verdict of the paint on a camera.
@@ -18,8 +18,8 @@ pub enum LineVerdict {
 }
 
 impl LineVerdict {
-    /// The verdict for a score, the probability by the paint alone that the camera is right, and a
-    /// number of unoccluded line samples.
+    /// The verdict from a score (the probability, by the paint alone, that the camera is right) and
+    /// the number of unoccluded line samples.
     #[must_use]
     pub fn of(score: f64, open: usize) -> Self {
         match score {

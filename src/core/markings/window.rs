@@ -1,31 +1,31 @@
-//! The part of the plane z = 1 of `cam`, before distortion, that a picture can show.
+//! The part of the plane z = 1 of `cam`, before distortion, that a picture shows.
 
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec2};
 
-/// Minimum depth of what is drawn, m.
+/// Minimum depth of drawn lines, m.
 pub const NEAR_M: f64 = 0.05;
-/// Lines end at this fraction of the radius at which the distortion model folds.
+/// The maximum radius of drawn lines, as a fraction of the radius at which the distortion model
+/// folds.
 const FOLD_SHARE: f64 = 1.0 - 1e-4;
 
-/// The rectangle of the picture to draw in, and bounds of what it can show on the undistorted
-/// plane.
+/// The rectangle of the picture to draw in, and bounds of its preimage on the undistorted plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// The frame with its margin, px.
+    /// The first corner of the frame with its margin, px.
     pub min: ImagePoint,
     /// The opposite corner, px.
     pub max: ImagePoint,
-    /// Smallest visible ideal x and y.
+    /// Minimum visible ideal x and y.
     pub ideal_min: Vec2,
-    /// Largest visible ideal x and y.
+    /// Maximum visible ideal x and y.
     pub ideal_max: Vec2,
-    /// The largest ideal radius that is visible and has an image.
+    /// Maximum ideal radius that is visible and has an image.
     pub ideal_radius: f64,
 }
 
 impl Window {
-    /// The window of a camera's picture; none where the camera has NaN or infinite parameters.
+    /// The window of a camera's picture. None if the camera has NaN or infinite parameters.
     pub fn new(camera: &PtzCamera, size: ImageSize, margin_px: f64) -> Option<Self> {
         if !(camera.ptz().is_finite()
             && camera.base().is_finite()
@@ -42,9 +42,9 @@ impl Window {
         if !(min.x < max.x && min.y < max.y) {
             return None;
         }
-        // The lens scales a radius by a factor that depends on it alone, so the extremes of the
-        // ideal coordinates on an edge can only lie at its two ends, at its point nearest to the
-        // principal point, and where that factor is smallest.
+        // The lens scales a radius by a factor that depends on the radius alone. So the extremes of
+        // the ideal coordinates on an edge can lie only at its ends, at its point nearest to the
+        // principal point, and where the factor is smallest.
         let principal = camera.base().principal_point;
         let (near_x, near_y) = (
             principal.x.clamp(min.x, max.x),
@@ -65,7 +65,7 @@ impl Window {
         };
         let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
         for point in on_edges {
-            // A point beyond the fold has no ray: then the fold bounds the window.
+            // A point beyond the fold has no ray. Then the fold bounds the window.
             if let Ok(ideal) = camera.cam_plane_from_image(point) {
                 window.ideal_radius = window.ideal_radius.max(ideal.norm());
                 (low, high) = (low.inf(&ideal), high.sup(&ideal));
@@ -81,8 +81,8 @@ impl Window {
     }
 }
 
-/// The points on a rectangle's edges at the radius where the stretch of the lens is smallest; none
-/// where there is no such radius.
+/// The points of a rectangle's edges at the radius where the lens's factor is smallest. None if
+/// there is no such radius.
 fn most_shrunk(
     camera: &PtzCamera,
     min: ImagePoint,
@@ -93,7 +93,7 @@ fn most_shrunk(
     let radius_px = squared.map_or(f64::NAN, |squared| {
         squared.sqrt() * lens.stretch(squared) * camera.ptz().focal_px
     });
-    // NaN where the circle does not reach the edge; it lies in no range.
+    // NaN, which lies in no range, if the circle does not reach the edge.
     let half_chord = move |offset: f64| (radius_px * radius_px - offset * offset).sqrt();
     let upright = [min.x, max.x].into_iter().flat_map(move |x| {
         let half = half_chord(x - principal.x);

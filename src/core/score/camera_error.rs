@@ -8,25 +8,25 @@ use serde::Serialize;
 /// The errors of an estimated camera's parameters: estimate minus truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CameraError {
-    /// The angle between the two rotations from `world` to `cam`; never negative. Roll counts as
-    /// well.
+    /// Angle between the two rotations from `world` to `cam`, never negative. It includes roll.
     #[serde(rename = "rotation_deg")]
     pub rotation: Angle,
-    /// Pan of the optical axis, both axes in the truth's base, because the bases may differ.
+    /// Error of the optical axis's pan. Both axes are expressed in the true camera's base, because
+    /// the bases may differ.
     #[serde(rename = "pan_deg")]
     pub pan: Angle,
-    /// Tilt of the optical axis, likewise.
+    /// Error of the optical axis's tilt, in the true camera's base.
     #[serde(rename = "tilt_deg")]
     pub tilt: Angle,
-    /// Focal length, px.
+    /// Error of the focal length, px.
     pub focal_px: f64,
-    /// Focal length, per cent of the true one.
+    /// Error of the focal length, per cent of the true one.
     pub focal_percent: f64,
-    /// The distance of the centres of projection, m; never negative.
+    /// Distance between the centres of projection, m.
     pub position_m: f64,
 }
 
-/// The error of a camera. Both are of pictures of one size.
+/// Compares an estimated camera with the true one. Both must refer to pictures of the same size.
 #[must_use]
 pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
     // The optical axis of a camera in `world` is Rᵀ e_z. Both axes are expressed in the truth's
@@ -48,7 +48,8 @@ pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
     }
 }
 
-/// The horizontal field of view of a picture this wide, without distortion.
+/// The horizontal field of view of a picture, for a pinhole camera with the principal point in the
+/// middle.
 #[must_use]
 pub fn horizontal_view(focal_px: f64, image_size: ImageSize) -> Angle {
     Angle::from_radians(2.0 * (0.5 * f64::from(image_size.width)).atan2(focal_px))
@@ -83,8 +84,8 @@ mod tests {
             (error.focal_px - 100.0).abs() < 1e-12 && (error.focal_percent - 5.0).abs() < 1e-12
         );
         assert!(error.position_m == 0.0);
-        // A turn of 0.5° at tilt −8° moves the axis by 0.495°, and rolls: all of 0.5° and the tilt
-        // count.
+        // A rotation of 0.5° about the vertical axis at tilt −8° moves the optical axis by 0.495°
+        // and adds some roll. All of the 0.5° and the error of tilt count.
         assert!(
             (error.rotation.degrees() - 0.5f64.hypot(0.25)).abs() < 1e-3,
             "{}",

@@ -22,15 +22,15 @@ use serde::Serialize;
 const MIN_PAIRS: usize = 5;
 /// A pair farther out than this multiple of the first scale shows another point.
 const ANOTHER_SPOT: f64 = 5.0;
-/// √n times twice the relative 1-σ of the first scale, on normal noise.
+/// Twice the relative 1-σ of the first scale for normal noise, times √n.
 const FIRST_SCALE_2_SIGMA: f64 = 2.33;
-/// The value at which the squares are clipped, in sigmas.
+/// The clipping point of the M-estimate, in σ.
 const BEND: f64 = 2.0;
-/// The mean of min(d², 4) of a normal variable.
+/// The mean of min(d², 4) for a standard normal d.
 const EXPECTED: f64 = 0.920_536_925_636_323;
 /// n times the variance of the estimate over σ², on normal noise.
 const NORMAL_VARIANCE: f64 = 0.564_855_397_115_199;
-/// The minimum degrees of freedom of an estimate; its interval then spans a factor of seven.
+/// Minimum degrees of freedom of an estimate. With these the interval spans a factor of seven.
 const LEAST_FREEDOM: f64 = 3.0;
 
 /// The estimated click noise.
@@ -50,8 +50,9 @@ pub struct ClickScatter {
 }
 
 impl ClickScatter {
-    /// Estimates the noise from differences, x and y together. None from fewer than five pairs, and
-    /// where at least half of the differences are exactly 0 (copies, not clicks).
+    /// Estimates the noise from differences in x and y. None with fewer than five pairs, with a
+    /// value that is not finite, and if at least half of the values are exactly 0 (copies, not
+    /// clicks).
     #[must_use]
     pub fn of(differences: &[Vec2]) -> Option<Self> {
         let pairs: Vec<[f64; 2]> = differences
@@ -61,7 +62,7 @@ impl ClickScatter {
         Self::of_groups(&pairs)
     }
 
-    /// The same along one axis.
+    /// The same from differences along one axis.
     #[must_use]
     pub fn along(differences: impl Iterator<Item = f64>) -> Option<Self> {
         Self::of_groups(
@@ -71,9 +72,10 @@ impl ClickScatter {
         )
     }
 
+    /// The estimate from pairs with N coordinates each: see the module.
     fn of_groups<const N: usize>(all: &[[f64; N]]) -> Option<Self> {
-        // Step 1: first scale, and exclusion of pairs that show another point. Finite values only:
-        // a NaN would sort to an end and shift the median.
+        // Step 1: the first scale. No estimate if a value is not finite: a NaN would be sorted to
+        // one end and shift the median.
         let mut sizes: Vec<f64> = all.iter().flatten().map(|value| value.abs()).collect();
         if all.len() < MIN_PAIRS || sizes.iter().any(|size| !size.is_finite()) {
             return None;
@@ -83,6 +85,7 @@ impl ClickScatter {
         if first <= 0.0 {
             return None;
         }
+        // The limit is raised by the uncertainty of the first scale, 2 σ.
         let limit =
             ANOTHER_SPOT * first * (1.0 + FIRST_SCALE_2_SIGMA / (sizes.len() as f64).sqrt());
         let near = |pair: &&[f64; N]| pair.iter().all(|value| value.abs() <= limit);
@@ -106,8 +109,8 @@ impl ClickScatter {
     }
 }
 
-/// The M-estimate, by fixed-point iteration from a first scale: σ² is multiplied by the ratio of
-/// the mean of clipped squares and its expectation.
+/// The M-estimate, by fixed-point iteration from `first`: σ² is multiplied by the ratio of the mean
+/// clipped square to its expectation.
 fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
     const STEPS: usize = 60;
     let count = (pairs.len() * N) as f64;
@@ -127,9 +130,8 @@ fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
     sigma
 }
 
-/// n times the variance of the estimate over σ², from the pairs themselves: Huber's sandwich `E[ψ²]
-/// / E[ψ']²`, where the coordinates of a pair are summed before squaring because they may be
-/// correlated.
+/// n times the variance of the estimate over σ², from the pairs: Huber's sandwich estimator `E[ψ²]
+/// / E[ψ']²`. The coordinates of a pair are summed before squaring, because they may be correlated.
 fn variance<const N: usize>(pairs: &[[f64; N]], sigma: f64) -> f64 {
     let (mut squares, mut slope) = (0.0, 0.0);
     for pair in pairs {

@@ -1,4 +1,4 @@
-//! Whether stated uncertainties match the actual errors.
+//! Tests whether stated uncertainties match the actual errors.
 
 use super::chi_squared_quantile;
 use crate::geometry::{Mat3, Vec3};
@@ -7,11 +7,11 @@ use serde::Serialize;
 /// The probability of a normal variable within 1 σ.
 const ONE_SIGMA: f64 = 0.682_689_492_137_086;
 
-/// The square of an error in its own sigmas, eᵀ Σ⁻¹ e (Mahalanobis): 3 on average where Σ is right.
-/// None where the covariance cannot be inverted.
+/// The squared Mahalanobis distance of an error, eᵀ Σ⁻¹ e. Its mean is 3 if Σ is right. None if the
+/// covariance cannot be inverted.
 #[must_use]
 pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
-    // In units of the sigmas: degrees and px together make the covariance badly scaled.
+    // Scale to unit variances first: degrees and px in one matrix make it badly conditioned.
     let sigmas = covariance.diagonal().map(f64::sqrt);
     let scale = Mat3::from_diagonal(&sigmas.map(f64::recip));
     let correlation = scale * covariance * scale;
@@ -23,19 +23,19 @@ pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
 /// How often errors of three parameters lie within their stated confidence regions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SigmaCoverage {
-    /// Errors with a stated covariance.
+    /// Number of errors with a stated covariance.
     pub count: usize,
     /// The share within the 68.27 % ellipsoid.
     pub within_68: f64,
     /// The share within the 95 % ellipsoid.
     pub within_95: f64,
-    /// The ratio of actual to stated errors: the root of the mean χ² over 3. 1 if the stated
-    /// covariance is right.
+    /// The ratio of actual to stated errors: the square root of the mean of χ² / 3. It is 1 if the
+    /// stated covariances are right.
     pub error_over_sigma: f64,
 }
 
 impl SigmaCoverage {
-    /// From squared distances in sigmas; none without any.
+    /// Computes the coverage from squared Mahalanobis distances. None without any.
     #[must_use]
     pub fn of(squared_sigmas: &[f64]) -> Option<Self> {
         let count = squared_sigmas.len();

@@ -1,30 +1,29 @@
-//! Quantiles and probabilities of the distributions to which errors are compared.
+//! Quantiles and probabilities of the distributions that errors are compared with.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// The quantile of a χ² distribution with a number of degrees of freedom; NaN if there is no such
-/// distribution.
+/// A quantile of the χ² distribution; NaN if the number of degrees of freedom is not positive.
 #[must_use]
 pub fn chi_squared_quantile(freedom: f64, share: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |chi_squared| chi_squared.inverse_cdf(share))
 }
 
-/// The median of |d| of a normal variable d, in sigmas.
+/// The median of |d| for a normal variable d, in σ.
 #[must_use]
 pub fn median_normal_size() -> f64 {
     Normal::standard().inverse_cdf(0.75)
 }
 
-/// The median distance of a point whose two coordinates have equal normal noise (Rayleigh
-/// distribution), in sigmas of one coordinate.
+/// The median distance of a point if both of its coordinates have the same normal noise (Rayleigh
+/// distribution), in σ of one coordinate.
 #[must_use]
 pub fn median_rayleigh() -> f64 {
-    // The squared distance is χ² with two degrees of freedom, whose median is 2 ln 2.
+    // The squared distance is χ² with two degrees of freedom, and that has the median 2 ln 2.
     (2.0 * std::f64::consts::LN_2).sqrt()
 }
 
-/// The probability of a point within a distance, in sigmas of one coordinate, if both coordinates
-/// have equal normal noise.
+/// The probability that a point with the same normal noise in both coordinates lies within a
+/// distance, in σ of one coordinate.
 #[must_use]
 pub fn rayleigh_share(distance_sigmas: f64) -> f64 {
     ChiSquared::new(2.0).map_or(f64::NAN, |squared| {

@@ -7,9 +7,9 @@ use crate::geometry::{ImageSize, Vec2, Vec3};
 
 /// Minimum depth of visible ground, m.
 const NEAR_M: f64 = 0.05;
-/// Points on each edge of a picture with distortion, whose border is curved.
+/// Number of points on each edge of a picture with distortion, which has curved borders.
 const POINTS_PER_EDGE: u32 = 64;
-/// The visible radius ends at this fraction of the radius at which the distortion model folds.
+/// The visible radius, as a fraction of the radius at which the distortion model folds.
 const FOLD_SHARE: f64 = 1.0 - 1e-6;
 
 /// The corners of the field on the plane z = 0, m.
@@ -23,8 +23,8 @@ pub(super) fn field_corners(field: &FieldModel) -> [Vec2; 4] {
     ]
 }
 
-/// The part of the field (its playing area on the plane z = 0, m) that a picture shows: polygons
-/// that do not overlap, none where it shows nothing of it.
+/// The part of the field that a picture shows: the playing area on the plane z = 0, m, as polygons
+/// that do not overlap. Empty if the picture shows nothing of it.
 ///
 /// Exact for a lens without distortion. With distortion the picture's curved border is approximated
 /// by 256 points, and pixels beyond the fold of the model show nothing. The crown of a few
@@ -42,7 +42,8 @@ pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Ve
     let corners = field_corners(field)
         .map(|corner| camera.cam_from_world_point(Vec3::new(corner.x, corner.y, 0.0)));
     // Clip in `cam`, before the division by z, because corners of the field may lie behind the
-    // camera. There the bounding box of the picture's border is a pyramid: x ≥ low z and so on.
+    // camera. There the bounding box of the picture's border becomes a pyramid: x ≥ low.x · z, and
+    // so on.
     let sides: [&dyn Fn(&Vec3) -> f64; 5] = [
         &|p| p.z - NEAR_M,
         &|p| p.x - low.x * p.z,
@@ -60,8 +61,8 @@ pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Ve
     if ideal.len() < 3 {
         return Vec::new();
     }
-    // Without distortion the border is the bounding box itself. (It is a rectangle on the plane z =
-    // 1.)
+    // Without distortion the border is that bounding box, a rectangle on the plane z = 1, and the
+    // clipping is complete.
     let ideal = if camera.lens().is_none() {
         vec![ideal]
     } else {

@@ -1,4 +1,4 @@
-//! Errors at the landmarks that the true camera shows.
+//! Errors at the landmarks that are visible in the true camera.
 
 use super::FieldView;
 use super::view::same_names;
@@ -6,21 +6,22 @@ use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use crate::markings::project_landmarks;
 
-/// The error of one landmark that the picture shows.
+/// The error of one visible landmark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LandmarkError {
-    /// Which landmark of the true field, by its number.
+    /// Index of the landmark in the true field.
     pub landmark: usize,
-    /// The distance between its images by the two cameras, px; none where the estimate gives it no
-    /// image.
+    /// Distance between its images in both cameras, px; none if the estimated camera does not see
+    /// it.
     pub image_px: Option<f64>,
-    /// The distance on the ground, m, from it to the point that the estimate sees at its pixel;
-    /// none for landmarks above the ground, and where the estimate sees no ground at that pixel.
+    /// Distance on the ground, m, between the landmark and the point that the estimated camera sees
+    /// at its pixel. None for landmarks above the ground, and if the estimated camera sees no
+    /// ground there.
     pub ground_m: Option<f64>,
 }
 
-/// The errors of all landmarks that the picture shows by the true camera and both fields have, in
-/// the true field's order.
+/// The errors of all landmarks that the true camera sees and that both fields have, in the true
+/// field's order.
 #[must_use]
 pub fn landmark_errors(
     truth: FieldView,
@@ -55,8 +56,8 @@ pub fn landmark_errors(
         .collect()
 }
 
-/// The distance, m, from a ground point to the point that a camera sees at `image`, on the height
-/// of that ground point; none where it sees no ground there.
+/// Distance, m, between a ground point and the point of the same height that a camera sees at
+/// `image`. None if the camera sees no ground there.
 #[must_use]
 pub fn ground_error_m(camera: &PtzCamera, image: ImagePoint, at: Vec3) -> Option<f64> {
     camera

@@ -1,16 +1,19 @@
-//! Markings found within some pixels: the measure of the `SoccerNet` camera calibration task.
+//! Matching of whole markings: the measure of the `SoccerNet` camera calibration task.
 //!
-//! Markings are counted as wholes. A marking is found (TP) if the estimate shows it and every
-//! annotated point of it lies within t px of its projection. It is a false positive (FP) if the
-//! estimate shows it but it was not annotated, or if a point is farther off. It is a false negative
-//! (FN) if it was annotated but the estimate does not show it. `JaC@t` = TP / (TP + FP + FN), in px
-//! of a picture 960 px wide. The value is the better one of two namings, as annotated and rotated
-//! by 180° about the field's centre, separately for each threshold, because the task is run once
-//! per threshold. A marking that leaves the picture and comes back, as a circle at its edge does,
-//! is one polyline: the task joins where it leaves to where it comes back by a straight piece, and
-//! a point near that piece counts as near the marking. Completeness is the share of frames that
-//! have a camera at all, and the task's score `JaC@5` (mean over those) times completeness. (The
-//! task's own `evaluate_camera.py`, 2023: `get_polylines`, `evaluate_camera_prediction`.)
+//! A marking is found (TP) if the estimate shows it and every annotated point of it lies within t
+//! px of its projection. It is a false positive (FP) if the estimate shows it but it was not
+//! annotated, or if a point is farther off. It is a false negative (FN) if it was annotated but the
+//! estimate does not show it. `JaC@t` = TP / (TP + FP + FN), with t in px of a picture 960 px wide.
+//!
+//! The field is symmetric, so the value is the better one of two namings: as annotated, and rotated
+//! by 180° about the field's centre. The better one is chosen for each threshold separately,
+//! because the task is run once per threshold. A marking that leaves the picture and re-enters it,
+//! as a circle at the border does, is one polyline: the task joins the two points by a straight
+//! segment, and a point near that segment counts as near the marking.
+//!
+//! Completeness is the share of frames that have a camera, and the task's score is completeness
+//! times the mean `JaC@5` over those. Source: the task's `evaluate_camera.py` of 2023
+//! (`get_polylines`, `evaluate_camera_prediction`).
 
 use super::FieldView;
 use super::view::same_names;
@@ -21,44 +24,46 @@ use crate::markings::{MarkingOptions, project_lines};
 
 /// The picture width to which the thresholds in px refer.
 pub const JACCARD_WIDTH_PX: f64 = 960.0;
-/// Shorter markings are ignored, m: the task has no class for the corner arcs.
+/// Shorter markings are ignored, m: the task has no class for corner arcs.
 const MIN_LENGTH_M: f64 = 2.0;
-/// Points annotated on a circle or arc.
+/// Number of points that are annotated on a circle or arc.
 const POINTS_PER_ARC: usize = 9;
 
-/// A marking with points that lie on it, as an annotator places them.
+/// The annotation of a marking: points on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnnotatedLine {
     /// Which line: index into [`FieldModel::lines`].
     pub line: usize,
-    /// The ends of what is seen of a straight one, points along a round one; px of the picture.
+    /// The two ends of the visible part of a straight marking, or points along a round one; px of
+    /// the picture.
     pub points: Vec<ImagePoint>,
 }
 
 /// The match of the markings of one picture, for both namings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MarkingMatch {
-    /// By the names as they are.
+    /// With the names as annotated.
     pub plain: NamedMatch,
-    /// By the names rotated by 180° about the field's centre.
+    /// With the names rotated by 180° about the field's centre.
     pub turned: NamedMatch,
 }
 
 /// The match of the markings of one picture under one naming.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NamedMatch {
-    /// For each marking that is annotated and shown by the estimate: the largest distance of its
+    /// For each marking that is annotated and shown by the estimate, the largest distance of its
     /// points, px at `JACCARD_WIDTH_PX`.
     pub worst_px: Vec<f64>,
-    /// Markings that the estimate shows and that were not annotated.
+    /// Number of markings that the estimate shows and that were not annotated.
     pub only_estimated: usize,
-    /// Markings that were annotated and the estimate does not show.
+    /// Number of markings that were annotated and that the estimate does not show.
     pub only_annotated: usize,
 }
 
 /// The visible polylines (px) of each marking, by line index.
 type Seen = Vec<Vec<Vec<ImagePoint>>>;
 
+/// Projects all markings of sufficient length.
 fn seen_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Seen {
     let options = MarkingOptions {
         margin_px: 0.0,
@@ -107,7 +112,7 @@ pub fn annotated_lines(
         .collect()
 }
 
-/// Points at even distances along some polylines, both ends included.
+/// Points at equal distances along some polylines, including both ends.
 fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
     let pieces = || {
         parts
@@ -121,7 +126,7 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
     for (from, to) in pieces() {
         let length = from.distance_px(to);
         while points.len() < POINTS_PER_ARC {
-            // The arc length of the next point. Leave the piece once the point lies beyond its end.
+            // The arc length of the next point. Go on to the next piece if it lies beyond this one.
             let due = whole * points.len() as f64 / (POINTS_PER_ARC - 1) as f64;
             if due > passed + length {
                 break;
@@ -135,7 +140,7 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
         }
         passed += length;
     }
-    // The last point may be missed by rounding.
+    // Rounding may miss the last point.
     if let (Some(end), true) = (
         parts.last().and_then(|part| part.last()),
         points.len() < POINTS_PER_ARC,
@@ -146,8 +151,8 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
 }
 
 impl MarkingMatch {
-    /// Compares annotated markings with those that an estimated camera shows of its own field.
-    /// Lines that are too short are skipped.
+    /// Compares annotated markings with those that the estimated camera shows of its own field.
+    /// Short markings are skipped.
     #[must_use]
     pub fn of(
         field: &FieldModel,
@@ -166,7 +171,7 @@ impl MarkingMatch {
             })
             .collect();
         let plain = NamedMatch::of(field, annotated, &seen, size, Some);
-        // Rotate the names of the annotation instead of the estimate.
+        // Rotate the names of the annotation; that is equivalent to rotating the estimate.
         let turned = NamedMatch::of(field, annotated, &seen, size, |line| {
             let twin = Symmetry::Turn180.line_twin(field, &field.lines[line])?;
             field.lines.iter().position(|other| other.id == twin.id)
@@ -175,7 +180,7 @@ impl MarkingMatch {
     }
 
     /// `JaC@t`: the share of markings found within t px at `JACCARD_WIDTH_PX`, of all that are
-    /// annotated or shown, by the names that find more; 0 where there is none.
+    /// annotated or shown, with the better naming. 0 without markings.
     #[must_use]
     pub fn jaccard(&self, threshold_px: f64) -> f64 {
         self.plain
@@ -185,6 +190,8 @@ impl MarkingMatch {
 }
 
 impl NamedMatch {
+    /// Matches annotated markings with visible ones. `renamed` gives the name under which a marking
+    /// is looked up.
     fn of(
         field: &FieldModel,
         annotated: &[AnnotatedLine],
@@ -203,7 +210,7 @@ impl NamedMatch {
                 found.only_annotated += 1;
                 continue;
             };
-            // The worst point decides whether a marking is found at a threshold.
+            // The worst point decides at which thresholds the marking is found.
             named[line] = true;
             if seen[line].is_empty() {
                 found.only_annotated += 1;
@@ -221,7 +228,7 @@ impl NamedMatch {
         found
     }
 
-    /// `JaC@t` by these names.
+    /// `JaC@t` with this naming.
     #[must_use]
     pub fn jaccard(&self, threshold_px: f64) -> f64 {
         let all = self.worst_px.len() + self.only_estimated + self.only_annotated;
@@ -238,8 +245,7 @@ impl NamedMatch {
     }
 }
 
-/// The distance (px) of a point from the polyline that joins all parts in order, as the task does
-/// it.
+/// Distance of a point, px, from the polyline that joins all parts in order, as in the task.
 fn distance_px(point: ImagePoint, parts: &[Vec<ImagePoint>]) -> f64 {
     let joined: Vec<ImagePoint> = parts.iter().flatten().copied().collect();
     let distances = joined.windows(2).map(|pair| {

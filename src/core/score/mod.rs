@@ -1,15 +1,15 @@
-//! Errors of an estimated camera against the true one.
+//! Errors of an estimated camera against the true one, and statistics of errors.
 //!
 //! | what | where |
 //! |---|---|
 //! | rotation, pan, tilt, focal length, position | [`camera_error`] |
 //! | the field seen from above: the part in the picture, the whole | [`iou_part`], [`iou_whole`] |
 //! | the same for a homography of the ground | [`PlaneView`] |
-//! | landmarks in the picture, px and metres on the ground | [`landmark_errors`], [`ground_error_m`] |
-//! | markings found within some px, as `SoccerNet` counts them | [`MarkingMatch`] |
+//! | landmarks, px in the picture, m on the ground | [`landmark_errors`], [`ground_error_m`] |
+//! | markings found within some px, as in `SoccerNet` | [`MarkingMatch`] |
 //! | whether stated sigmas match the errors | [`SigmaCoverage`] |
 //! | mean, spread, percentiles, bootstrap intervals | [`Summary`] |
-//! | how far clicks on the same spots scatter | [`ClickScatter`] |
+//! | click noise of an annotator | [`ClickScatter`] |
 
 mod camera_error;
 mod click_scatter;

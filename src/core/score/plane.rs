@@ -23,8 +23,8 @@ pub struct PlaneView {
 }
 
 impl PlaneView {
-    /// The view of a homography from the ground (world x and y, m) to a picture (px); none where it
-    /// is singular, or where the middle of the picture shows no ground.
+    /// Normalises a homography from the ground (world x and y, m) to a picture (px). None if it is
+    /// singular, or if the middle of the picture shows no ground.
     #[must_use]
     pub fn new(image_from_ground: &Mat3, size: ImageSize) -> Option<Self> {
         let middle = size.centre();
@@ -70,14 +70,14 @@ impl PlaneView {
         Self::new(&(image_from_cam * cam_from_ground), size)
     }
 
-    /// Where a point of the ground lies in the picture, px; none beyond the horizon.
+    /// Projects a ground point into the picture, px. None beyond the horizon.
     #[must_use]
     pub fn image_from_ground(&self, ground: Vec2) -> Option<ImagePoint> {
         let image = self.image_from_ground * Vec3::new(ground.x, ground.y, 1.0);
         (image.z > NEAR).then(|| ImagePoint::new(image.x / image.z, image.y / image.z))
     }
 
-    /// The ground that a pixel shows (world x and y, m); none above the horizon.
+    /// The ground point at a pixel (world x and y, m). None above the horizon.
     #[must_use]
     pub fn ground_from_image(&self, image: ImagePoint) -> Option<Vec2> {
         let ground = self.ground_from_image * Vec3::new(image.x, image.y, 1.0);
@@ -85,16 +85,16 @@ impl PlaneView {
         (ground.z > 0.0 && ground.z < 1.0 / NEAR).then(|| ground.xy() / ground.z)
     }
 
-    /// The part of the field that the picture shows: a convex polygon (world x and y, m), or
-    /// nothing.
+    /// The part of the field that the picture shows: a convex polygon (world x and y, m), empty if
+    /// it shows nothing.
     #[must_use]
     pub fn seen_field(&self, field: &FieldModel) -> Vec<Vec2> {
         let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
         let h = &self.image_from_ground;
         let (x, y, depth) = (h.row(0), h.row(1), h.row(2));
-        // Half-planes of the ground: depth ≥ NEAR, 0 ≤ x ≤ width and 0 ≤ y ≤ height in px, each
-        // multiplied by the depth. So a clip against linear functions of the ground point suffices,
-        // and nothing behind the camera is divided.
+        // The picture as half-planes of the ground: depth ≥ NEAR, 0 ≤ x ≤ width and 0 ≤ y ≤ height,
+        // each multiplied by the depth. They are then linear in the ground point, and no division
+        // by a depth of 0 occurs.
         let sides = [
             depth - Vec3::new(0.0, 0.0, NEAR).transpose(),
             x.into_owned(),
@@ -110,7 +110,7 @@ impl PlaneView {
             })
     }
 
-    /// `IoU_part` of an estimate, this view being the truth: see [`iou_part`](super::iou_part).
+    /// `IoU_part` of an estimate, with this view as the truth: see [`iou_part`](super::iou_part).
     #[must_use]
     pub fn iou_part(&self, field: &FieldModel, estimate: &Self) -> Option<f64> {
         let ring = |view: &Self| -> Vec<Ring> {
@@ -122,7 +122,8 @@ impl PlaneView {
         intersection_over_union(&ring(self), &ring(estimate))
     }
 
-    /// `IoU_whole` of an estimate, this view being the truth: see [`iou_whole`](super::iou_whole).
+    /// `IoU_whole` of an estimate, with this view as the truth: see
+    /// [`iou_whole`](super::iou_whole).
     #[must_use]
     pub fn iou_whole(&self, field: &FieldModel, estimate: &Self) -> f64 {
         let carry = estimate.ground_from_image * self.image_from_ground;
@@ -172,7 +173,7 @@ mod tests {
             let (truth, estimate) = (camera(truth.0, truth.1), camera(estimate.0, estimate.1));
             let [true_view, view] =
                 [truth, estimate].map(|camera| PlaneView::of_camera(&camera, SIZE).unwrap());
-            // The sign and the scale of a homography mean nothing.
+            // Scale and sign of a homography are arbitrary.
             let turned = PlaneView::new(&(true_view.image_from_ground * -7.0), SIZE).unwrap();
             assert!((turned.image_from_ground - true_view.image_from_ground).amax() < 1e-9);
             let part = iou_part(&field, &truth, &estimate, SIZE).unwrap();

@@ -1,7 +1,7 @@
 //! Areas and intersections of polygons.
 //!
-//! Clipping is `i_overlay`'s, on a grid of 64-bit integers that spans both inputs: exact up to the
-//! rounding to it, some 10⁻¹⁶ of their size.
+//! Clipping uses `i_overlay`, on a grid of 64-bit integers that spans both inputs. It is exact up
+//! to the rounding to that grid, about 10⁻¹⁶ of their size.
 
 use crate::geometry::Vec2;
 use i_overlay::core::fill_rule::FillRule;
@@ -9,7 +9,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay as _;
 use nalgebra::SVector;
 
-/// A closed polygon, its last point joined to its first. Its points may run either way.
+/// A closed polygon of either orientation. The last point is joined to the first.
 pub(super) type Ring = Vec<Vec2>;
 
 /// Twice the signed area: positive where the points run from +x towards +y.
@@ -89,7 +89,7 @@ mod tests {
         assert!((area(&[square(-3.0, 7.0, 2.0)]) - 4.0).abs() < 1e-15);
         assert!((area(&[ring(&[[0.0, 0.0], [0.0, 3.0], [4.0, 0.0]])]) - 6.0).abs() < 1e-15);
         assert!(area(&[ring(&[[0.0, 0.0], [1.0, 1.0]]), Ring::new()]) == 0.0);
-        // A million metres away nothing is lost.
+        // At a distance of a million metres no precision is lost.
         assert!((area(&[square(1e6, 1e6, 0.5)]) - 0.25).abs() < 1e-12);
     }
 
@@ -104,7 +104,7 @@ mod tests {
             "they only touch"
         );
         assert!((both(&unit, &unit) - 1.0).abs() < 1e-15);
-        // Clockwise is as good.
+        // Either orientation works.
         let clockwise: Ring = unit.iter().rev().copied().collect();
         assert!((both(&clockwise, &square(-0.5, -0.5, 1.0)) - 0.25).abs() < 1e-14);
     }

@@ -7,24 +7,24 @@ use serde::Serialize;
 
 /// Number of bootstrap resamples.
 const RESAMPLES: usize = 1000;
-/// The probability outside the intervals on either side.
+/// The probability outside the intervals, on each side.
 const TAIL: f64 = 0.025;
 
 /// Summary statistics of a list of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// How many there are.
+    /// Number of values.
     pub count: usize,
     /// Their mean.
     pub mean: f64,
     /// The 95 % bootstrap interval of the mean (percentiles of 1000 resamples).
     #[serde(rename = "mean_interval_95")]
     pub mean_interval: [f64; 2],
-    /// Their standard deviation (n − 1); 0 for a single one.
+    /// Their standard deviation (n − 1); 0 for a single value.
     pub std: f64,
-    /// The smallest.
+    /// The minimum.
     pub min: f64,
-    /// Percentiles, interpolated between neighbours.
+    /// The 10th percentile. Percentiles are interpolated between neighbours.
     pub p10: f64,
     /// The lower quartile.
     pub p25: f64,
@@ -39,14 +39,13 @@ pub struct Summary {
     pub p90: f64,
     /// The 95th percentile.
     pub p95: f64,
-    /// The largest.
+    /// The maximum.
     pub max: f64,
 }
 
 impl Summary {
-    /// The summary of some numbers; none without any. Numbers that are not finite count as
-    /// infinitely large, so that a failure never makes a summary better. The same seed gives the
-    /// same intervals.
+    /// Summarises values; none without any. Values that are not finite count as infinitely large,
+    /// so that a failure never improves a summary. The same seed gives the same intervals.
     #[must_use]
     pub fn of(values: &[f64], seed: u64) -> Option<Self> {
         if values.is_empty() {
@@ -88,7 +87,7 @@ impl Summary {
     }
 }
 
-/// The 95 % percentile bootstrap intervals of mean and median (Efron).
+/// The 95 % percentile bootstrap intervals of mean and median (Efron 1979).
 fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut drawn = vec![0.0; ascending.len()];

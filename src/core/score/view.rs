@@ -3,8 +3,8 @@
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 
-/// A camera and the field that is drawn with it. Truth and estimate may differ in both: a crown in
-/// only one of them moves its lines.
+/// A camera and the field that is drawn with it. The true and the estimated view may differ in
+/// both: for example, a crown in only one of the fields moves its lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldView<'a> {
     /// The field.
@@ -13,8 +13,8 @@ pub struct FieldView<'a> {
     pub camera: &'a PtzCamera,
 }
 
-/// The index in `to` of each name in `from`; none where it is missing there. Lists of one template
-/// agree entry by entry.
+/// For each name in `from`, its index in `to`; none if it is missing there. In lists of one
+/// template the indices agree, so that index is tried first.
 pub(super) fn same_names<'a, T>(
     from: &[T],
     to: &[T],

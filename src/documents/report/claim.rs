@@ -1,37 +1,37 @@
-//! What others state, beside what was measured.
+//! Comparison of published statements with measurements.
 
 use serde_json::{Value, json};
 
-/// What others state, and what was measured here.
+/// A published statement, and the measurement that tests it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Claim {
-    /// What they state.
+    /// The statement.
     pub stated: String,
-    /// What was measured.
+    /// The measurement.
     pub measured: String,
     /// How the two compare.
     pub verdict: Verdict,
-    /// Why they differ, or what limits the comparison; may be empty.
+    /// Why they differ, or what limits the comparison. May be empty.
     pub reason: String,
-    /// Whether it is of times, which depend on the machine.
+    /// Whether it is about times, which depend on the machine.
     pub of_times: bool,
 }
 
-/// How a measurement compares with what others state.
+/// The result of comparing a measurement with a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It confirms what they state.
+    /// The measurement confirms the statement.
     Confirmed,
-    /// It does not.
+    /// The measurement contradicts the statement.
     Differs,
-    /// The difference is one that chance makes: its interval holds both.
+    /// The confidence interval of the measurement contains the stated number.
     Undecided,
-    /// It cannot be measured here.
+    /// The statement cannot be tested here.
     NotMeasured,
 }
 
 impl Verdict {
-    /// Confirmed if this holds.
+    /// Confirmed if `holds`, otherwise different.
     #[must_use]
     pub const fn of(holds: bool) -> Self {
         if holds {
@@ -41,8 +41,8 @@ impl Verdict {
         }
     }
 
-    /// Confirmed if the whole interval of a measurement lies above a number, different if all of it
-    /// lies below.
+    /// Compares a confidence interval with a stated minimum: confirmed if the whole interval lies
+    /// above it, different if the whole interval lies below.
     #[must_use]
     pub fn above(interval: [f64; 2], least: f64) -> Self {
         let [low, high] = interval;
@@ -55,7 +55,7 @@ impl Verdict {
         }
     }
 
-    /// Of several measurements together: confirmed if all are, different if one is.
+    /// Combines several verdicts into the worst: confirmed only if all are, different if one is.
     #[must_use]
     pub fn all(verdicts: impl IntoIterator<Item = Self>) -> Self {
         let rank = |verdict: &Self| {
@@ -74,7 +74,7 @@ impl Verdict {
             .unwrap_or(Self::NotMeasured)
     }
 
-    /// For people.
+    /// The verdict as text for reports.
     #[must_use]
     pub const fn describe(self) -> &'static str {
         match self {

@@ -1,5 +1,5 @@
-//! A sheet of frames to look at: the picture with the lines of the estimate, and the field from
-//! above.
+//! A contact sheet of frames for visual inspection: the picture with the lines of the estimated
+//! camera, and the field from above.
 
 use super::figure::{Anchor, Drawing, FigureError, Rgb, SCALE, Shape, painted};
 use image::RgbImage;
@@ -28,13 +28,13 @@ const FIELD_LINE: Rgb = [190, 190, 190];
 pub struct SheetFrame<'a> {
     /// Its picture, as large as the cameras' image.
     pub picture: RgbImage,
-    /// What stands below the picture.
+    /// The text below the picture.
     pub caption: String,
     /// Its field.
     pub field: &'a FieldModel,
     /// Its true camera.
     pub truth: PtzCamera,
-    /// The camera that was found; none: not found.
+    /// The estimated camera; none if there is no estimate.
     pub estimate: Option<PtzCamera>,
 }
 
@@ -44,8 +44,8 @@ impl SheetFrame<'_> {
     }
 }
 
-/// The frames side by side as PNG, three in a row; none without frames. Tiles take their shape from
-/// the first frame.
+/// Draws the frames in rows of three and encodes the sheet as PNG; none without frames. All tiles
+/// have the shape of the first frame's.
 ///
 /// # Errors
 /// The program's typeface cannot be read, or the PNG cannot be encoded.
@@ -53,6 +53,7 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
     let Some(first) = frames.first() else {
         return Ok(None);
     };
+    // A tile has the picture, its caption and the field below each other.
     let picture_height = TILE * f64::from(first.size().height) / f64::from(first.size().width);
     let map_height =
         TILE * (first.field.width_m + 2.0 * AROUND_M) / (first.field.length_m + 2.0 * AROUND_M);
@@ -74,6 +75,7 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
             pixels(picture_height),
             FilterType::Triangle,
         );
+        // Pictures are pasted in first, so that the shapes cover them: see `painted`.
         pictures.push((small, [pixels(left), pixels(top)]));
         add_lines_over_picture(&mut drawing.shapes, frame, [left, top]);
         drawing.shapes.push(Shape::Text {
@@ -97,7 +99,7 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
     Ok(Some(png))
 }
 
-/// The field's lines as the estimated camera projects them.
+/// Draws the field's lines as the estimated camera projects them.
 fn add_lines_over_picture(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]: [f64; 2]) {
     let Some(camera) = &frame.estimate else {
         return;
@@ -122,10 +124,12 @@ fn add_lines_over_picture(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, to
     }
 }
 
-/// The field from above, and what the picture shows of it by the true camera and by the estimate.
+/// Draws the field from above, with outlines of the parts that the true and the estimated camera
+/// show.
 fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]: [f64; 2]) {
     let field = frame.field;
     let scale = TILE / (field.length_m + 2.0 * AROUND_M);
+    // From ground coordinates (m, y up) to the figure (px, y down).
     let place = |point: Vec2| {
         let (right, down) = (
             point.x + 0.5 * field.length_m + AROUND_M,
@@ -163,6 +167,7 @@ fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]
             });
         }
     };
+    // The estimate is thinner and on top, so that both outlines are visible where they agree.
     outline(&frame.truth, 2.0, TRUE);
     if let Some(camera) = &frame.estimate {
         outline(camera, 0.9, FOUND);

@@ -10,17 +10,18 @@ use std::fmt::Write as _;
 /// A report: text, tables and figures in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Its name, with which the files begin.
+    /// Its name, with which the names of its files begin.
     pub name: String,
     /// Its heading.
     pub title: String,
-    /// What it says, in order.
+    /// Its content, in order.
     pub blocks: Vec<Block>,
-    /// What depends on the machine, kept apart: everything else has the same bytes each time.
+    /// The content that depends on the machine. It goes into separate files, so that all others
+    /// have the same bytes in each run.
     pub times: Vec<Block>,
-    /// What others state, and what was measured here.
+    /// Published statements and the measurements that test them.
     pub claims: Vec<Claim>,
-    /// What made it; none: nothing is said of that.
+    /// How the report was made; left out of the files if none.
     pub provenance: Option<Provenance>,
 }
 
@@ -31,43 +32,43 @@ pub enum Block {
     Text(String),
     /// A table, also written as CSV.
     Table {
-        /// Its file's name without an ending.
+        /// Name of its file, without extension.
         stem: String,
-        /// What it shows.
+        /// Caption.
         caption: String,
         /// The table.
         table: Table,
     },
     /// A long table, written as CSV only and named in the text.
     Data {
-        /// Its file's name without an ending.
+        /// Name of its file, without extension.
         stem: String,
-        /// What it holds.
+        /// Caption.
         caption: String,
         /// The table.
         table: Table,
     },
     /// A figure, written as SVG and PNG.
     Figure {
-        /// Its file's name without an ending.
+        /// Name of its file, without extension.
         stem: String,
-        /// What it shows.
+        /// Caption.
         caption: String,
         /// The figure.
         figure: Figure,
     },
     /// A picture that is a PNG already.
     Picture {
-        /// Its file's name without an ending.
+        /// Name of its file, without extension.
         stem: String,
-        /// What it shows.
+        /// Caption.
         caption: String,
-        /// The file.
+        /// The PNG file's bytes.
         png: Vec<u8>,
     },
 }
 
-/// A file of a report: its name and its bytes.
+/// A file of a report: name and content.
 pub type ReportFile = (String, Vec<u8>);
 
 impl Report {
@@ -95,7 +96,7 @@ impl Report {
         });
     }
 
-    /// Adds a long table, which people find in a file of its own.
+    /// Adds a long table, which is written as CSV only.
     pub fn data(&mut self, stem: &str, caption: &str, table: Table) {
         self.blocks.push(Block::Data {
             stem: self.stem(stem),
@@ -104,7 +105,7 @@ impl Report {
         });
     }
 
-    /// Adds what others state and what was measured.
+    /// Adds a published statement and the measurement that tests it.
     pub fn claim(&mut self, verdict: Verdict, stated: &str, measured: &str, reason: &str) {
         let [stated, measured, reason] = [stated, measured, reason].map(str::to_owned);
         self.claims.push(Claim {
@@ -116,7 +117,7 @@ impl Report {
         });
     }
 
-    /// The same of times, which depend on the machine.
+    /// Adds a statement about times, which depend on the machine.
     pub fn time_claim(&mut self, verdict: Verdict, stated: &str, measured: &str, reason: &str) {
         self.claim(verdict, stated, measured, reason);
         if let Some(claim) = self.claims.last_mut() {
@@ -142,7 +143,7 @@ impl Report {
         });
     }
 
-    /// Adds a table of what depends on the machine.
+    /// Adds a table of numbers that depend on the machine.
     pub fn time_table(&mut self, stem: &str, caption: &str, table: Table) {
         self.times.push(Block::Table {
             stem: self.stem(stem),
@@ -151,7 +152,7 @@ impl Report {
         });
     }
 
-    /// Adds a figure of what depends on the machine.
+    /// Adds a figure of numbers that depend on the machine.
     pub fn time_figure(&mut self, stem: &str, caption: &str, figure: Figure) {
         self.times.push(Block::Figure {
             stem: self.stem(stem),
@@ -164,13 +165,13 @@ impl Report {
         format!("{}-{stem}", self.name)
     }
 
-    /// The report as Markdown; figures and pictures by their files' names.
+    /// The report as Markdown. Figures and pictures are links to their files.
     #[must_use]
     pub fn to_markdown(&self) -> String {
         markdown(&self.title, &self.blocks)
     }
 
-    /// The same of what depends on the machine.
+    /// The content that depends on the machine, as Markdown.
     #[must_use]
     pub fn times_to_markdown(&self) -> String {
         markdown(
@@ -179,7 +180,7 @@ impl Report {
         )
     }
 
-    /// A report of its own file: what made it stands below.
+    /// Markdown with the provenance below it, for a file.
     fn standing_alone(&self, markdown: String) -> String {
         match &self.provenance {
             Some(provenance) => format!("{markdown}\n{}\n", provenance.describe()),
@@ -187,8 +188,8 @@ impl Report {
         }
     }
 
-    /// Every file: the Markdown, all tables as JSON and CSV, figures as SVG and PNG; what depends
-    /// on the machine in files of its own, whose names end with `times`.
+    /// All files: the Markdown, the tables as JSON and CSV, figures as SVG and PNG. Markdown and
+    /// JSON of content that depends on the machine are separate files with names in `times`.
     ///
     /// # Errors
     /// A figure cannot be drawn.
@@ -229,7 +230,7 @@ impl Report {
         Ok(files)
     }
 
-    /// The tables of these blocks, and the claims of times or the others.
+    /// The tables of these blocks as JSON, with the claims that are, or are not, about times.
     fn json(&self, blocks: &[Block], of_times: bool) -> String {
         let tables = blocks.iter().filter_map(|block| match block {
             Block::Table { stem, table, .. } => Some((stem.clone(), table.to_json())),
@@ -252,6 +253,7 @@ impl Report {
     }
 }
 
+/// Blocks as Markdown with a heading.
 fn markdown(title: &str, blocks: &[Block]) -> String {
     let mut out = format!("## {title}\n");
     for block in blocks {

@@ -1,5 +1,4 @@
-//! Tables, figures, contact sheets and Markdown reports: what a measurement is shown with, whatever
-//! it measured.
+//! Tables, figures, contact sheets and Markdown reports: the presentation of measurements.
 //!
 //! | what | where |
 //! |---|---|

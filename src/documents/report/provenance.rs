@@ -1,24 +1,24 @@
-//! What made a report.
+//! The provenance of a report.
 
 use serde_json::{Value, json};
 
-/// What made a report.
+/// How a report was made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Provenance {
     /// The program and its version.
     pub program: String,
-    /// The commit that it was built from; none where the build did not say.
+    /// The commit from which the program was built; none if the build did not record it.
     pub commit: Option<String>,
     /// The command that made the report.
     pub command: String,
-    /// The seeds of all random numbers.
+    /// The seeds of the random numbers.
     pub seeds: Vec<u64>,
-    /// Whether everything was a tenth or less of its size.
+    /// Whether it was a quick run, with a tenth or less of all sample sizes.
     pub quick: bool,
 }
 
 impl Provenance {
-    /// For people: one sentence or two.
+    /// The provenance in one or two sentences.
     #[must_use]
     pub fn describe(&self) -> String {
         let commit = self

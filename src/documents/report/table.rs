@@ -1,4 +1,4 @@
-//! One table: as aligned text, Markdown, CSV and JSON.
+//! Tables, written as aligned text, Markdown, CSV and JSON.
 
 use serde_json::{Map, Value};
 use std::fmt::{self, Write as _};
@@ -7,18 +7,18 @@ use touchline_core::geometry::text_cell;
 /// A table with named columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// The columns, from the left.
+    /// The columns, from left to right.
     pub columns: Vec<Column>,
-    /// The rows; as many cells as there are columns.
+    /// The rows. Each has one cell for each column.
     pub rows: Vec<Vec<Cell>>,
 }
 
 /// A column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Its key in CSV and JSON, the unit in it: `rotation_deg`.
+    /// Its key in CSV and JSON, including the unit: `rotation_deg`.
     pub key: String,
-    /// Its heading for people, with the unit.
+    /// Its heading in text and Markdown, including the unit.
     pub label: String,
 }
 
@@ -33,18 +33,18 @@ impl Column {
     }
 }
 
-/// What stands in a cell.
+/// The content of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Nothing was measured.
+    /// No measurement.
     Empty,
-    /// Words.
+    /// Text.
     Text(String),
     /// A count.
     Count(usize),
-    /// A number: people see four digits of it, files all.
+    /// A number: four significant digits in text and Markdown, all digits in files.
     Number(f64),
-    /// A number of which people see these decimals, and files all digits.
+    /// A number: this number of decimals in text and Markdown, all digits in files.
     Fixed(f64, usize),
 }
 
@@ -78,7 +78,7 @@ impl<T: Into<Self>> From<Option<T>> for Cell {
     }
 }
 
-/// For people: four significant digits.
+/// As in text and Markdown: rounded.
 impl fmt::Display for Cell {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -92,8 +92,8 @@ impl fmt::Display for Cell {
 }
 
 impl Cell {
-    /// For CSV: the shortest that reads back to the last digit; words that no spreadsheet
-    /// calculates.
+    /// As in CSV: the shortest number that reads back exactly, and text that a spreadsheet does not
+    /// evaluate as a formula.
     fn exact(&self) -> String {
         match self {
             Self::Empty => String::new(),
@@ -108,7 +108,7 @@ impl Cell {
             Self::Empty => Value::Null,
             Self::Text(text) => Value::from(text.as_str()),
             Self::Count(count) => Value::from(*count),
-            // JSON has no infinity: what was not found is null.
+            // JSON has no infinity, so a number that is not finite becomes null.
             Self::Number(number) | Self::Fixed(number, _) => Value::from(*number),
         }
     }
@@ -158,7 +158,7 @@ impl Table {
         self.rows.push(row);
     }
 
-    /// The same with one more column on the right; a cell for each row.
+    /// Adds a column on the right. Rows without a cell in `cells` get an empty one.
     #[must_use]
     pub fn with_column(
         mut self,
@@ -233,8 +233,8 @@ impl Table {
         out
     }
 
-    /// Comma-separated values (RFC 4180), keys in the first line; an empty cell where nothing was
-    /// measured, `inf` for what was not found.
+    /// Comma-separated values (RFC 4180) with the keys in the first line. Cells without a
+    /// measurement are empty; infinity is `inf`.
     #[must_use]
     pub fn to_csv(&self) -> String {
         let mut out = String::new();
@@ -255,7 +255,7 @@ impl Table {
         out
     }
 
-    /// An array with an object for each row; empty cells are left out.
+    /// A JSON array with one object for each row. Empty cells are left out.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let object = |row: &Vec<Cell>| {
@@ -273,7 +273,7 @@ impl Table {
         Value::Array(self.rows.iter().map(object).collect())
     }
 
-    /// Whether a column holds numbers, which are aligned to the right.
+    /// Whether a column contains numbers, and is therefore aligned to the right.
     fn is_right(&self, column: usize) -> bool {
         self.rows.iter().any(|row| row[column].is_number())
     }

@@ -1,4 +1,5 @@
-//! Files that are either the old one or the new one, never half of one.
+//! Atomic replacement of files: after a crash, a file has its old or its new content, never a part
+//! of it.
 
 use super::calls;
 use std::fs::{self, OpenOptions};
@@ -7,8 +8,8 @@ use std::path::{Path, PathBuf};
 pub(super) use touchline_core::files::folder_of;
 
 /// Writes a file so that a crash or a full disk at any moment leaves the old content or the new
-/// one: a temporary file in the same folder, flushed, renamed, and the folder flushed. The
-/// permissions of a file that is replaced are kept.
+/// one: writes a temporary file in the same folder, flushes and renames it, and flushes the folder.
+/// Keeps the permissions of the file that is replaced.
 ///
 /// # Errors
 /// The folder is missing or not writable, or the disk is full; the old file is untouched.
@@ -16,9 +17,9 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole(path, bytes, true, &|| false).map(drop)
 }
 
-/// Writes a file as [`write_atomically`] does, unless another program has replaced the old one
-/// meanwhile: that is asked last of all, as flushing takes long enough for a sync client to come
-/// between. Whether it was written.
+/// Writes a file as [`write_atomically`] does, unless `is_replaced` says that another program has
+/// replaced the old one meanwhile. Returns whether it was written. The check comes after the flush,
+/// just before the rename: the flush takes long enough for a sync client to write the file.
 ///
 /// # Errors
 /// As [`write_atomically`].
@@ -30,14 +31,16 @@ pub(super) fn write_unless_replaced(
     write_whole(path, bytes, true, is_replaced)
 }
 
-/// Writes a file that was not there: one that another program made meanwhile is not replaced.
+/// Writes a new file. A file that another program creates meanwhile is not replaced.
 ///
 /// # Errors
-/// Something is there by now; else as [`write_atomically`].
+/// The file exists; otherwise as [`write_atomically`].
 pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole(path, bytes, false, &|| false).map(drop)
 }
 
+/// Writes a file by way of a temporary one. `replace` decides whether a file at `path` may be
+/// replaced. Returns false, without writing it, if `is_replaced` is true just before the rename.
 fn write_whole(
     path: &Path,
     bytes: &[u8],
@@ -59,29 +62,28 @@ fn write_whole(
     Ok(true)
 }
 
-/// Writes a result to the place that a user named. A regular file is replaced as by
-/// [`write_atomically`], one behind a link without touching the link; a pipe or a device is written
-/// to.
+/// Writes a result to a path that a user named. A regular file is replaced as by
+/// [`write_atomically`]; if a link leads to it, the link stays. A pipe or a device is written to.
 ///
 /// # Errors
-/// As [`write_atomically`], or the pipe or device takes no bytes.
+/// As [`write_atomically`], or the pipe or device refuses the bytes.
 pub fn write_output(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(there) if there.is_file() => write_atomically(&fs::canonicalize(path)?, bytes),
         Ok(there) if !there.is_dir() => OpenOptions::new().write(true).open(path)?.write_all(bytes),
-        // A link whose target is still to be made; nothing can be lost.
+        // A link to a file that does not exist yet; there is nothing to lose.
         Err(_) if path.is_symlink() => fs::write(path, bytes),
         Ok(_) | Err(_) => write_atomically(path, bytes),
     }
 }
 
-/// Whether what is at a path is written to and cannot be replaced: a pipe or a device.
+/// Whether the path leads to a pipe or a device, which is written to instead of replaced.
 pub(super) fn is_pipe_or_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
-/// Keeps the file at `path` as `backup` as well, in place of an older backup; nothing happens where
-/// there is no file.
+/// Keeps the file at `path` under the name `backup` as well, in place of an older backup. Does
+/// nothing if there is no file.
 pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
     if !path.exists() {
         return Ok(());
@@ -90,11 +92,12 @@ pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
     }
-    // Not every file system knows hard links.
+    // A hard link is instant. File systems without hard links get a copy.
     calls::link(path, backup).or_else(|_| copy_new(path, backup))
 }
 
-/// Moves a file to the first free name of `path.WORD-1`, `path.WORD-2`, …, so that nothing is lost.
+/// Renames `file` to the first free name of `path.WORD-1`, `path.WORD-2`, …, so that nothing is
+/// overwritten. Returns that name.
 pub(super) fn set_aside(path: &Path, file: &Path, word: &str) -> io::Result<PathBuf> {
     let free = free_name(path, word, "");
     calls::rename(file, &free)?;
@@ -102,14 +105,14 @@ pub(super) fn set_aside(path: &Path, file: &Path, word: &str) -> io::Result<Path
     Ok(free)
 }
 
-/// Copies a file to the first free name of `path.WORD-1`, `path.WORD-2`, ….
+/// Copies a file to the first free name of `path.WORD-1`, `path.WORD-2`, …. Returns that name.
 pub(super) fn copy_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
     let free = free_name(path, word, "");
     copy_new(path, &free)?;
     Ok(free)
 }
 
-/// Copies a file to a name that is free; a link that somebody put there meanwhile is not followed.
+/// Copies a file to a name that is not in use. A link that appears there meanwhile is an error.
 fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
     let bytes = fs::read(path)?;
     let mut copy = calls::make_new(to)?;
@@ -118,6 +121,7 @@ fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
 }
 
 /// Writes a new file under the first free name of `path.WORD-1ENDING`, `path.WORD-2ENDING`, ….
+/// Returns that name.
 pub(super) fn write_new_as(
     path: &Path,
     word: &str,

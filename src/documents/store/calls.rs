@@ -1,5 +1,5 @@
-//! The calls by which the store changes the disk: each passes one place, where its tests let it
-//! fail.
+//! The system calls by which the store changes the disk. Each goes through [`tried`], where the
+//! fault tests let it fail.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
@@ -7,7 +7,7 @@ use std::path::Path;
 use tempfile::NamedTempFile;
 use touchline_core::files::{open_regular, temporary_file_in};
 
-/// Carries a call out; in the store's tests it may fail instead.
+/// Makes a call. In the store's tests it may fail instead.
 fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     #[cfg(test)]
     {
@@ -19,8 +19,8 @@ fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     }
 }
 
-/// Carries out a call that flushes what is at a path; in the store's tests it is noted what
-/// outlives a power cut.
+/// Makes a call that flushes the file or folder at a path. In the store's tests, what is flushed
+/// survives a simulated power cut.
 fn flushed(path: &Path, call: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
     tried(call)?;
     #[cfg(test)]
@@ -30,30 +30,30 @@ fn flushed(path: &Path, call: impl FnOnce() -> io::Result<()>) -> io::Result<()>
     Ok(())
 }
 
-/// Opens one of the store's own files for reading and writing, or makes it.
+/// Opens one of the store's own files for reading and writing, or creates it.
 pub(super) fn open(path: &Path) -> io::Result<File> {
     tried(|| open_regular(path, OpenOptions::new().read(true).write(true).create(true)))
 }
 
-/// Makes a file where there is none; a link that somebody put there meanwhile is not followed.
+/// Creates a file; an error if the name is in use. A link there is not followed.
 pub(super) fn make_new(path: &Path) -> io::Result<File> {
     tried(|| OpenOptions::new().write(true).create_new(true).open(path))
 }
 
-/// Makes a temporary file in a folder.
+/// Creates a temporary file in a folder.
 pub(super) fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     tried(|| temporary_file_in(folder))
 }
 
-/// Cuts a file off, and goes to its end.
+/// Truncates a file and moves to its end.
 pub(super) fn truncate(file: &mut File, bytes: u64) -> io::Result<()> {
     tried(|| file.set_len(bytes))?;
     file.seek(SeekFrom::Start(bytes)).map(drop)
 }
 
-/// Writes all of some bytes.
+/// Writes all bytes.
 pub(super) fn write_all(file: &mut File, bytes: &[u8]) -> io::Result<()> {
-    // In tests it may break off in the middle.
+    // In tests, two calls: a fault may come after half of the bytes.
     let half = if cfg!(test) { bytes.len() / 2 } else { 0 };
     if half > 0 {
         tried(|| file.write_all(&bytes[..half]))?;
@@ -61,17 +61,17 @@ pub(super) fn write_all(file: &mut File, bytes: &[u8]) -> io::Result<()> {
     tried(|| file.write_all(&bytes[half..]))
 }
 
-/// Flushes a file to disk.
+/// Flushes a file's content and metadata to disk.
 pub(super) fn flush(file: &File, path: &Path) -> io::Result<()> {
     flushed(path, || file.sync_all())
 }
 
-/// Flushes what a file holds to disk.
+/// Flushes a file's content to disk.
 pub(super) fn flush_data(file: &File, path: &Path) -> io::Result<()> {
     flushed(path, || file.sync_data())
 }
 
-/// Flushes a folder's entries; only Unix can.
+/// Flushes a folder's entries. Does nothing on systems other than Unix, which cannot.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
     flushed(folder, || {
         if cfg!(unix) {
@@ -82,13 +82,13 @@ pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
     })
 }
 
-/// Gives a temporary file its name, in the place of what is there or only where nothing is.
+/// Renames a temporary file to its final name, with or without replacing a file of that name.
 pub(super) fn persist(file: NamedTempFile, path: &Path, replace: bool) -> io::Result<()> {
     let persist = || {
         if replace {
             return file.persist(path).map(drop);
         }
-        // Some file systems cannot rename without replacing.
+        // Not all file systems can rename without replacing; there the file is replaced.
         file.persist_noclobber(path)
             .map(drop)
             .or_else(|refused| match refused.error.kind() {
@@ -109,7 +109,7 @@ pub(super) fn link(path: &Path, second: &Path) -> io::Result<()> {
     tried(|| fs::hard_link(path, second))
 }
 
-/// Takes a file away.
+/// Deletes a file.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
     tried(|| fs::remove_file(path))
 }

@@ -1,5 +1,10 @@
-//! A document on disk: opened with what its journal holds, journaled edit by edit, written whole
-//! and atomically.
+//! A document on disk: opening with recovery from the journal, journaling of each edit, and atomic
+//! writes of the whole document.
+//!
+//! A document is a file with companions beside it: `.journal` (edits since the last whole write),
+//! `.history` (steps to undo and redo), `.bak` (the version before) and `.lock`. [`Store`] writes
+//! them in an order such that a crash at any moment loses no acknowledged edit: announce the new
+//! document in the journal, write its history, replace the file, restart the journal.
 
 use super::atomic::{
     copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_new,
@@ -21,23 +26,23 @@ use std::io;
 use std::path::{Path, PathBuf};
 use touchline_core::files::{read_regular, read_regular_within, remove_stray_files};
 
-/// How often a document and its journal are read again when another program replaces them in
-/// between.
+/// Maximum number of times that a document and its journal are read, if another program replaces
+/// one of them between the two readings.
 const READ_ATTEMPTS: usize = 3;
 
-/// A document as it was opened.
+/// An opened document.
 #[derive(Debug)]
 pub struct Opened {
-    /// Where it lies.
+    /// The document's location.
     pub location: Location,
-    /// The document, with every edit that its journal held.
+    /// The document, including the edits of its journal.
     pub document: Document,
-    /// The steps of earlier sessions that can be undone and redone; none where the document is
+    /// The steps of earlier sessions that can be undone and redone; empty if the document is
     /// read-only.
     pub history: History<Document>,
-    /// The way to write it, or why there is none.
+    /// The store to write it with, or the reason why it is read-only.
     pub access: Access,
-    /// What the journal brought back.
+    /// What was recovered from the journal.
     pub recovery: Recovery,
 }
 
@@ -48,38 +53,41 @@ pub struct Opened {
     reason = "there is one for each document that is open"
 )]
 pub enum Access {
-    /// By this program alone.
+    /// This program has the lock and may write it.
     Writable(Store),
-    /// Not by this program.
+    /// This program may only read it.
     ReadOnly(ReadOnly),
 }
 
-/// What a journal brought back when a document was opened.
+/// What was recovered from a journal when a document was opened.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Recovery {
-    /// The names of the edits that were not yet in the document, oldest first; they are in it now.
+    /// The names of the recovered edits, oldest first. The opened document contains them; its file
+    /// does not.
     pub edits: Vec<String>,
-    /// How many bytes at the journal's end were unreadable.
+    /// Number of unreadable bytes at the journal's end.
     pub lost_bytes: u64,
-    /// The first edit that does not fit the document, and how many the journal holds from there on:
-    /// they are not in it.
+    /// The name of the first edit that does not apply to the document, and the number of edits from
+    /// it to the journal's end. None of them is in the document.
     pub misfit: Option<(String, usize)>,
-    /// A journal with edits of another document, or a damaged one: it was kept under this name.
+    /// The path under which a journal was kept because it is damaged or belongs to another
+    /// document.
     pub set_aside: Option<PathBuf>,
-    /// How many edits are in the journal that was set aside, as they start from another document.
+    /// Number of edits in a journal that starts from another document. They are not in the
+    /// document.
     pub foreign_edits: usize,
-    /// Why steps of earlier sessions cannot be undone, if so.
+    /// Why the steps of earlier sessions cannot be undone, if they cannot.
     pub history: Option<HistoryLeftOut>,
 }
 
 impl Recovery {
-    /// Nothing needs to be said.
+    /// Whether there is nothing to report.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// One sentence for people; none where nothing needs to be said.
+    /// The report to the user, in a few sentences; none if there is nothing to report.
     #[must_use]
     pub fn message(&self) -> Option<String> {
         let mut text = match &self.edits[..] {
@@ -133,33 +141,34 @@ impl Recovery {
     }
 }
 
-/// A document that this program alone may write. When it is closed, a journal without edits goes.
+/// A document that only this program may write. On drop, a journal without unsaved edits is
+/// removed.
 #[derive(Debug)]
 pub struct Store {
     location: Location,
     journal: Journal,
-    /// The document's file as it was last read or written; none where there was no file.
+    /// The document's file as last read or written; none before the first write of a new document.
     written: Option<(Document, DocumentHash)>,
-    /// The document's file as it was opened, or as another program left it when this program last
-    /// wrote over it.
+    /// The document's file as it was when opened, or another program's version that this program
+    /// last overwrote. It is one of the candidates for the common base of a merge.
     opened: Option<Document>,
-    /// What the window holds, kept beside the version of another program.
+    /// The own version that is kept beside another program's version.
     own: Option<OwnVersion>,
-    /// The document that was to be written last. Where that failed at the very end, it is there
-    /// already.
+    /// Hash of the document that the journal last announced. If its write failed after the rename,
+    /// the file already has this hash.
     announced: Option<DocumentHash>,
-    /// The journal holds edits that the document's file lacks.
+    /// Whether the journal contains edits that the document's file lacks.
     behind: bool,
-    /// The journal was lost with the edits in it: nothing is journaled before the document is
-    /// written whole.
+    /// Whether the journal was deleted together with its edits. Nothing may be appended before the
+    /// whole document is written.
     needs_whole: bool,
     lock: Lock,
 }
 
-/// Opens a document for writing, or for reading only where it is open elsewhere or write-protected.
+/// Opens a document for writing, or read-only if it is open in another program or write-protected.
 ///
 /// # Errors
-/// There is no document, it cannot be read, or it is not one.
+/// There is no document, it cannot be read, or its content is not a document.
 pub fn open(path: &Path) -> Result<Opened, StoreError> {
     let location = Location::find(path)?;
     let lock = match lock(&location) {
@@ -191,6 +200,8 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     remove_stray_files(location.folder());
     let path = location.journal();
     let io = |source| StoreError::from_io("write", &path, source);
+    // A journal of another document is moved away and a new one begun. A damaged one is copied,
+    // because its whole lines stay in use.
     if recovery.foreign_edits > 0 {
         recovery.set_aside = Some(set_aside(&path, &path, "orphan").map_err(io)?);
     } else if damage != Damage::None {
@@ -199,6 +210,9 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     let journal = Journal::open(&path, whole_bytes).map_err(io)?;
     let written = Some((written, hash.clone()));
     let mut store = Store::begun(location.clone(), journal, written, lock);
+    // If an edit does not apply, write the recovered document whole, so that the journal starts
+    // from it. If nothing was recovered, start the journal from the file. Otherwise keep appending
+    // to it.
     if damage == Damage::Misfit {
         let on_disk = store.hash_on_disk()?;
         store.write(&document, Some(&history), on_disk.as_ref())?;
@@ -216,10 +230,10 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     })
 }
 
-/// Reads a document with the edits that its journal holds, and writes nothing.
+/// Reads a document including the edits of its journal. Writes nothing.
 ///
 /// # Errors
-/// There is no document, it cannot be read, or it is not one.
+/// There is no document, it cannot be read, or its content is not a document.
 pub fn read(path: &Path) -> Result<(Location, Document, Recovery), StoreError> {
     let location = Location::find(path)?;
     let Contents {
@@ -228,13 +242,15 @@ pub fn read(path: &Path) -> Result<(Location, Document, Recovery), StoreError> {
     Ok((location, document, recovery))
 }
 
-/// Writes a document that is not open anywhere: a command's result, a dataset, a new project.
+/// Writes a document that this program does not have open: a command's result, a dataset, a new
+/// project.
 ///
-/// Where a project has been edited, its last version and the edits that only its journal holds are
-/// kept beside.
+/// If a project there has been edited, its last version is kept as the backup, and a journal with
+/// edits is set aside.
 ///
 /// # Errors
-/// Something is there and `replace` is false, another program has it open, or it cannot be written.
+/// There is a file and `replace` is false, another program has the document open, or it cannot be
+/// written.
 pub fn write_document(
     location: &Location,
     document: &Document,
@@ -246,6 +262,7 @@ pub fn write_document(
             path: path.to_path_buf(),
         });
     }
+    // A journal or a lock means that the file is, or was, open in the program: take the lock.
     if location.journal().exists() || location.lock().exists() {
         return Store::replace(location, document).map(drop);
     }
@@ -257,6 +274,7 @@ pub fn write_document(
         return write_output(path, text.as_bytes())
             .map_err(|source| StoreError::from_io("write", path, source));
     }
+    // The file is checked again as it gets its name: another program may create it meanwhile.
     if !replace && !path.is_symlink() {
         return write_new(path, text.as_bytes()).map_err(|source| match source.kind() {
             io::ErrorKind::AlreadyExists => StoreError::Exists {
@@ -271,11 +289,11 @@ pub fn write_document(
         .map_err(|source| StoreError::from_io("write", path, source))
 }
 
-/// Refuses a document that another program has open; to be asked before the work begins whose
-/// result is to replace it.
+/// Returns an error if another program has the document open. Commands call it before long work,
+/// the result of which replaces the document.
 ///
 /// # Errors
-/// It is open elsewhere, or cannot be written.
+/// The document is open in another program, or cannot be written.
 pub fn refuse_open(path: &Path) -> Result<(), StoreError> {
     let Ok(location) = Location::find(path) else {
         return Ok(());
@@ -290,7 +308,7 @@ pub fn refuse_open(path: &Path) -> Result<(), StoreError> {
     lock(&location).map(drop).map_err(read_only)
 }
 
-/// Sets a journal aside that holds edits which belong to no document here.
+/// Moves a journal away if it contains edits; they belong to a document that is no longer here.
 fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
     let holds_edits = match read_regular(path) {
         Ok(bytes) => JournalContent::parse(&bytes).has_edits(),
@@ -304,42 +322,45 @@ fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Whether the steps of earlier sessions are read as well.
+/// Whether the steps of earlier sessions are read, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Steps {
     Wanted,
     Ignored,
 }
 
+/// A document as read from its file, journal and history.
 struct Contents {
     document: Document,
     history: History<Document>,
-    /// The document without the journal's edits.
+    /// The document in the file, without the journal's edits.
     written: Document,
     hash: DocumentHash,
     recovery: Recovery,
-    /// Of the journal.
+    /// Length of the readable part of the journal, bytes.
     whole_bytes: u64,
     damage: Damage,
 }
 
-/// What is wrong with a journal, beyond a last line that was cut off.
+/// Damage of a journal, other than a last line that is cut off: a crash leaves that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Damage {
-    /// Nothing.
+    /// No damage.
     None,
-    /// Something follows its unreadable place.
+    /// There are lines after the unreadable one.
     Unreadable,
-    /// An edit does not fit the document.
+    /// An edit does not apply to the document.
     Misfit,
 }
 
+/// Reads document, journal and history consistently, although other programs may replace them
+/// meanwhile.
 fn read_contents(location: &Location, steps: Steps) -> Result<Contents, StoreError> {
     let mut attempt = 1;
     loop {
         let contents = read_contents_once(location, steps)?;
-        // A journal of another document may be one of a document that was replaced between the two
-        // readings.
+        // If the journal belongs to another document, that document may have been replaced between
+        // the two readings. Read both again.
         if contents.recovery.foreign_edits == 0 || attempt == READ_ATTEMPTS {
             return Ok(contents);
         }
@@ -347,8 +368,10 @@ fn read_contents(location: &Location, steps: Steps) -> Result<Contents, StoreErr
     }
 }
 
+/// Reads document, journal and history once.
 fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, StoreError> {
-    // The journal first: one that was restarted belongs to a document that is there already.
+    // Read the journal before the document. If it is restarted in between, its old content still
+    // leads to the document that is read then.
     let path = location.journal();
     let bytes = match read_regular(&path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
@@ -358,6 +381,8 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
     let mut replay = Replay::new(written.clone());
     let content = JournalContent::parse(&bytes);
     let (whole_bytes, lost_bytes) = (content.whole_bytes, content.lost_bytes);
+    // A newline with bytes after it, inside the unreadable part, means damage. Without one, the
+    // last line was cut off by a crash.
     let lost = &bytes[whole_bytes as usize..];
     let goes_on = lost
         .iter()
@@ -415,7 +440,7 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
     })
 }
 
-/// The largest document that is read: a million solved frames.
+/// Maximum size of a document, bytes: enough for a million solved frames.
 const MAX_DOCUMENT_BYTES: u64 = 2 << 30;
 
 fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreError> {
@@ -434,10 +459,10 @@ fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreE
 }
 
 impl Store {
-    /// Makes a new document at a place where there is none.
+    /// Creates a document where there is none.
     ///
     /// # Errors
-    /// Something is there already, or it cannot be written.
+    /// There is a file already, or it cannot be written.
     pub fn create(location: &Location, document: &Document) -> Result<Self, StoreError> {
         if location.file().exists() {
             return Err(StoreError::Exists {
@@ -447,8 +472,8 @@ impl Store {
         Self::replace(location, document)
     }
 
-    /// Writes a document to a place, whatever document is there; that one is kept as the backup,
-    /// and a journal with edits that are not in it is set aside.
+    /// Writes a document, replacing any document there. The old one is kept as the backup, and a
+    /// journal with edits that it lacks is set aside.
     ///
     /// # Errors
     /// Another program has it open, or it cannot be written.
@@ -468,7 +493,7 @@ impl Store {
         Ok(store)
     }
 
-    /// A store whose journal holds no edit that the file lacks.
+    /// A store with an empty journal, or one whose edits are all in the file.
     fn begun(
         location: Location,
         journal: Journal,
@@ -490,18 +515,18 @@ impl Store {
         }
     }
 
-    /// Where the document lies.
+    /// The document's location.
     #[must_use]
     pub const fn location(&self) -> &Location {
         &self.location
     }
 
-    /// Writes the document with its history, keeps the version before as the backup, and restarts
+    /// Writes the document and its history, keeps the version before as the backup, and restarts
     /// the journal.
     ///
     /// # Errors
-    /// Another program changed the file since, or it cannot be written. Whatever fails, the file on
-    /// disk is whole and the journal still holds every edit.
+    /// Another program changed the file since it was read or written, or it cannot be written.
+    /// After any error the file on disk is whole, and the journal contains all edits.
     pub fn save(
         &mut self,
         document: &Document,
@@ -516,8 +541,8 @@ impl Store {
         self.write(document, Some(history), on_disk.as_ref())
     }
 
-    /// Writes the document although another program changed the file; that version is set aside,
-    /// and its name returned.
+    /// Writes the document even if another program changed the file. Returns the path under which
+    /// that program's version is kept, if there is one.
     ///
     /// # Errors
     /// It cannot be written.
@@ -530,6 +555,7 @@ impl Store {
         let (mut kept, mut theirs) = (None, None);
         let on_disk = self.hash_on_disk()?;
         if self.is_of_others(on_disk.as_ref()) {
+            // It may not be a document; then it is only copied.
             theirs = read_document(&self.location).ok();
             kept = Some(
                 copy_aside(&path, "outside")
@@ -546,12 +572,12 @@ impl Store {
         Ok(kept)
     }
 
-    /// Whether another program changed the file since it was last read or written.
+    /// Whether another program changed the file since this store last read or wrote it.
     fn changed_outside(&self) -> Result<bool, StoreError> {
         Ok(self.is_of_others(self.hash_on_disk()?.as_ref()))
     }
 
-    /// The hash of the document's file as it is now; none where it is gone.
+    /// The hash of the document's file on disk; none if it does not exist.
     fn hash_on_disk(&self) -> Result<Option<DocumentHash>, StoreError> {
         let path = self.location.file();
         match read_regular(path) {
@@ -561,22 +587,22 @@ impl Store {
         }
     }
 
-    /// Whether a file was written by another program. One that is gone counts as ours: there is
-    /// nothing to lose.
+    /// Whether another program wrote the file with hash `on_disk`. A file that does not exist
+    /// counts as ours: there is nothing to lose.
     fn is_of_others(&self, on_disk: Option<&DocumentHash>) -> bool {
         on_disk.is_some_and(|hash| !self.has_written(hash) && self.announced.as_ref() != Some(hash))
     }
 
-    /// Whether the document of this hash is what was last read or written here.
+    /// Whether this store last read or wrote the document with this hash.
     fn has_written(&self, hash: &DocumentHash) -> bool {
         self.written
             .as_ref()
             .is_some_and(|(_, written)| written == hash)
     }
 
-    /// Writes the document in place of the file of the hash `on_disk`, and not of another that came
-    /// meanwhile. A history that is given is written just before it, so that after a crash between
-    /// the two it belongs to what the journal leads to.
+    /// Writes the document in place of the file with hash `on_disk`, but not if another program
+    /// replaces that file meanwhile. The history is written before the document: after a crash in
+    /// between, it belongs to the document that the journal leads to.
     fn write(
         &mut self,
         document: &Document,
@@ -590,9 +616,12 @@ impl Store {
             source,
         })?;
         let hash = hash_of(text.as_bytes());
-        // The file is asked and not what is remembered of it: another program may have replaced it.
+        // Compare with the file on disk rather than with the last known one: another program may
+        // have replaced it.
         let is_there = on_disk == Some(&hash);
         let changes = !is_there || !self.has_written(&hash);
+        // Announce the new document first. A reader that finds it then knows which edits it
+        // contains.
         if changes {
             self.journal
                 .announce(&hash)
@@ -609,7 +638,8 @@ impl Store {
             }
         }
         if is_there && changes {
-            // Writing failed at its very end, and the version before it is the backup.
+            // An earlier write failed after the rename, so the file is there and the version before
+            // it is the backup. Only the folder has to be flushed.
             calls::flush_folder(self.location.folder())
                 .map_err(|source| StoreError::from_io("write", path, source))?;
         } else if changes {
@@ -628,15 +658,15 @@ impl Store {
         self.opened.get_or_insert_with(|| document.clone());
         self.written = Some((document.clone(), hash.clone()));
         (self.behind, self.needs_whole) = (false, false);
-        // The document holds everything now. A journal that cannot be restarted still says so by
-        // the announcement.
+        // The document now contains all edits. If the journal cannot be restarted, the announcement
+        // says the same.
         self.journal
             .restart(&hash)
             .map_err(|source| self.journal_error(source))
     }
 
-    /// Writes the document's file, unless another program replaces it meanwhile. On a full disk the
-    /// history gives way to it.
+    /// Writes the document's file unless another program replaces it meanwhile; returns whether it
+    /// was written. On a full disk, the history file is removed to make room.
     fn write_text(&self, text: &str, is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
         let path = self.location.file();
         let is_full = |error: &io::Error| {
@@ -655,8 +685,8 @@ impl Store {
         }
     }
 
-    /// Makes journal and lock anew where they were deleted, or where the folder was taken away and
-    /// is there again.
+    /// Restores the journal and the lock if they were deleted, or if the folder was moved away and
+    /// a folder of that name exists again.
     fn settle_again(&mut self) -> Result<(), StoreError> {
         if self.journal.is_in_place() {
             return Ok(());
@@ -675,6 +705,8 @@ impl Store {
             self.lock = lock(&self.location).map_err(read_only)?;
         }
         let path = self.location.journal();
+        // The edits of the deleted journal are in memory only, so the next write must be a whole
+        // one.
         set_orphan_aside(&path)?;
         self.needs_whole = true;
         self.journal = Journal::open(&path, 0)
@@ -682,6 +714,8 @@ impl Store {
         Ok(())
     }
 
+    /// The error of a failed journal write: the folder or the journal was removed, or the system
+    /// refused.
     fn journal_error(&self, source: io::Error) -> StoreError {
         let path = self.location.journal();
         if self.journal.is_in_place() {
@@ -735,8 +769,9 @@ impl DocumentStore for Store {
         let base = match self.since() {
             Ok(None) => return Ok(None),
             Ok(Some(Outside { mut base, theirs })) => {
-                // Revisions cannot tell a later state from a fork of an earlier one with as many
-                // edits: what theirs lacks is kept.
+                // A revision counts edits, so it cannot tell a later state from a fork of an
+                // earlier one with as many edits. The base leaves out frames in which theirs lacks
+                // work of the user; the merge then keeps ours.
                 base.frames = base
                     .frames
                     .iter()
@@ -745,14 +780,16 @@ impl DocumentStore for Store {
                     .collect();
                 base
             }
-            // What is no document takes nothing from what is held here.
+            // Their file is not a document, so there is nothing to merge with: the base is the
+            // document as it was opened.
             Err(error) => self.opened.clone().ok_or(error)?,
         };
         let version = OwnVersion::write(self.own.take(), &self.location, &base, own)?;
         let Some(version) = version else {
             return Ok(None);
         };
-        // Edits from here on start from it: should they be set aside, too, they find it.
+        // Edits from here on start from the own version. If this journal is set aside, too, its
+        // edits find their base there.
         self.journal
             .announce(version.hash())
             .map_err(|source| self.journal_error(source))?;
@@ -781,7 +818,7 @@ impl DocumentStore for Store {
 impl Drop for Store {
     fn drop(&mut self) {
         let path = self.location.journal();
-        // What the window held is beside the document, too, where another program replaced that.
+        // A journal with edits may be removed if the own version beside the document contains them.
         let is_kept = self.own.as_ref().is_some_and(|own| own.is_whole);
         if (!self.behind || is_kept)
             && self.journal.is_in_place()

@@ -1,44 +1,46 @@
-//! What a place that keeps a document does, whatever the place is.
+//! The interface of a place that stores one document.
 
 use super::{Orphan, StoreError};
 use crate::document::{Document, Edit, History};
 use std::path::PathBuf;
 
-/// A place that keeps one document for whoever edits it: a file with its journal today, a team's
-/// database later.
+/// A place that stores one document for one editor: a file with its journal
+/// ([`Store`](super::Store)), or another implementation of the same contract.
 pub trait DocumentStore: Send {
-    /// The document as it is kept now, with every edit that was appended.
+    /// Reads the stored document, including all appended edits.
     ///
     /// # Errors
     /// It cannot be read.
     fn load(&self) -> Result<Document, StoreError>;
 
-    /// Keeps edits; they are safe when this returns.
+    /// Stores edits durably before it returns.
     ///
     /// # Errors
-    /// The place refuses them. Everything is as it was; the edits may be appended again.
+    /// The place refuses them. Nothing has changed, so the edits may be appended again.
     fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError>;
 
-    /// What others made of the document since it was last read or written through this store; none
-    /// where they changed nothing.
+    /// What other programs changed in the document since it was last read or written through this
+    /// store; none if they changed nothing.
     ///
     /// # Errors
     /// It cannot be read.
     fn since(&self) -> Result<Option<Outside>, StoreError>;
 
-    /// Keeps a document that holds every edit beside the version that others wrote since; where it
-    /// is. None where others changed nothing, or where the document says nothing that their version
-    /// does not start from.
+    /// Stores `own`, a document with all edits of this program, beside the version that another
+    /// program wrote. Returns its path and the names of its edits; none if no other program changed
+    /// the document, or if `own` contains no change against the common base.
     ///
     /// # Errors
     /// The place refuses it.
     fn keep_own(&mut self, own: &Document) -> Result<Option<Orphan>, StoreError>;
 
-    /// Keeps the document as a whole, which holds every edit, and the steps that can be undone and
-    /// redone in it; where the version of others went, if it was set aside.
+    /// Writes the whole document, with the steps that can be undone and redone in it. `document`
+    /// must contain all appended edits. Returns the path of the other program's version if it was
+    /// set aside.
     ///
     /// # Errors
-    /// Others changed it and their version is to stay, or the place refuses it.
+    /// Another program changed the document and `others` is [`Others::Stay`], or the place refuses
+    /// it.
     fn keep(
         &mut self,
         document: &Document,
@@ -46,24 +48,25 @@ pub trait DocumentStore: Send {
         others: Others,
     ) -> Result<Option<PathBuf>, StoreError>;
 
-    /// Whether edits are kept that the document as a whole lacks.
+    /// Whether edits have been appended since the whole document was last written.
     fn is_behind(&self) -> bool;
 }
 
-/// What happens to a version that others wrote since the document was last read or written.
+/// What to do with a version that another program wrote since this store last read or wrote the
+/// document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Others {
-    /// It stays, and the document is not written.
+    /// Leave it in place and do not write the document.
     Stay,
-    /// It is kept under another name.
+    /// Keep it under another name.
     SetAside,
 }
 
-/// A document that others changed.
+/// A document that another program changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outside {
-    /// The document that both versions started from.
+    /// The common base of both versions.
     pub base: Document,
-    /// The version of the others.
+    /// The other program's version.
     pub theirs: Document,
 }

@@ -1,4 +1,4 @@
-//! What can go wrong between a document and the disk.
+//! Errors of reading and writing documents on disk.
 
 use super::ReadOnly;
 use crate::document::{ReadError, WriteError};
@@ -11,14 +11,14 @@ use touchline_core::files::{WrongKind, way_out};
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// The system refused.
+    /// The operating system refused.
     #[error("cannot {action} {}: {source}{}", path.display(), way_out(source))]
     Io {
-        /// What was tried: "read", "write".
+        /// The attempted action, such as "read" or "write".
         action: &'static str,
-        /// With which file.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// There is nothing at this path.
@@ -27,7 +27,7 @@ pub enum StoreError {
         /// The path.
         path: PathBuf,
     },
-    /// A relative path, and nothing that it starts from.
+    /// A relative path, although the working folder no longer exists.
     #[error("cannot find {}: the folder that the program was started in was removed; start it in another one", path.display())]
     NoWorkingFolder {
         /// The path.
@@ -45,26 +45,26 @@ pub enum StoreError {
         /// The path.
         path: PathBuf,
     },
-    /// A link, a pipe or a device is where one of the store's own files should be.
+    /// One of the store's own files is a link, a pipe or a device.
     #[error(transparent)]
     WrongKind(WrongKind),
-    /// The document's folder, or its journal, is no longer where it was.
+    /// The document's folder or its journal was moved or deleted while the document was open.
     #[error("{} was moved or deleted while it was open; put it back, or save elsewhere", path.display())]
     Gone {
         /// The folder or the journal.
         path: PathBuf,
     },
-    /// The bytes are no document.
+    /// The bytes are not a document.
     #[error("{}: {source}{}", path.display(), backup_hint(backup.as_deref()))]
     Read {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
         source: ReadError,
-        /// The version before, if there is one.
+        /// The backup, if there is one.
         backup: Option<PathBuf>,
     },
-    /// The document in memory cannot be written.
+    /// The document in memory cannot be serialised.
     #[error("{} was not written: {source}", path.display())]
     Write {
         /// The file.
@@ -80,13 +80,13 @@ pub enum StoreError {
         /// Its version.
         version: u32,
     },
-    /// Something is there already.
+    /// There is a file or folder already.
     #[error("{} exists; give another name, or --force to replace it", path.display())]
     Exists {
         /// The file or folder.
         path: PathBuf,
     },
-    /// Somebody else holds the document, or it is write-protected.
+    /// The document is open in another program, or write-protected.
     #[error("{} is {reason}", path.display())]
     ReadOnly {
         /// The document.
@@ -103,7 +103,7 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// A refusal of the system.
+    /// Converts an error of the system.
     pub(super) fn from_io(action: &'static str, path: &Path, source: io::Error) -> Self {
         if let Some(wrong) = WrongKind::behind(&source) {
             return Self::WrongKind(wrong.clone());

@@ -1,5 +1,6 @@
-//! Faults under the store's calls: any one of them fails, before or after it did its work, or all
-//! do from one on; and what is left of a folder when the power goes.
+//! Fault injection: each of the store's system calls fails in turn, before or after its effect,
+//! alone or with all later ones. Afterwards the folder is examined as it is after a kill or after a
+//! power cut.
 
 use super::{Access, DocumentStore as _, Location, Opened, Store, StoreError, open, read};
 use crate::document::{Click, Document, Edit, FieldSpec, Frame, History, Step};
@@ -12,37 +13,38 @@ use std::path::Path;
 use tempfile::TempDir;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
-/// Which calls fail, by their number from 0.
+/// Which calls fail. Calls are numbered from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
-    /// None does.
+    /// None.
     None,
-    /// This one, without having done anything.
+    /// One call fails without effect.
     Before(usize),
-    /// This one, having done its work: the answer was lost.
+    /// One call takes effect, but reports a failure.
     After(usize),
-    /// This one and all that follow.
+    /// One call and all later ones fail without effect.
     From(usize),
 }
 
-/// What the system says.
+/// The error that a failing call reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Refusal {
     NoSpace,
     Broken,
 }
 
-/// A folder as the disk has it, whatever the system still holds in memory.
+/// The part of a folder that is on the disk, as opposed to the system's cache.
 #[derive(Debug, Default)]
 struct Durable {
-    /// The number of the file behind each name.
+    /// The inode of each name.
     names: BTreeMap<String, u64>,
-    /// What each file held when it was flushed last.
+    /// The content of each inode at its last flush.
     contents: BTreeMap<u64, Vec<u8>>,
-    /// Files that were flushed stay open, so that none of their numbers is given to another file.
+    /// Flushed files, kept open so that their inodes are not reused.
     held: Vec<File>,
 }
 
+/// The faults of this thread, and the record of its calls.
 #[derive(Debug)]
 struct Plan {
     fault: Fault,
@@ -62,7 +64,7 @@ thread_local! {
     };
 }
 
-/// Lets the calls of this thread fail from now on as is planned.
+/// Sets the faults of this thread and restarts the numbering of calls.
 fn plan(fault: Fault, refusal: Refusal) {
     PLAN.with_borrow_mut(|plan| (plan.fault, plan.refusal, plan.calls) = (fault, refusal, 0));
 }
@@ -71,7 +73,7 @@ fn calls() -> usize {
     PLAN.with_borrow(|plan| plan.calls)
 }
 
-/// Carries a call out, unless it is to fail.
+/// Makes a call, unless it is planned to fail.
 pub(super) fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     let (number, fault, refusal) = PLAN.with_borrow_mut(|plan| {
         plan.calls += 1;
@@ -91,7 +93,7 @@ pub(super) fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     }
 }
 
-/// Notes what a call flushed: a file's content, or the names in a folder.
+/// Records what a call flushed: a file's content, or the names in a folder.
 pub(super) fn note_flushed(path: &Path) {
     #[cfg(unix)]
     PLAN.with_borrow_mut(|plan| {
@@ -113,7 +115,7 @@ pub(super) fn note_flushed(path: &Path) {
     });
 }
 
-/// Everything in a folder is on the disk.
+/// Records a whole folder as flushed.
 fn all_flushed(folder: &Path) {
     PLAN.with_borrow_mut(|plan| plan.durable = Durable::default());
     note_flushed(folder);
@@ -122,8 +124,8 @@ fn all_flushed(folder: &Path) {
     }
 }
 
-/// What is there after the power went: names and contents as they were flushed, nothing where that
-/// never happened.
+/// The folder after a power cut: names and contents at their last flush. A file that has a flushed
+/// name but no flushed content is empty.
 fn after_power_cut() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     PLAN.with_borrow(|plan| {
@@ -135,7 +137,7 @@ fn after_power_cut() -> TempDir {
     folder
 }
 
-/// What is there after the program was killed: what the system holds outlives it.
+/// The folder after the program was killed. Unflushed writes survive, because the system has them.
 fn after_kill(folder: &Path) -> TempDir {
     let copy = tempfile::tempdir().unwrap();
     for entry in fs::read_dir(folder).unwrap() {
@@ -186,8 +188,8 @@ fn clicks(document: &Document) -> usize {
     document.frames.iter().map(|frame| frame.clicks.len()).sum()
 }
 
-/// A message says what and where in one line, without names that nobody gave, and the way out where
-/// there is one.
+/// Asserts that a message names the path in one line, without temporary names, and has a remedy for
+/// a full disk.
 fn assert_said(error: &StoreError, folder: &Path) {
     let said = error.to_string();
     let place = folder.to_string_lossy();
@@ -203,18 +205,18 @@ fn assert_said(error: &StoreError, folder: &Path) {
     }
 }
 
-/// What a session did.
+/// The counts of one session.
 struct Session {
-    /// Clicks that were acknowledged, in the journal or in the document.
+    /// Clicks that the store accepted, in the journal or in the document.
     acknowledged: usize,
     /// Clicks that were made.
     made: usize,
-    /// Calls that failed and said so.
+    /// Calls that returned an error.
     refused: usize,
 }
 
-/// Somebody opens a project, clicks, saves now and then, and closes it. What fails is tried
-/// `again`, or is the end.
+/// A user opens a project, clicks, saves now and then, and closes it. A step that fails is repeated
+/// if `again` is set; otherwise it ends the session.
 fn session(folder: &Path, again: bool) -> Session {
     let mut session = Session {
         acknowledged: 0,
@@ -225,7 +227,7 @@ fn session(folder: &Path, again: bool) -> Session {
     session
 }
 
-/// Tries once more what fails.
+/// Repeats a failed attempt once, if `again` is set.
 fn with_retry<T>(
     folder: &Path,
     again: bool,
@@ -258,7 +260,7 @@ fn try_session(folder: &Path, again: bool, session: &mut Session) -> Option<()> 
             }),
         }
     })?;
-    // A program that dies closes nothing.
+    // A program that crashes does not run `drop`.
     let mut store = ManuallyDrop::new(store);
     let mut history = History::default();
     for number in clicks(&document)..STEPS {
@@ -275,7 +277,7 @@ fn try_session(folder: &Path, again: bool, session: &mut Session) -> Option<()> 
             with_retry(folder, again, session, || store.save(&document, &history))?;
         }
         if number == 4 {
-            // Another session goes on.
+            // Close and open again in the middle.
             drop(ManuallyDrop::into_inner(store));
             return try_session(folder, again, session);
         }
@@ -284,7 +286,7 @@ fn try_session(folder: &Path, again: bool, session: &mut Session) -> Option<()> 
     Some(())
 }
 
-/// A new project.
+/// A new project, flushed to disk.
 fn project() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let folder_path = fs::canonicalize(folder.path()).unwrap();
@@ -294,7 +296,7 @@ fn project() -> TempDir {
     folder
 }
 
-/// Opens what is left and looks for every click that was acknowledged.
+/// Asserts that the folder opens with every acknowledged click, and at most one more.
 fn assert_kept(left: &Path, session: &Session, what: &str) {
     let (_, document, recovery) = read(left).unwrap_or_else(|error| panic!("{what}: {error}"));
     let found = clicks(&document);
@@ -310,13 +312,13 @@ fn assert_kept(left: &Path, session: &Session, what: &str) {
         (0, None),
         "{what}"
     );
-    // It opens for writing, and the next session goes on to the end.
+    // The folder also opens for writing, and a session without faults finishes.
     let next = self::session(&fs::canonicalize(left).unwrap(), false);
     assert_eq!(next.refused, 0, "{what}");
     assert_eq!(read(left).unwrap().1.frames, states[STEPS].frames, "{what}");
 }
 
-/// How many calls a session makes.
+/// Number of calls of a session without faults.
 fn calls_of_a_session() -> usize {
     let folder = project();
     plan(Fault::None, Refusal::Broken);
@@ -408,7 +410,7 @@ fn after_a_journal_is_lost_nothing_is_acknowledged_before_the_document_is_whole(
             store.append(&[edit(2)]),
             Err(StoreError::Gone { .. })
         ));
-        // The disk is full when the document is to be written in its stead.
+        // The disk is full while the document is written to replace the journal.
         plan(Fault::From(failing), Refusal::NoSpace);
         let saved = store.save(&states[2], &History::default());
         plan(Fault::None, Refusal::NoSpace);

@@ -1,13 +1,17 @@
-//! The file beside a saved document with the steps that can be undone and redone: undo survives
-//! closing and opening.
+//! The history file beside a saved document: the steps that can be undone and redone, so that undo
+//! survives a restart.
 //!
-//! Checksummed lines (see [`lines`](super::lines)): the first names the document that the steps
-//! start from (its SHA-256) and counts them, then one line a step, as an edit by frame id: undo
-//! from the last step back, then redo from the next step on. The file is written whole just before
-//! its document is, so that it belongs to that document or to what the journal leads to. It holds
-//! at most [`History::DEFAULT_LIMIT`] steps and [`MOST_BYTES`] in each direction; the farthest
-//! steps are left out. It is a convenience: one that does not belong to the document, or is
-//! damaged, is left out and said so, and what cannot be written keeps no document from being saved.
+//! Checksummed lines (format: [`lines`](super::lines)). The first has the SHA-256 of the document
+//! from which the steps start, and their numbers. Then each step has a line, as an edit by frame
+//! id: steps to undo from the last one back, then steps to redo from the next one on.
+//!
+//! The file is written whole just before its document, so that it belongs to that document, or
+//! after a crash to the one that the journal leads to. It contains at most
+//! [`History::DEFAULT_LIMIT`] steps and [`MOST_BYTES`] bytes in each direction; the steps farthest
+//! from the document are left out.
+//!
+//! The file is a convenience. If it is damaged or belongs to another document, it is ignored with a
+//! message, and a failure to write it does not prevent saving the document.
 
 use super::atomic::write_atomically;
 use super::calls;
@@ -21,12 +25,12 @@ use std::path::Path;
 use thiserror::Error;
 use touchline_core::files::open_regular;
 
-/// The version of the file that this program writes and reads.
+/// The version of the file that this program reads and writes.
 const VERSION: u32 = 1;
-/// The most bytes of steps to undo, and of steps to redo. A step that changed one frame has a few
+/// Maximum size of the steps in each direction, bytes. A step that changed one frame takes a few
 /// kilobytes; one that moved the base changed every solved frame.
 pub(super) const MOST_BYTES: usize = 32 << 20;
-/// A file of more bytes was not written by this program.
+/// Maximum size of the file, bytes. This program writes no larger one.
 const MOST_FILE_BYTES: u64 = 2 * MOST_BYTES as u64 + 1024;
 
 /// Why steps of earlier sessions cannot be undone.
@@ -36,54 +40,56 @@ pub enum HistoryLeftOut {
     /// The file was cut off or its bytes were changed.
     #[error("their file is damaged")]
     Damaged,
-    /// The document was written by another program, or is another version of it.
+    /// The document is another version than the one from which the steps start.
     #[error("they lead to another version of the document")]
     OtherDocument,
-    /// A newer program wrote it.
+    /// A newer program wrote the file.
     #[error("their file has version {version}, newer than this program")]
     Newer {
         /// Its version.
         version: u32,
     },
-    /// It is larger than any that this program writes.
+    /// The file is larger than any that this program writes.
     #[error("their file has {bytes} bytes, more than this program writes")]
     TooLarge {
-        /// How large it is.
+        /// Its size.
         bytes: u64,
     },
-    /// It cannot be read, or is no regular file.
+    /// The file cannot be read, or is not a regular file.
     #[error("{reason}")]
     Unreadable {
-        /// What the system says.
+        /// The system's reason.
         reason: String,
     },
-    /// Those before a step that does not fit.
+    /// A step does not apply; that one and those beyond it are left out.
     #[error(transparent)]
     Misfit(#[from] StepMisfit),
 }
 
+/// The content of a line.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Record {
-    /// Opens the file.
+    /// The first line.
     History(Header),
-    /// From the document after the step to that before it.
+    /// A step to undo: from the document after it to the one before it.
     Undo(StepEdit),
-    /// From the document before the step to that after it.
+    /// A step to redo: from the document before it to the one after it.
     Redo(StepEdit),
 }
 
+/// The content of the first line.
 #[derive(Debug, Serialize, Deserialize)]
 struct Header {
     version: u32,
     document_sha256: DocumentHash,
-    /// How many steps to undo follow.
+    /// Number of steps to undo.
     undo: usize,
-    /// How many steps to redo follow them.
+    /// Number of steps to redo.
     redo: usize,
 }
 
-/// A history file whose first line was read.
+/// A history file of which the first line has been parsed.
 #[derive(Debug)]
 pub(super) struct HistoryFile {
     header: Header,
@@ -92,7 +98,7 @@ pub(super) struct HistoryFile {
 }
 
 impl HistoryFile {
-    /// Reads the file at a path; none where there is none.
+    /// Reads the file; none if it does not exist.
     pub fn read(path: &Path) -> Result<Option<Self>, HistoryLeftOut> {
         let unreadable = |error: io::Error| HistoryLeftOut::Unreadable {
             reason: error.to_string(),
@@ -116,7 +122,7 @@ impl HistoryFile {
         let Some((json, length)) = first_line(&bytes) else {
             return Err(HistoryLeftOut::Damaged);
         };
-        // Of a newer version not more may be known than its number.
+        // The header of a newer version may have another form, apart from the version number.
         let header: Option<serde_json::Value> = serde_json::from_slice(json).ok();
         let version =
             header.and_then(|header| u32::try_from(header["history"]["version"].as_u64()?).ok());
@@ -130,12 +136,13 @@ impl HistoryFile {
         Ok(Self { header, steps })
     }
 
-    /// Whether its steps start from the document of this hash.
+    /// Whether the steps start from the document with this hash.
     pub fn starts_from(&self, document: &DocumentHash) -> bool {
         self.header.document_sha256 == *document
     }
 
-    /// The steps before and after the document that they start from, and why some were left out.
+    /// The steps before and after `document`, from which they start; and why some are left out, if
+    /// they are.
     pub fn history(&self, document: &Document) -> (History<Document>, Option<HistoryLeftOut>) {
         match self.steps() {
             Some((undo, redo)) => {
@@ -146,7 +153,7 @@ impl HistoryFile {
         }
     }
 
-    /// The steps to undo and those to redo; none unless every one is there.
+    /// The steps to undo and to redo; none if any line is damaged or missing.
     fn steps(&self) -> Option<(Vec<StepEdit>, Vec<StepEdit>)> {
         let (mut undo, mut redo) = (Vec::new(), Vec::new());
         let mut rest = &self.steps[..];
@@ -163,8 +170,7 @@ impl HistoryFile {
     }
 }
 
-/// Writes the steps before and after a document of this hash; where there are none, a file of
-/// earlier ones goes.
+/// Writes the steps before and after a document with this hash. Without steps, removes the file.
 pub(super) fn write(
     path: &Path,
     hash: &DocumentHash,
@@ -182,7 +188,7 @@ pub(super) fn write(
     write_atomically(path, &bytes(hash, document, history)?)
 }
 
-/// Takes the file away, if there is one.
+/// Deletes the file if it exists.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
     match calls::remove(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -190,12 +196,13 @@ pub(super) fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
+/// The content of the file.
 fn bytes(
     hash: &DocumentHash,
     document: &Document,
     history: &History<Document>,
 ) -> io::Result<Vec<u8>> {
-    // Undo goes back and forth in what people did, without what is suggested.
+    // Undo and redo change the user's edits only, not the suggestions.
     let edited = document.without_suggestions();
     let (undo_lines, undo) = lines(history.undo_edits(&edited).map(Record::Undo))?;
     let (redo_lines, redo) = lines(history.redo_edits(&edited).map(Record::Redo))?;
@@ -211,7 +218,7 @@ fn bytes(
     Ok(bytes)
 }
 
-/// The lines of as many steps as there is room for, and how many those are.
+/// The lines of the steps that fit into [`MOST_BYTES`], and the number of steps.
 fn lines(steps: impl Iterator<Item = Record>) -> io::Result<(Vec<u8>, usize)> {
     let (mut bytes, mut count) = (Vec::new(), 0);
     for step in steps {

@@ -1,10 +1,11 @@
-//! The journal: every edit since the document was last written, one checksummed line each, flushed
+//! The journal: all edits since the document was last written, one checksummed line each, flushed
 //! to disk.
 //!
-//! The first line (see [`lines`](super::lines)) names the document that the edits start from (its
-//! SHA-256); before the document is replaced, a line names the one to come. Whatever happens
-//! between the two, a reader finds the edits that are not yet in the document it sees. A journal
-//! that breaks off in a line is read up to that line.
+//! The first line (format: [`lines`](super::lines)) has the SHA-256 of the document from which the
+//! edits start. Before the document is replaced, a line with the SHA-256 of the new one is added.
+//! If the program stops between the two, a reader that finds the old document applies all edits,
+//! and one that finds the new document applies those after the line. A journal that ends within a
+//! line is read up to that line.
 
 use super::atomic::folder_of;
 use super::calls;
@@ -24,27 +25,28 @@ const JOURNAL_VERSION: u32 = 1;
 /// The SHA-256 of a document's bytes, hexadecimal.
 pub(super) type DocumentHash = String;
 
-/// Computes it.
+/// Computes the hash of a document's file.
 pub(super) fn hash_of(document: &[u8]) -> DocumentHash {
     hex(&Sha256::digest(document))
 }
 
+/// The content of a line.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Record {
-    /// Opens a journal: the edits after it start from this document.
+    /// The first line: the edits start from this document.
     Journal {
         version: u32,
         document_sha256: DocumentHash,
     },
-    /// An edit.
+    /// One edit.
     Edit(Edit),
-    /// The document of this hash, which is about to replace the old one, holds every edit above.
+    /// The document with this hash contains all edits above. It is about to replace the old one.
     Saving { document_sha256: DocumentHash },
 }
 
 impl Record {
-    /// The edits after it start from the document of this hash.
+    /// Whether edits after this line start from the document with this hash.
     fn starts_from(&self, document: &DocumentHash) -> bool {
         match self {
             Self::Journal {
@@ -56,44 +58,44 @@ impl Record {
     }
 }
 
-/// What a journal says, up to where it breaks off.
+/// The readable part of a journal.
 #[derive(Debug, Default)]
 pub(super) struct JournalContent {
     records: Vec<Record>,
-    /// How many bytes hold whole lines.
+    /// Length of the readable lines, bytes.
     pub whole_bytes: u64,
-    /// How many bytes follow that do not.
+    /// Length of the unreadable rest, bytes.
     pub lost_bytes: u64,
 }
 
-/// What a journal means for the document beside it.
+/// The meaning of a journal for the document beside it.
 #[derive(Debug)]
 pub(super) enum Pending {
-    /// Edits that are not yet in the document.
+    /// Edits that the document lacks.
     Edits(PendingEdits),
-    /// The edits start from another document; this many.
+    /// The edits start from another document.
     OtherDocument {
-        /// How many edits there are.
+        /// Number of edits.
         edits: usize,
     },
-    /// A newer program wrote the journal.
+    /// A newer program wrote the journal, in a version that this one cannot read.
     Newer {
         /// Its version.
         version: u32,
     },
 }
 
-/// Edits that are not yet in the document, oldest first.
+/// Edits that the document lacks, oldest first.
 #[derive(Debug, Default)]
 pub(super) struct PendingEdits {
     pub edits: Vec<Edit>,
-    /// The documents that were about to be written between them: each with how many of the edits it
-    /// holds.
+    /// The documents announced among them: the number of these edits that each contains, and its
+    /// hash.
     pub announced: Vec<(usize, DocumentHash)>,
 }
 
 impl JournalContent {
-    /// Reads whole lines from the start on.
+    /// Reads lines up to the first unreadable one.
     pub fn parse(bytes: &[u8]) -> Self {
         let mut content = Self::default();
         let mut rest = bytes;
@@ -109,12 +111,12 @@ impl JournalContent {
         content
     }
 
-    /// Whether it holds an edit at all.
+    /// Whether the journal contains an edit.
     pub fn has_edits(&self) -> bool {
         self.edit_names().next().is_some()
     }
 
-    /// The names of its edits, oldest first.
+    /// The names of the edits, oldest first.
     pub fn edit_names(&self) -> impl Iterator<Item = String> {
         self.records.iter().filter_map(|record| match record {
             Record::Edit(edit) => Some(edit.name.clone()),
@@ -122,7 +124,7 @@ impl JournalContent {
         })
     }
 
-    /// Its edits, whatever document they start from.
+    /// All edits, regardless of the document from which they start.
     pub fn into_edits(self) -> Vec<Edit> {
         let edits = self.records.into_iter().filter_map(|record| match record {
             Record::Edit(edit) => Some(edit),
@@ -131,14 +133,14 @@ impl JournalContent {
         edits.collect()
     }
 
-    /// Whether edits of it start from the document of this hash.
+    /// Whether edits may start from the document with this hash.
     pub fn knows(&self, document: &DocumentHash) -> bool {
         self.records
             .iter()
             .any(|record| record.starts_from(document))
     }
 
-    /// The edits that are not yet in the document of this hash.
+    /// The edits that the document with this hash lacks: those after the last line that names it.
     pub fn pending(self, document: &DocumentHash) -> Pending {
         if let Some(Record::Journal { version, .. }) = self.records.first()
             && *version > JOURNAL_VERSION
@@ -172,20 +174,20 @@ impl JournalContent {
     }
 }
 
-/// A journal that is being written.
+/// A journal open for writing.
 #[derive(Debug)]
 pub(super) struct Journal {
     path: PathBuf,
     file: File,
-    /// Up to here the file holds whole lines; a line that failed half-way is cut off before the
-    /// next one.
+    /// Length of the whole lines. A line that was written in part is cut off before the next one is
+    /// written.
     whole_bytes: u64,
-    /// The document that it is to start from, until its first line is written.
+    /// The document from which the journal starts, until the first line is written.
     start: Option<DocumentHash>,
 }
 
 impl Journal {
-    /// Opens a journal of which `whole_bytes` are to be kept, or creates it.
+    /// Opens a journal and keeps its first `whole_bytes` bytes, or creates it.
     pub fn open(path: &Path, whole_bytes: u64) -> io::Result<Self> {
         let file = calls::open(path)?;
         calls::flush_folder(folder_of(path))?;
@@ -197,21 +199,20 @@ impl Journal {
         })
     }
 
-    /// Whether the journal is where a reader looks for it: neither it nor its folder was moved or
-    /// deleted.
+    /// Whether a reader would find the journal: neither it nor its folder was moved or deleted.
     pub fn is_in_place(&self) -> bool {
         is_at(&self.file, &self.path)
     }
 
-    /// Starts anew from a document that holds everything. Where the disk refuses it now, the next
-    /// edit begins with it.
+    /// Empties the journal; it then starts from `document`, which contains all edits. If the write
+    /// fails, the next one repeats it.
     pub fn restart(&mut self, document: &DocumentHash) -> io::Result<()> {
         self.whole_bytes = 0;
         self.start = Some(document.clone());
         self.write("")
     }
 
-    /// Appends edits; they are on disk when this returns.
+    /// Appends edits and flushes them to disk.
     pub fn append(&mut self, edits: &[Edit]) -> io::Result<()> {
         let lines: io::Result<Vec<String>> = edits
             .iter()
@@ -220,13 +221,14 @@ impl Journal {
         self.write(&lines?.concat())
     }
 
-    /// Announces the document that will hold every edit so far.
+    /// Announces the document that will contain all edits so far.
     pub fn announce(&mut self, document: &DocumentHash) -> io::Result<()> {
         self.write(&line(&Record::Saving {
             document_sha256: document.clone(),
         })?)
     }
 
+    /// Appends lines and flushes them, after the first line if that is still to be written.
     fn write(&mut self, lines: &str) -> io::Result<()> {
         let start = self.start.clone().map(|document_sha256| Record::Journal {
             version: JOURNAL_VERSION,
@@ -236,7 +238,7 @@ impl Journal {
         calls::truncate(&mut self.file, self.whole_bytes)?;
         calls::write_all(&mut self.file, lines.as_bytes())?;
         calls::flush_data(&self.file, &self.path)?;
-        // A damaged tail cannot be recovered; the next line overwrites it.
+        // A deleted or moved file accepts writes that no reader would find.
         if !self.is_in_place() {
             return Err(io::ErrorKind::NotFound.into());
         }

@@ -1,20 +1,20 @@
-//! Checksummed lines of JSON, as the journal and the history file hold them: `length crc32 json\n`,
-//! length and checksum in eight hexadecimal digits.
+//! Checksummed lines of JSON, the format of the journal and the history file: `length crc32
+//! json\n`, with length (bytes of the JSON) and checksum in eight hexadecimal digits each.
 
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// Length and checksum, each followed by a space.
+/// Length of `length crc32 `, bytes.
 const PREFIX_BYTES: usize = 18;
 
-/// A value as a line.
+/// Serialises a record as a line.
 pub(super) fn line(record: &impl Serialize) -> io::Result<String> {
     let json = serde_json::to_string(record)?;
     Ok(prefix(json.as_bytes()) + &json + "\n")
 }
 
-/// A value as a line of at most `most_bytes` bytes; none if it does not fit. What does not fit is
-/// not written out to its end.
+/// Serialises a record as a line of at most `most_bytes` bytes; none if it is longer. Serialisation
+/// stops at the limit.
 pub(super) fn line_within(
     record: &impl Serialize,
     most_bytes: usize,
@@ -35,7 +35,7 @@ pub(super) fn line_within(
     }
 }
 
-/// Bytes that refuse to grow beyond their room.
+/// A buffer with a maximum size. A write beyond it is an error.
 struct Bounded {
     bytes: Vec<u8>,
     room: usize,
@@ -55,7 +55,8 @@ impl Write for Bounded {
     }
 }
 
-/// The first whole line of some bytes: its JSON and its length in bytes.
+/// The JSON of the first line, and the line's length in bytes. None if the line is incomplete or
+/// its checksum is wrong.
 pub(super) fn first_line(bytes: &[u8]) -> Option<(&[u8], usize)> {
     let digits = std::str::from_utf8(bytes.get(..8)?).ok()?;
     let end = PREFIX_BYTES.checked_add(usize::from_str_radix(digits, 16).ok()?)?;

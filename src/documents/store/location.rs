@@ -1,4 +1,4 @@
-//! Where a document lies.
+//! The location of a document.
 
 use super::StoreError;
 use super::atomic::{folder_of, with_suffix};
@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 pub use touchline_core::files::{PROJECT_FILE, PROJECT_SUFFIX};
 
-/// Where a document lies: a file, and the folder that its relative paths start from.
+/// A document's file, and the folder to which its relative paths refer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
     file: PathBuf,
@@ -17,7 +17,7 @@ impl Location {
     /// Finds an existing document: a project folder, its `project.json`, or a dataset file.
     ///
     /// # Errors
-    /// There is no such file or folder, or the folder holds no project.
+    /// The file or folder does not exist, or the folder contains no project.
     pub fn find(path: &Path) -> Result<Self, StoreError> {
         let io = |source| StoreError::from_io("find", path, source);
         let mut file = path.to_path_buf();
@@ -37,11 +37,11 @@ impl Location {
         })
     }
 
-    /// Where a new document is to lie: in a folder that exists or is named with a final separator
-    /// as `project.json`, else in the file. The folder is made.
+    /// The location of a new document: `project.json` in a folder that exists or that is named with
+    /// a final separator, otherwise the file at `path`. Creates the folder.
     ///
     /// # Errors
-    /// The folder that is to hold it does not exist and cannot be made.
+    /// The document's folder does not exist and cannot be created.
     pub fn for_new_document(path: &Path) -> Result<Self, StoreError> {
         let text = path.to_string_lossy();
         let file = if path.is_dir() || text.ends_with(std::path::is_separator) {
@@ -59,8 +59,8 @@ impl Location {
         };
         let file = folder.join(name);
         if file.is_symlink() {
-            // The document behind a link keeps its journal and its relative paths where it is
-            // found.
+            // The document is the target of the link. Its journal lies beside the target, and its
+            // relative paths start there.
             let file = fs::canonicalize(&file)
                 .map_err(|source| StoreError::from_io("follow the link", &file, source))?;
             return Ok(Self { file });
@@ -68,7 +68,7 @@ impl Location {
         Ok(Self { file })
     }
 
-    /// Whether both are one document, by whatever path: then they share a lock.
+    /// Whether both are the same document, by any path. If so, their lock files are the same file.
     #[must_use]
     pub fn is_same_document(&self, other: &Self) -> bool {
         self.file == other.file || is_same_file(&self.lock(), &other.lock())
@@ -80,13 +80,13 @@ impl Location {
         &self.file
     }
 
-    /// The folder that the document's relative paths start from.
+    /// The folder to which the document's relative paths refer.
     #[must_use]
     pub fn folder(&self) -> &Path {
         folder_of(&self.file)
     }
 
-    /// What people call the document: the folder's name for a project, else the file's.
+    /// The document's name for the user: the folder's name for a project, otherwise the file's.
     #[must_use]
     pub fn name(&self) -> String {
         let name = self.file.file_name().unwrap_or_default();
@@ -98,25 +98,25 @@ impl Location {
         name.to_string_lossy().into_owned()
     }
 
-    /// The journal beside the document.
+    /// Path of the journal: the edits since the document was last written.
     #[must_use]
     pub fn journal(&self) -> PathBuf {
         with_suffix(&self.file, ".journal")
     }
 
-    /// The steps beside the document that can be undone and redone.
+    /// Path of the history: the steps that can be undone and redone.
     #[must_use]
     pub fn history(&self) -> PathBuf {
         with_suffix(&self.file, ".history")
     }
 
-    /// The last version of the document.
+    /// Path of the backup: the version before the last write.
     #[must_use]
     pub fn backup(&self) -> PathBuf {
         with_suffix(&self.file, ".bak")
     }
 
-    /// The file that says that somebody has the document open.
+    /// Path of the lock: a program that has the document open for writing locks this file.
     #[must_use]
     pub fn lock(&self) -> PathBuf {
         with_suffix(&self.file, ".lock")

@@ -1,4 +1,4 @@
-//! Locks a document for writing; a second program opens it read-only.
+//! Locks a document for writing. A second program can only read it.
 
 use super::ReadOnly;
 use super::{Location, calls, file_id::is_at};
@@ -6,11 +6,12 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Read};
 use std::path::PathBuf;
 
-/// How often the lock is tried again when its holder takes the file away in between.
+/// Maximum number of attempts, if the previous owner deletes the lock file between opening and
+/// locking it.
 const ATTEMPTS: usize = 10;
 
-/// Held while a document is open for writing; the system frees it when the program ends, however it
-/// ends. Its file goes with it, unless the program was killed.
+/// An exclusive lock on a document's lock file. The system releases it when the process ends, even
+/// after a crash. Dropping it deletes the file; a killed process leaves the file unlocked.
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
@@ -18,7 +19,7 @@ pub(super) struct Lock {
 }
 
 impl Lock {
-    /// Whether the lock still guards its document: its file was neither moved nor deleted.
+    /// Whether the lock still protects its document: the lock file was neither moved nor deleted.
     pub(super) fn is_in_place(&self) -> bool {
         is_at(&self.file, &self.path)
     }
@@ -26,7 +27,7 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Elsewhere an open file cannot be taken away, and one that stays does no harm.
+        // On other systems an open file cannot be deleted. A file that stays does no harm.
         if cfg!(unix)
             && self.is_in_place()
             && let Err(error) = fs::remove_file(&self.path)
@@ -36,7 +37,7 @@ impl Drop for Lock {
     }
 }
 
-/// Takes the lock of a document, or says why it must stay unwritten.
+/// Locks a document for writing, or returns the reason why it is read-only.
 pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
     let not_writable = |error: &io::Error| ReadOnly::NotWritable {
         reason: error.to_string(),
@@ -57,7 +58,7 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
                 write_holder(&mut file).map_err(|error| not_writable(&error))?;
                 return Ok(Lock { path, file });
             }
-            // The last holder took the file away between opening and locking it.
+            // The previous owner deleted the file between opening and locking. Try again.
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 return Err(ReadOnly::OpenElsewhere {
@@ -72,14 +73,16 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
     })
 }
 
+/// Writes the process number into the lock file, so that a second program can name the first.
 fn write_holder(file: &mut File) -> io::Result<()> {
     calls::truncate(file, 0)?;
     calls::write_all(file, format!("process {}", std::process::id()).as_bytes())
 }
 
+/// Reads the name of the process that has the lock.
 fn read_holder(file: &mut File) -> String {
     let mut text = String::new();
-    // On some systems a locked file cannot be read; then the other program is not named.
+    // On some systems a locked file cannot be read. Then the message names no process.
     let read = file.take(80).read_to_string(&mut text);
     if read.is_ok() && !text.trim().is_empty() {
         text.trim().to_owned()

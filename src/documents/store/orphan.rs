@@ -1,5 +1,6 @@
-//! What is set aside beside a document that another program replaced, journals and what windows
-//! held: the edits are found again and joined with what is there.
+//! Orphans: edits that were set aside beside a document because another program replaced it. They
+//! are journals (`.journal.orphan-N`) or own versions (`.mine-N`), and can be merged into the
+//! document or saved as a document.
 
 use super::atomic::{file_name, folder_of, set_aside, write_new_as};
 use super::journal::{JournalContent, Pending, hash_of};
@@ -10,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use touchline_core::files::read_regular;
 
-/// The edits that are set aside beside a document.
+/// Lists the orphans beside a document.
 #[must_use]
 pub fn orphans(location: &Location) -> Vec<Orphan> {
     siblings(location)
@@ -19,7 +20,7 @@ pub fn orphans(location: &Location) -> Vec<Orphan> {
         .collect()
 }
 
-/// A file beside a document as it is listed; none where it is something else.
+/// Lists one file; none if it is not an orphan.
 fn list_orphan(location: &Location, path: PathBuf) -> Option<Orphan> {
     if is_own_version(location, &path) {
         list_own_version(path)
@@ -35,7 +36,7 @@ fn is_journal(location: &Location, path: &Path) -> bool {
     file_name(path).starts_with(&(file_name(&location.journal()) + ".orphan-"))
 }
 
-/// As it is listed; none where it holds no edit.
+/// Lists a journal; none if it contains no edit.
 fn list_journal(path: PathBuf) -> Option<Orphan> {
     let edits: Vec<String> = JournalContent::parse(&read_regular(&path).ok()?)
         .edit_names()
@@ -43,8 +44,8 @@ fn list_journal(path: PathBuf) -> Option<Orphan> {
     (!edits.is_empty()).then_some(Orphan { path, edits })
 }
 
-/// Reads an orphan, and looks for the document that it starts from among the versions beside the
-/// document.
+/// Reads an orphan. The document from which its edits start is looked for among the versions beside
+/// the document.
 ///
 /// # Errors
 /// It cannot be read.
@@ -54,6 +55,7 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
     }
     let bytes =
         read_regular(orphan).map_err(|source| StoreError::from_io("read", orphan, source))?;
+    // A base is any version of the document: the file, its backup, or a copy that was set aside.
     let own = [
         location.journal(),
         location.history(),
@@ -84,10 +86,11 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
     })
 }
 
-/// Writes what an orphan's edits lead to as a document of its own beside the document; where.
+/// Writes the document to which an orphan's edits lead, as a new file beside the document. Returns
+/// its path.
 ///
 /// # Errors
-/// The orphan or the document cannot be read, or nothing can be written there.
+/// The orphan or the document cannot be read, or the new file cannot be written.
 pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreError> {
     let edits = read_orphan(location, orphan)?;
     let document = match edits.result() {
@@ -103,7 +106,8 @@ pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreE
         .map_err(|source| StoreError::from_io("write", file, source))
 }
 
-/// Puts an orphan away whose edits are in the document; the file stays, under another name.
+/// Renames an orphan after its edits were merged into the document, so that it is no longer listed.
+/// Returns the new path.
 ///
 /// # Errors
 /// It cannot be renamed.
@@ -113,14 +117,14 @@ pub fn put_orphan_away(location: &Location, orphan: &Path) -> Result<PathBuf, St
         return set_aside(&location.journal(), orphan, "merged").map_err(io);
     }
     let renamed = set_aside(location.file(), orphan, "merged").map_err(io)?;
-    // Only the way back to the base is lost.
+    // The base is needed for merging only, which is done.
     if let Err(error) = fs::remove_file(base_of(orphan)) {
         log::warn!("{}: {error}", base_of(orphan).display());
     }
     Ok(renamed)
 }
 
-/// The files beside a document, by name.
+/// The paths in the document's folder, sorted by name.
 fn siblings(location: &Location) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder_of(location.file()))
         .into_iter()

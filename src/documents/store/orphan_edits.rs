@@ -1,30 +1,30 @@
-//! Edits that were set aside, as they are listed and as they are joined with a document.
+//! Edits that were set aside: the entry in a list, and the content that is merged with a document.
 
 use crate::document::{Document, Edit, Merged, graft, merge};
 use std::path::PathBuf;
 
-/// Edits that were set aside because they start from another document than the one beside them.
+/// Edits that were set aside because they start from a document other than the present one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Orphan {
-    /// Their journal, or what a window held.
+    /// Their file: a journal, or an own version.
     pub path: PathBuf,
-    /// The names of its edits, oldest first.
+    /// The names of the edits, oldest first.
     pub edits: Vec<String>,
 }
 
-/// The edits of an orphan, and the document they start from, where one of the versions beside the
-/// document is it.
+/// The content of an orphan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrphanEdits {
-    /// The document that the edits start from.
+    /// The document from which the edits start; none if it is not among the versions beside the
+    /// document.
     pub base: Option<Document>,
     /// The edits, oldest first.
     pub edits: Vec<Edit>,
 }
 
 impl OrphanEdits {
-    /// Joins the edits with a document. Where it is not known what they start from, the frames that
-    /// people edited take the place of those in the document.
+    /// Merges the edits with a document: a three-way merge if the base is known. Otherwise frames
+    /// that the user edited replace those in the document.
     #[must_use]
     pub fn merged_into(&self, document: &Document) -> Merged {
         match self.document() {
@@ -33,12 +33,13 @@ impl OrphanEdits {
         }
     }
 
-    /// The document that the edits lead to; none where it is not known what they start from.
+    /// The document to which the edits lead; none if the base is unknown.
     pub fn result(&self) -> Option<Document> {
         self.document().map(|(_, ours)| ours)
     }
 
-    /// The document that the edits start from, and the one they lead to as far as they fit.
+    /// The base, and the document to which the edits lead. Edits from the first that does not apply
+    /// are left out.
     fn document(&self) -> Option<(&Document, Document)> {
         let base = self.base.as_ref()?;
         let mut ours = base.clone();

@@ -1,9 +1,9 @@
-//! What a window held when another program changed the document under it: kept beside the document
-//! as `project.json.mine-N`, with the state that both versions started from as
-//! `project.json.mine-N.base`, so that it can be merged later.
+//! Own versions: the document of this program, kept beside a document that another program changed
+//! meanwhile, so that both can be merged later. It is written as `project.json.mine-N`, and the
+//! common base of both versions as `project.json.mine-N.base`.
 //!
-//! The journal cannot do that: it holds only the edits since the document was last written whole,
-//! and starts from a version that is on disk no more.
+//! The journal cannot replace it: it contains only the edits since the document was last written
+//! whole, and starts from a version that is no longer on disk.
 
 use super::atomic::{file_name, with_suffix, write_atomically, write_new_as};
 use super::journal::{DocumentHash, hash_of};
@@ -13,23 +13,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use touchline_core::files::read_regular;
 
-/// What stands between the document's name and the number.
+/// The word between the document's name and the number.
 const WORD: &str = "mine";
-/// What stands behind the number in the name of the state that both versions started from.
+/// The suffix of the common base.
 const BASE: &str = ".base";
 
-/// What the window holds, as it was written beside the document.
+/// The own version, as written beside the document.
 #[derive(Debug)]
 pub(super) struct OwnVersion {
     orphan: Orphan,
     hash: DocumentHash,
-    /// It holds every edit of the journal.
+    /// Whether it contains all edits of the journal.
     pub is_whole: bool,
 }
 
 impl OwnVersion {
-    /// Writes what a window holds; in place of what it wrote earlier, if that is still there. None
-    /// where it holds nothing that the base has not.
+    /// Writes the own version. Replaces the `earlier` one if its file still exists. None if `own`
+    /// has no edit that `base` lacks.
     pub fn write(
         earlier: Option<Self>,
         location: &Location,
@@ -65,17 +65,17 @@ impl OwnVersion {
         }))
     }
 
-    /// As it is listed among the edits that were set aside.
+    /// Its entry in the list of orphans.
     pub fn as_orphan(&self) -> Orphan {
         self.orphan.clone()
     }
 
-    /// Of its bytes.
+    /// The hash of its file.
     pub const fn hash(&self) -> &DocumentHash {
         &self.hash
     }
 
-    /// Takes it away: the document holds it.
+    /// Deletes the files, after the document was written with its edits.
     pub fn remove(self) {
         for path in [base_of(&self.orphan.path), self.orphan.path] {
             if let Err(error) = fs::remove_file(&path) {
@@ -85,7 +85,7 @@ impl OwnVersion {
     }
 }
 
-/// Whether a file beside a document is what a window held.
+/// Whether a file beside a document is an own version.
 pub(super) fn is_own_version(location: &Location, path: &Path) -> bool {
     let prefix = format!("{}.{WORD}-", file_name(location.file()));
     let name = file_name(path);
@@ -93,7 +93,8 @@ pub(super) fn is_own_version(location: &Location, path: &Path) -> bool {
         .is_some_and(|number| number.parse::<u32>().is_ok())
 }
 
-/// Reads what a window held, and the state that it started from.
+/// Reads an own version as a single edit from its base. Without the base file, the edit starts from
+/// a document without frames and cameras.
 pub(super) fn read_own_version(path: &Path) -> Result<OrphanEdits, StoreError> {
     let own = read_version(path)?;
     let base = read_version(&base_of(path)).ok();
@@ -108,8 +109,7 @@ pub(super) fn read_own_version(path: &Path) -> Result<OrphanEdits, StoreError> {
     })
 }
 
-/// As it is listed; none where it cannot be read, or holds nothing that the state has not that it
-/// started from.
+/// Its entry in the list of orphans; none if it cannot be read or has no edit that its base lacks.
 pub(super) fn list_own_version(path: PathBuf) -> Option<Orphan> {
     let own = read_version(&path).ok()?;
     let edits = names_of_edits(
@@ -119,7 +119,7 @@ pub(super) fn list_own_version(path: PathBuf) -> Option<Orphan> {
     (!edits.is_empty()).then_some(Orphan { path, edits })
 }
 
-/// The file with the state that a version started from.
+/// The path of an own version's base.
 pub(super) fn base_of(path: &Path) -> PathBuf {
     with_suffix(path, BASE)
 }
@@ -134,7 +134,7 @@ fn read_version(path: &Path) -> Result<Document, StoreError> {
     })
 }
 
-/// What a version starts from where that is not known.
+/// The assumed base of an own version without a base file.
 fn without_frames(own: &Document) -> Document {
     Document {
         cameras: Vec::new(),
@@ -143,7 +143,7 @@ fn without_frames(own: &Document) -> Document {
     }
 }
 
-/// What people changed between the base and a version, for people; what is suggested is left out.
+/// Descriptions of the user's changes from `base` to `own`. Suggestions are left out.
 fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
     let [base, own] = [base, own].map(Document::without_suggestions);
     let mut names = Vec::new();

@@ -1,4 +1,4 @@
-//! Why a document can only be looked at.
+//! Reasons why a document is read-only.
 
 use std::fmt;
 
@@ -7,12 +7,12 @@ use std::fmt;
 pub enum ReadOnly {
     /// Another program has it open.
     OpenElsewhere {
-        /// Who, as far as it can be known: "process 4711".
+        /// The process, if known: "process 4711".
         holder: String,
     },
-    /// The file or its folder must not be written.
+    /// The file or its folder is not writable.
     NotWritable {
-        /// What the system says.
+        /// The system's reason.
         reason: String,
     },
 }

@@ -1,24 +1,24 @@
-//! From a document as its file has it to what its journal and the steps of earlier sessions make of
-//! it.
+//! Applies the journal's edits to the document of the file, and restores the steps of earlier
+//! sessions.
 
 use super::history_file::{HistoryFile, HistoryLeftOut};
 use super::journal::{DocumentHash, PendingEdits};
 use crate::document::{Document, Edit, EditMismatch, History};
 
-/// A document on its way through its journal.
+/// A document while the journal's edits are applied to it.
 pub(super) struct Replay {
     pub document: Document,
-    /// The same without suggestions: undo goes back and forth in it.
+    /// The document without suggestions, on which undo and redo work.
     edited: Document,
     pub history: History<Document>,
-    /// The names of the edits that were made.
+    /// The names of the applied edits.
     pub edits: Vec<String>,
-    /// Why steps of earlier sessions are left out.
+    /// Why the steps of earlier sessions are left out, if they are.
     pub left_out: Option<HistoryLeftOut>,
 }
 
 impl Replay {
-    /// A document as its file has it.
+    /// Starts from the document as it is in its file.
     pub fn new(document: Document) -> Self {
         let edited = document.without_suggestions();
         Self {
@@ -30,8 +30,9 @@ impl Replay {
         }
     }
 
-    /// Makes the edits that a document of this hash lacks, with the steps of earlier sessions where
-    /// the document is reached that they start from. An edit that does not fit ends it.
+    /// Applies the edits that the document with this hash lacks. The steps of `file` are restored
+    /// at the state from which they start: the file's document, or one that the journal announced.
+    /// Stops at an edit that does not apply, with its name and the mismatch.
     pub fn through(
         &mut self,
         pending: PendingEdits,
@@ -39,6 +40,8 @@ impl Replay {
         file: Option<&HistoryFile>,
     ) -> Result<(), (String, EditMismatch)> {
         let PendingEdits { edits, announced } = pending;
+        // The number of edits after which the document is the one that the steps start from. The
+        // latest announcement wins: the history was written just after it.
         let steps_at = file.and_then(|file| {
             let announced = announced
                 .iter()
@@ -51,6 +54,7 @@ impl Replay {
         if file.is_some() && steps_at.is_none() {
             self.left_out = Some(HistoryLeftOut::OtherDocument);
         }
+        // The steps, if they start from the document after `made` edits.
         let steps = |made: usize| file.filter(|_| steps_at == Some(made));
         let count = edits.len();
         for (made, edit) in edits.into_iter().enumerate() {
@@ -63,8 +67,7 @@ impl Replay {
         Ok(())
     }
 
-    /// Makes an edit in the document, and takes it for what it is to undo and redo. Nothing changes
-    /// if it does not fit.
+    /// Applies an edit, as a new step of the history. Nothing changes if it does not apply.
     fn make(&mut self, edit: Edit) -> Result<(), EditMismatch> {
         let (before, name, kind) = (self.document.clone(), edit.name.clone(), edit.kind.clone());
         edit.apply(&mut self.document)?;
@@ -76,6 +79,7 @@ impl Replay {
         Ok(())
     }
 
+    /// Replaces the history by the steps of earlier sessions, if there is a file with them.
     fn take_steps(&mut self, file: Option<&HistoryFile>) {
         if let Some(file) = file {
             (self.history, self.left_out) = file.history(&self.edited);

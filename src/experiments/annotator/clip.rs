@@ -1,5 +1,5 @@
-//! The clip that a simulated annotator labels: drawn under the worst conditions of live television,
-//! its truth exact.
+//! The synthetic clip that a simulated annotator labels: drawn under the worst conditions of live
+//! television, with exact ground truth.
 
 use crate::sets::{MOTION_FILE, RealMotion};
 use crate::{ExperimentError, ExperimentOptions};
@@ -19,31 +19,31 @@ use touchline_vision::synthetic::{
     drawn_clicks, stadium,
 };
 
-/// Seconds between frames: television's.
+/// Time between frames, s: 25 frames per second.
 const STEP_S: f64 = 0.04;
 
 /// 1-σ of a simulated click along x and along y, px.
 pub const CLICK_SIGMA_PX: f64 = 2.0;
 
-/// A drawn clip: its pictures in a folder of its own, and what is true of them.
+/// A synthetic clip: its pictures, in a temporary folder, and its ground truth.
 pub struct DrawnClip {
-    /// Where the motion comes from, in words.
+    /// Where the motion comes from, in words for the report.
     pub motion: &'static str,
-    /// The document without a camera on any frame; base and size of the field are known, no mask
-    /// covers the score.
+    /// The document. Its frames have no cameras yet; base and field size are known, and no mask
+    /// covers the score bug.
     pub document: Document,
-    /// What the pictures show.
+    /// The true field.
     pub field: FieldModel,
-    /// Each frame's camera.
+    /// The true camera of each frame.
     pub truth: Vec<PtzCamera>,
     folder: TempDir,
-    /// What covers the field in each frame, px: players and the score.
+    /// The boxes that hide the field in each frame, px: players and the score bug.
     hidden: Vec<Vec<PixelBox>>,
 }
 
 impl DrawnClip {
-    /// Draws it: along the published motion of a real camera, there and back as often as it takes,
-    /// if `data` holds it.
+    /// Draws the clip. If `data` contains the published motion of a real camera, the camera follows
+    /// that back and forth until there are enough frames; otherwise a synthetic operator moves it.
     ///
     /// # Errors
     /// The motion cannot be read, or a picture cannot be written.
@@ -63,6 +63,7 @@ impl DrawnClip {
         let real = data
             .map(|folder| RealMotion::read(&folder.join(MOTION_FILE)))
             .transpose()?;
+        // The published base refers to a field of this size.
         if real.is_some() {
             let [length_m, width_m] = RealMotion::FIELD_M;
             spec.params = BTreeMap::from([
@@ -80,7 +81,7 @@ impl DrawnClip {
         });
         let (base, path, motion) = match &real {
             Some(real) => {
-                // The published lens has no distortion: it gets that of the hard preset.
+                // The published camera has no distortion. Use that of the preset `hard`.
                 let base = CameraBase {
                     distortion: of_stand.distortion,
                     ..real.base
@@ -102,6 +103,7 @@ impl DrawnClip {
             reason: format!("cannot be written: {error}"),
         };
         let folder = TempDir::new().map_err(|error| unwritten(&std::env::temp_dir(), &error))?;
+        // Draws one frame and writes it as JPEG; returns the boxes that hide the field.
         let take = |(number, step): (usize, &PathStep)| -> Result<Vec<PixelBox>, ExperimentError> {
             let drawn = scene.render(
                 &PtzCamera::new(base, step.ptz),
@@ -115,7 +117,7 @@ impl DrawnClip {
             let file = file.map_err(|error| unwritten(folder.path(), &error))?;
             JpegEncoder::new_with_quality(file.as_file(), shoot.jpeg_quality)
                 .encode_image(&drawn.image)?;
-            // It goes with its folder.
+            // Keep it beyond this function; the folder's drop deletes it.
             file.keep()
                 .map_err(|error| unwritten(folder.path(), &error.error))?;
             progress();
@@ -128,6 +130,7 @@ impl DrawnClip {
         };
         let hidden: Result<Vec<_>, ExperimentError> =
             path.par_iter().enumerate().map(take).collect();
+        // The document as a user has it before the first click: base known, frames unlabelled.
         let mut document = Document::new(spec);
         let mut camera = Camera::new(CameraId::from("main"), size);
         camera.set_base(&base);
@@ -148,12 +151,13 @@ impl DrawnClip {
         })
     }
 
-    /// Where its pictures are.
+    /// The folder of the pictures.
     pub fn folder(&self) -> &Path {
         self.folder.path()
     }
 
-    /// The clicks of a person on a frame, as many landmarks as are asked for at most.
+    /// The clicks of an annotator on a frame: at most this number of landmarks that are visible,
+    /// each with normal noise.
     pub fn clicks(&self, frame: usize, landmarks: usize) -> Vec<Click> {
         let options = ClickOptions {
             landmarks,
@@ -178,7 +182,7 @@ impl DrawnClip {
     }
 }
 
-/// How many frames are drawn.
+/// Number of frames of the clip.
 pub const fn frame_count(options: &ExperimentOptions) -> usize {
     options.sized(800, 60)
 }
@@ -187,7 +191,7 @@ fn name(number: usize) -> String {
     format!("{number:04}.jpg")
 }
 
-/// A real motion there and back, until there are enough frames.
+/// A real motion back and forth, until there are enough frames.
 fn there_and_back(real: &RealMotion, count: usize) -> Vec<PathStep> {
     let last = real.ptz.len() - 1;
     let step = |number: usize| {
@@ -208,8 +212,9 @@ fn there_and_back(real: &RealMotion, count: usize) -> Vec<PathStep> {
     (0..count).map(step).collect()
 }
 
-/// How far off a camera shows what lies at the four corners of a picture, px: the ground, or what
-/// the stand is about as far away as.
+/// The distance between each corner of the picture and where `camera` shows the same world point,
+/// px. The point is the ground at that corner, or, if the ground is farther than [`STAND_M`] or not
+/// visible, a point of the stand at that distance. Infinite if `camera` does not see it.
 pub fn corners_apart_px(truth: &PtzCamera, camera: &PtzCamera, size: ImageSize) -> [f64; 4] {
     size.corners().map(|corner| {
         let place = truth.base().position_m;
@@ -224,5 +229,5 @@ pub fn corners_apart_px(truth: &PtzCamera, camera: &PtzCamera, size: ImageSize) 
     })
 }
 
-/// What is no ground is taken to be this far away, m.
+/// Assumed distance of the stand behind the field, m.
 const STAND_M: f64 = 150.0;

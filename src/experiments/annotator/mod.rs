@@ -1,5 +1,6 @@
-//! What each step of the program is worth to the person who labels: one drawn clip, labelled in
-//! several ways by a simulated annotator.
+//! How much each feature of the program saves an annotator: one synthetic clip, labelled in five
+//! ways by a simulated annotator. Each way is scored by the clicks that it needs and by the errors
+//! that remain.
 
 mod clip;
 mod ways;
@@ -17,17 +18,17 @@ use touchline_documents::document::{Frame, FramePtz};
 use touchline_documents::report::{Cell, Report, Table};
 use ways::{Labelled, Outcome, carried, forest, no_click, two_clicks};
 
-/// A camera whose picture is off by more at a corner is wrong, px at 1920 px width.
+/// A camera is wrong if its overlay is off by more than this at a corner, px at 1920 px width.
 const WRONG_PX: f64 = 10.0;
 
-/// Wrong cameras that state at least this confidence are certain and wrong.
+/// Wrong cameras with at least this confidence are counted separately.
 const CERTAIN: f64 = 0.95;
 
-/// A way of labelling by its name.
+/// The name of a way of labelling, and the function that labels with it.
 type Way<'a> = (&'a str, &'a dyn Fn() -> Result<Outcome, ExperimentError>);
 
-/// Labels a drawn clip in several ways; `motion` is the folder with the published motion of a real
-/// camera.
+/// Labels a synthetic clip in five ways. `motion` is the folder with the published motion of a real
+/// camera, if it is given.
 ///
 /// # Errors
 /// The motion cannot be read, or the pictures cannot be drawn.
@@ -68,6 +69,7 @@ pub fn run(
         ("confidence", "confidence"),
     ]);
     let mut times = Table::new(&[("way", "way of labelling"), ("seconds", "s")]);
+    // The ways of labelling, from two clicks on each frame to no click at all.
     let ways: [Way<'_>; 5] = [
         ("two clicks on every frame", &|| Ok(Ok(two_clicks(&clip)))),
         ("forest", &|| forest(&clip, false).map(Ok)),
@@ -85,6 +87,7 @@ pub fn run(
             name.into(),
             Cell::Number(begun.elapsed().as_secs_f64()),
         ]);
+        // A way may abstain. Then its row is empty, and the reason follows below the table.
         let mut row = match labelled {
             Ok(labelled) => {
                 let answers = answers(&clip, &labelled);
@@ -117,25 +120,29 @@ pub fn run(
     Ok(report)
 }
 
-/// What became of one frame.
+/// The result of one frame.
 struct Answer {
     frame: usize,
     is_clicked: bool,
-    /// How far the corners of the picture are off, px.
+    /// Errors of the overlay at the four corners, px.
     corners: [f64; 4],
     is_wrong: bool,
     confidence: Option<f64>,
-    /// The stated error at the worst corner, 1-σ, px.
+    /// The stated 1-σ of the overlay at the worst corner, px.
     sigma_px: Option<f64>,
-    /// The square of the error in stated sigmas; none where the base is not the true one.
+    /// The squared error in stated sigmas; none if the base is an estimate, because the stated
+    /// covariance then refers to another base.
     squared_sigmas: Option<f64>,
 }
 
+/// Compares the cameras of a labelled clip with the true ones. Frames without a camera are left
+/// out.
 fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
     let each = labelled.document.frames.iter().zip(&clip.truth).enumerate();
     each.filter_map(|(at, (frame, truth))| {
         let ptz = frame.ptz.as_ref().map(FramePtz::ptz)?;
-        // A base that was found is not the true one; what counts is where the picture is.
+        // If the base was estimated, pan and tilt are not comparable with the true ones. Errors in
+        // the picture are.
         let base = labelled
             .document
             .camera_of(frame)
@@ -162,6 +169,7 @@ fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
     .collect()
 }
 
+/// A row of the table: clicks, corner errors, coverage of the stated sigmas, wrong cameras.
 fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) -> Vec<Cell> {
     let wrong = || answers.iter().filter(|answer| answer.is_wrong);
     let certain = wrong()
@@ -194,7 +202,7 @@ fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) ->
     cells
 }
 
-/// Adds the frames that a way gave a camera, a row each.
+/// Adds a row for each frame with a camera.
 fn add_frames(table: &mut Table, name: &str, answers: &[Answer]) {
     for answer in answers {
         let worst = answer.corners.iter().copied().fold(0.0, f64::max);
@@ -209,7 +217,8 @@ fn add_frames(table: &mut Table, name: &str, answers: &[Answer]) {
     }
 }
 
-/// The square of a frame's error in its stated sigmas.
+/// The squared error (Mahalanobis) of a frame's pan, tilt and focal length, by its stated
+/// covariance.
 fn in_sigmas(frame: &Frame, ptz: Ptz, truth: Ptz) -> Option<f64> {
     let covariance = frame.solution.as_ref()?.covariance?;
     let error = Vec3::new(

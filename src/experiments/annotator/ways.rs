@@ -18,36 +18,36 @@ use touchline_documents::document::{Camera, Document, Frame, FrameStatus};
 use touchline_vision::media::FrameReader;
 use touchline_vision::relocalize::RelocalizeOptions;
 
-/// What came of a way of labelling.
+/// The result of a way of labelling.
 pub struct Labelled {
-    /// The document with the cameras that were found.
+    /// The document with the cameras found.
     pub document: Document,
-    /// Frames that the person clicked on.
+    /// The frames that were clicked.
     pub clicked: BTreeSet<usize>,
-    /// The person's clicks.
+    /// Number of clicks.
     pub clicks: usize,
 }
 
-/// What comes of a way of labelling: the clip labelled, or in words why the program does not dare
-/// to answer.
+/// The labelled clip, or the program's reason for abstaining.
 pub type Outcome = Result<Labelled, String>;
 
-/// A person looks at a frame again where its overlay may be off by more, 1-σ at the worst corner,
+/// The annotator checks a frame if the stated 1-σ of its overlay at the worst corner exceeds this,
 /// px.
 const DOUBTFUL_PX: f64 = 3.0;
 
-/// A person clicks on no more frames than this share.
+/// Maximum share of frames that are clicked.
 const MOST_CLICKED: f64 = 0.05;
 
-/// Frames beside the one in doubt that may be clicked in its place.
+/// If a frame shows too few landmarks, one of its neighbours up to this distance is clicked
+/// instead.
 const BESIDE: usize = 12;
 
-/// While a person labels for the forest, one frame in this many is asked for, as its neighbours
-/// look alike; all of them are in the end.
+/// While the forest learns, it is run on every n-th frame, because neighbours look alike. At the
+/// end it is run on all.
 const ASKED_MEANWHILE: usize = 8;
 
 impl Labelled {
-    /// Nothing yet.
+    /// The clip before the first click.
     pub fn nothing(clip: &DrawnClip) -> Self {
         Self {
             document: clip.document.clone(),
@@ -56,7 +56,8 @@ impl Labelled {
         }
     }
 
-    /// The person clicks a frame and accepts it; false where it does not show enough.
+    /// Clicks a frame, solves it and accepts it. False if it shows fewer than two landmarks or has
+    /// no solution.
     fn click(&mut self, clip: &DrawnClip, frame: usize, landmarks: usize) -> bool {
         let mut clicked = Frame::clone(&clip.document.frames[frame]);
         clicked.clicks = clip.clicks(frame, landmarks);
@@ -80,7 +81,8 @@ impl Labelled {
         true
     }
 
-    /// The person clicks the frame, or the nearest one to it that shows enough.
+    /// Clicks this frame, or the nearest one that shows enough. False if there is none within
+    /// [`BESIDE`].
     fn click_near(&mut self, clip: &DrawnClip, frame: usize, landmarks: usize) -> bool {
         let last = self.document.frames.len() - 1;
         let beside = |by: usize| {
@@ -94,8 +96,8 @@ impl Labelled {
             .any(|at| !self.clicked.contains(&at) && self.click(clip, at, landmarks))
     }
 
-    /// Where the program advises to label next, in the clip as if it had the frames at some places
-    /// alone.
+    /// The frame that the program advises to label next, if the clip consisted only of the frames
+    /// `places`.
     fn advised(&self, clip: &DrawnClip, places: &[usize]) -> Option<usize> {
         let frames = places
             .iter()
@@ -114,12 +116,13 @@ impl Labelled {
             .map(|next| places[next.frame])
     }
 
+    /// Whether the annotator has clicked the maximum share of frames.
     fn is_over(&self) -> bool {
         self.clicked.len() as f64 >= MOST_CLICKED * self.document.frames.len() as f64
     }
 
-    /// The frame that is most in doubt of those at some places: without a camera, or with the
-    /// largest stated error beyond what a person lets pass.
+    /// The frame among `places` that needs a check most: one without a camera, or the one with the
+    /// largest stated error above [`DOUBTFUL_PX`]. None if all are certain.
     fn most_doubtful(&self, places: impl IntoIterator<Item = usize>) -> Option<usize> {
         let doubt = |at: usize| {
             let frame = &self.document.frames[at];
@@ -134,7 +137,7 @@ impl Labelled {
             };
             (!self.clicked.contains(&at) && px > DOUBTFUL_PX).then_some((at, px))
         };
-        // Where several are without a camera, the middle of them.
+        // Of several frames without a camera, take the middle one: it is representative of the gap.
         let doubts: Vec<(usize, f64)> = places.into_iter().filter_map(doubt).collect();
         let worst = doubts.iter().map(|(_, px)| *px).fold(0.0, f64::max);
         let alike: Vec<usize> = doubts
@@ -155,8 +158,8 @@ pub fn two_clicks(clip: &DrawnClip) -> Labelled {
     labelled
 }
 
-/// The camera is carried from one clicked frame to all others; where that is in doubt, another
-/// frame is clicked.
+/// Clicks one frame in the middle and tracks its camera through the clip. While a frame is
+/// doubtful, clicks the worst one and tracks again.
 ///
 /// # Errors
 /// A picture cannot be read.
@@ -175,7 +178,7 @@ pub fn carried(clip: &DrawnClip) -> Result<Labelled, ExperimentError> {
     }
 }
 
-/// Carries the cameras that are known through the clip.
+/// Tracks the known cameras through the clip, and records the results.
 fn carry(
     clip: &DrawnClip,
     labelled: &mut Labelled,
@@ -200,13 +203,14 @@ fn carry(
     Ok(())
 }
 
-/// No click at all: the camera's place as well is found from the pictures. Nobody looks at a frame
-/// that is in doubt.
+/// No click at all: autocalibration estimates the base from the pictures, then the cameras are
+/// tracked. Doubtful frames are not checked.
 ///
 /// # Errors
 /// A picture cannot be read.
 pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
     let mut labelled = Labelled::nothing(clip);
+    // Delete the base that the other ways know.
     let camera = labelled.document.cameras[0].id.clone();
     let unknown = Camera::new(camera.clone(), labelled.document.cameras[0].image_size);
     labelled.document.cameras[0] = unknown.into();
@@ -227,11 +231,11 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
     }
 }
 
-/// Frames that are looked at where nothing is clicked.
+/// Number of frames that autocalibration samples.
 const LOOK_AT: usize = 40;
 
-/// Frames that teach a forest are labelled one after the other where the program advises it, until
-/// it is sure of every frame that is asked for meanwhile; then all are.
+/// Trains a forest. Labels frames one by one where the program advises it, until the forest is
+/// certain of every sampled frame; then runs it on all.
 ///
 /// # Errors
 /// A picture cannot be read.
@@ -259,8 +263,8 @@ pub fn forest(clip: &DrawnClip, is_snapped: bool) -> Result<Labelled, Experiment
     Ok(labelled)
 }
 
-/// The forest of what is labelled proposes the cameras of those frames at some places that nobody
-/// has decided on.
+/// Trains a forest on the labelled frames and runs it on the open ones among `places`. The line
+/// check judges its proposals; with `is_snapped`, they are aligned to the paint first.
 fn propose_some(
     clip: &DrawnClip,
     labelled: &mut Labelled,
@@ -277,6 +281,7 @@ fn propose_some(
         store,
     };
     let mut reader = FrameReader::new();
+    // Train a forest on all frames labelled so far.
     let training = TrainingFrames::of(&before, false);
     let studied = study(
         &pictures,
@@ -287,6 +292,7 @@ fn propose_some(
     .unwrap_or_default();
     let model = learn(&before, &studied, &options, &Progress::default())
         .map_err(|error| wrong(clip, &error))?;
+    // Run it on frames that the annotator has not decided on.
     let asked: Vec<usize> = places
         .iter()
         .copied()
@@ -297,6 +303,7 @@ fn propose_some(
         ControlFlow::Continue(propose(&before, frame, found, (&model, 0), &asking))
     });
     let mut proposals = proposals.unwrap_or_default();
+    // Check the proposals against the painted lines, and record those that remain.
     let at = before.at(clip.folder());
     let evidence = LineEvidence::of(at, &mut reader, is_snapped)?;
     evidence.judge(at, &mut reader, &mut proposals, asking.pose.min_confidence);

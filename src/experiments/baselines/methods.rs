@@ -1,4 +1,4 @@
-//! The methods that the forest is compared with, each as strong as it is known to be.
+//! The baselines, each in its strongest known form.
 
 use crate::matching::{DescriptorRows, Nearest, nearest};
 use crate::ransac::{Match, agreeing, by_four_points, through};
@@ -11,15 +11,15 @@ use touchline_vision::relocalize::{
     PoseOptions, PredictOptions, RayCandidate, RayMatches, pose_from_candidates,
 };
 
-/// A match counts if the nearest descriptor is nearer than this share of the second nearest (Lowe
-/// 2004), squared.
+/// Ratio test (Lowe 2004): a match is accepted if its distance is below this share of the
+/// second-nearest's, squared.
 const RATIO_SQUARED: f32 = 0.8 * 0.8;
-/// References that are verified: those with most matches.
+/// Number of references that are verified geometrically: those with most matches.
 const VERIFIED: usize = 5;
-/// Fewer matches make no homography.
+/// Minimum number of matches for a homography.
 const LEAST: usize = 4;
 
-/// A frame whose camera is known, ready to be matched to.
+/// A reference frame, prepared for matching.
 pub struct Reference<'a> {
     pub known: &'a KnownFrame,
     pub rows: DescriptorRows,
@@ -34,16 +34,16 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// A picture with its features' nearest neighbours in some references.
+/// A test frame and the nearest neighbours of its features in each reference.
 pub struct Matched<'a> {
     pub asked: &'a KnownFrame,
-    /// A list for each reference.
+    /// One list for each reference.
     pub nearest: Vec<Vec<Nearest>>,
     pub seed: u64,
 }
 
 impl<'a> Matched<'a> {
-    /// Matches a picture to references.
+    /// Matches a frame to references.
     pub fn to(asked: &'a KnownFrame, references: &[Reference<'_>], seed: u64) -> Self {
         let rows = DescriptorRows::of(&asked.features.descriptors);
         let nearest = references
@@ -57,9 +57,9 @@ impl<'a> Matched<'a> {
         }
     }
 
-    /// The paper's baseline, made strong: of the five references with most matches the one whose
-    /// homography most matches agree with (four-point RANSAC), and the camera that it makes with
-    /// the reference's own. The base is not used.
+    /// The paper's baseline, strengthened. Of the five references with most matches, the one with
+    /// most inliers of a homography (four-point RANSAC) is chosen, and the camera follows from that
+    /// homography and the reference's camera. The base is not used.
     pub fn by_homography(&self, references: &[Reference<'_>]) -> Option<PtzCamera> {
         let verified = self
             .most_matches(references.len())
@@ -72,7 +72,7 @@ impl<'a> Matched<'a> {
                 let h = by_four_points(&pairs, &mut rng(self.seed, [71, at as u64])).0?;
                 Some((agreeing(&h, &pairs), at, h))
             });
-        // The first of equals, so that the order decides nothing else.
+        // Of equal counts take the first, so that the result is deterministic.
         let (_, at, h) = verified.max_by_key(|(count, at, _)| (*count, std::cmp::Reverse(*at)))?;
         camera_through(
             &references[at].known.truth,
@@ -82,8 +82,8 @@ impl<'a> Matched<'a> {
         )
     }
 
-    /// The same five references, each verified by two-point RANSAC with the known base; the camera
-    /// that most matches agree with.
+    /// The same five references, each verified by two-point RANSAC with the known base. The camera
+    /// with most inliers is chosen.
     pub fn by_known_base(
         &self,
         references: &[Reference<'_>],
@@ -110,8 +110,8 @@ impl<'a> Matched<'a> {
         Some(PtzCamera::new(base, ptz))
     }
 
-    /// Each feature's nearest neighbour among all references is its ray; then the pose from two
-    /// points.
+    /// The ray of each feature's nearest neighbour among all references, then the camera by
+    /// two-point RANSAC.
     pub fn by_neighbours(
         &self,
         references: &[Reference<'_>],
@@ -136,7 +136,7 @@ impl<'a> Matched<'a> {
         Some(PtzCamera::new(base, pose.ptz))
     }
 
-    /// Of the first references the few with most matches.
+    /// Of the first `references` references, the [`VERIFIED`] with most matches.
     fn most_matches(&self, references: usize) -> Vec<usize> {
         let count = |at: usize| {
             self.nearest[at]
@@ -149,7 +149,7 @@ impl<'a> Matched<'a> {
         order.into_iter().take(VERIFIED).map(|(_, at)| at).collect()
     }
 
-    /// Points of a reference, and where the picture shows them.
+    /// Matched pixels: in the reference (as `ground`) and in the test frame.
     fn pairs(&self, reference: &Reference<'_>, at: usize) -> Vec<Match> {
         let each = self.asked.features.keypoints.iter().zip(&self.nearest[at]);
         let good = each.filter(|(_, nearest)| passes_ratio(nearest));
@@ -186,8 +186,8 @@ fn push_ray(
     }
 }
 
-/// The camera of a picture into which a homography carries a reference's: from points of the ground
-/// in the reference.
+/// The camera of a frame, from its reference's camera and the homography `h` from reference to
+/// frame: ground points that the reference sees are mapped by `h`, and a pose is solved from them.
 fn camera_through(
     reference: &PtzCamera,
     h: &Mat3,
@@ -196,6 +196,7 @@ fn camera_through(
 ) -> Option<PtzCamera> {
     let size = asked.features.image_size;
     let (width, height) = (f64::from(size.width), f64::from(size.height));
+    // A grid over the lower part of the picture, where ground is likely.
     let grid = (0..5)
         .flat_map(|i| (0..4).map(move |j| (0.1 + 0.2 * f64::from(i), 0.35 + 0.2 * f64::from(j))));
     let carried = grid.filter_map(|(x, y)| {

@@ -1,6 +1,6 @@
-//! What the forest is compared with: matching to the best references and a homography (the paper's
-//! baseline), the same with the known base, and plain nearest neighbours among all references'
-//! features.
+//! Comparison of the forest with baselines, as a function of the number of references: matching to
+//! the best references with a homography (the paper's baseline), the same with the known base, and
+//! nearest neighbours among all references' features.
 
 mod methods;
 mod times;
@@ -23,7 +23,7 @@ use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Verdict};
 use touchline_vision::relocalize::{Forest, PoseOptions, SeenRange, relocalize};
 
-/// The methods: in files, and as the report names them.
+/// The methods: names in files and in the report.
 const METHODS: [(&str, &str); 5] = [
     ("homography", "best reference, homography"),
     ("known_base", "best reference, known base"),
@@ -38,26 +38,27 @@ const MARKS: [(Mark, Line); METHODS.len()] = [
     (Mark::Disc, Line::Solid),
     (Mark::Disc, Line::Dashed),
 ];
-/// Methods stand beside each other in the figure, this factor apart, so that their bars can be told
-/// apart.
+/// Factor between the horizontal positions of neighbouring methods in the figure, so that their
+/// error bars do not overlap.
 const ASIDE: f64 = 1.025;
-/// References of a split, from few to as many as there are.
+/// Numbers of references of a split.
 const COUNTS: [usize; 5] = [5, 10, 20, 40, 87];
 const QUICK_COUNTS: [usize; 2] = [5, 15];
 
-/// What was asked of each method, by the number of references.
+/// The results of each method, by the number of references.
 type ByCount = Vec<(usize, [Vec<AskedFrame>; METHODS.len()])>;
 
 /// Runs the experiment.
 ///
 /// # Errors
-/// The frames cannot be had.
+/// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let mut report = Report::new(
         "baselines",
         &sets[0].heading("Baselines: over the number of references"),
     );
+    // The numbers of references: at most as many as the largest split has.
     let splits = || sets.iter().flat_map(|set| &set.splits);
     let most = splits()
         .map(|split| split.training_frames.len())
@@ -88,6 +89,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         .iter()
         .map(|count| (*count, std::array::from_fn(|_| Vec::new())))
         .collect();
+    // Splits run one after the other, frames of a split in parallel.
     let total = splits().count();
     let mut done = 0;
     for (repeat, set) in sets.iter().enumerate() {
@@ -106,21 +108,21 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     Ok(report)
 }
 
-/// The numbers wanted, each at most as many as there are, each once.
+/// The numbers of references, limited to `most`, without repetition.
 fn no_more_than(most: usize, wanted: &[usize]) -> Vec<usize> {
     let mut counts: Vec<usize> = wanted.iter().map(|count| (*count).min(most)).collect();
     counts.dedup();
     counts
 }
 
-/// A split of a set among those of other seeds.
+/// A split of a set, and the set's index among those of other seeds.
 struct Place<'a> {
     set: &'a FrameSet,
     repeat: usize,
     split: usize,
 }
 
-/// Asks the frames of a split by each method, with each number of references.
+/// Runs all methods on the test frames of a split, with each number of references.
 fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
     let (set, split) = (place.set, &place.set.splits[place.split]);
     let mut order = split.training_frames.clone();
@@ -144,7 +146,7 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
     let asked: Vec<usize> = split.asked.iter().copied().step_by(stride).collect();
     let one = |&frame: &usize| -> Vec<[AskedFrame; METHODS.len()]> {
         let known = &set.frames[frame];
-        // Matched once to all: fewer references are the first of them.
+        // Match once to all references. Smaller numbers use the first of them.
         let matched = Matched::to(known, &references, set.seed.wrapping_add(frame as u64));
         let blank = AskedFrame::blank(set, place.repeat, place.split, frame);
         let answered = |camera: Option<PtzCamera>| {
@@ -189,6 +191,7 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
     }
 }
 
+/// Adds a table for each method, and the figure of all.
 fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
     let mut figure = Figure::new(
         "",
@@ -245,6 +248,7 @@ fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
     );
 }
 
+/// Adds the claims of the paper that are tested.
 fn claim(report: &mut Report, by_count: &ByCount, times: &times::Times) {
     if let Some((count, asked)) = by_count.last() {
         let iou = |method: usize| Tally::of(asked[method].iter()).iou_mean;

@@ -1,5 +1,5 @@
-//! The time of one frame over the number of references: all methods side by side, one after the
-//! other, in one run.
+//! The time of one frame as a function of the number of references. All methods are timed one after
+//! the other in one run.
 
 use super::methods::{Matched, Reference};
 use super::{MARKS, METHODS, no_more_than};
@@ -12,17 +12,17 @@ use touchline_documents::report::figure::{Axis, Figure, Series};
 use touchline_documents::report::{Cell, Column, Report, Table};
 use touchline_vision::relocalize::{PoseOptions, SeenRange, relocalize};
 
-/// Where times are taken.
+/// Numbers of references.
 const COUNTS: [usize; 7] = [5, 10, 20, 50, 100, 200, 500];
 const QUICK_COUNTS: [usize; 3] = [5, 20, 40];
-/// Frames whose times are taken.
+/// Number of frames that are timed.
 const ASKED: usize = 6;
 
-/// Median times (ms) of the methods by the number of references.
+/// Median times (ms) of the methods, by the number of references.
 pub type Times = Vec<(usize, [f64; METHODS.len()])>;
 
-/// Takes the times. References are the training frames of the first split, then frames of the sets
-/// with other seeds: other matches in other stadiums, which cost as much as those of the same one.
+/// Measures the times. References are the training frames of the first split, then frames of the
+/// sets with other seeds. These show other stadiums, but cost as much.
 pub fn measured(sets: &[FrameSet], quick: bool) -> Times {
     let Some((set, split)) = sets
         .first()
@@ -51,7 +51,9 @@ pub fn measured(sets: &[FrameSet], quick: bool) -> Times {
         .collect()
 }
 
+/// Median times (ms) of the methods with these references.
 fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f64; METHODS.len()] {
+    // Preparation is not timed: descriptors of references and trained forests are ready.
     let ready: Vec<Reference<'_>> = references
         .iter()
         .map(|known| Reference::of(known))
@@ -105,15 +107,16 @@ fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f6
     })
 }
 
-/// How many times as long a method takes with the most references as with the fewest that are at
-/// least a tenth of them.
+/// The growth of a method's time: the number of references to start from, the maximum number, and
+/// the ratio of the times. The start is the smallest number that is at least a tenth of the
+/// maximum.
 pub fn growth(times: &Times, method: usize) -> Option<(usize, usize, f64)> {
     let (most, last) = times.last()?;
     let (from, first) = times.iter().find(|(count, _)| 10 * count >= *most)?;
     Some((*from, *most, last[method] / first[method]))
 }
 
-/// Adds table and figure of the times.
+/// Adds the table and the figure of times.
 pub fn write(report: &mut Report, times: &Times) {
     let mut table = Table::new(&[("references", "references")]);
     table

@@ -1,5 +1,5 @@
-//! Nearest neighbours among descriptors, as the experiments' baselines match: beside OpenCV's brute
-//! force, both on one thread.
+//! Nearest neighbours of descriptors, as the experiments' baselines compute them, compared with
+//! OpenCV's brute force. Both run on one thread.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -13,7 +13,7 @@ use opencv::prelude::*;
 use touchline_experiments::{DescriptorRows, nearest};
 use touchline_vision::features::Descriptor;
 
-/// Features of a picture.
+/// Numbers of features in a picture.
 const COUNTS: [usize; 2] = [500, 1500];
 
 fn main() {
@@ -31,7 +31,7 @@ fn main() {
     divan::main();
 }
 
-/// Two pictures' descriptors. Large entries are rare, as in SIFT.
+/// Random descriptors of two pictures. Large entries are rare, as in SIFT.
 fn descriptors(count: usize) -> [Vec<Descriptor>; 2] {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut value = || {

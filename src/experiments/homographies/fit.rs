@@ -1,4 +1,4 @@
-//! Our seven-parameter camera fitted to a homography, and bases that several frames share.
+//! Fits our seven-parameter camera to homographies, and finds bases that several frames share.
 
 use super::read::SIZE;
 use rayon::prelude::*;
@@ -12,34 +12,36 @@ use touchline_core::solve::base::{
 };
 use touchline_core::solve::{Loss, Observation, pose_from_plane, refine};
 
-/// Points of the picture that are compared, along its sides.
+/// Grid of pixels, columns and rows, at which a homography is sampled.
 const GRID: [u32; 2] = [16, 9];
-/// With fewer points of the pitch in view a homography says too little.
+/// Minimum number of samples on the pitch. With fewer, the homography is too poorly determined.
 const FEWEST_POINTS: usize = 12;
-/// A base is tried on frames whose own position is at most so far from it, m: what a homography
-/// says of a camera's place is soft along the view.
+/// A base is tried only on frames with a fitted position within this distance, m. The distance is
+/// generous because a homography determines the position poorly along the viewing direction.
 const NEIGHBOURS_M: f64 = 12.0;
-/// How often a group's base is fitted again to the frames that agree with it.
+/// Maximum number of times that a group's base is fitted to the frames that agree with it.
 const ROUNDS: usize = 3;
 
-/// A frame's homography, seen through points of the pitch.
+/// A frame's homography, as correspondences between pitch and picture.
 #[derive(Clone, Debug)]
 pub struct Sampled {
-    /// Points of the pitch and their pixels, over all that the picture shows of the pitch.
+    /// Points of the pitch (m) and their pixels, over all of the pitch that the picture shows.
     points: Vec<(Vec2, ImagePoint)>,
 }
 
 /// A camera fitted to a frame's homography.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitted {
-    /// The camera: its base is its own, level but for the roll that it needs.
+    /// The camera. Its base is the frame's own, with an upright pan axis except for the roll that
+    /// the homography needs.
     pub camera: PtzCamera,
-    /// Root mean square distance from the homography over the visible pitch, px.
+    /// Root mean square distance between camera and homography over the visible pitch, px.
     pub rms_px: f64,
 }
 
 impl Sampled {
-    /// The points of the picture's grid that show the pitch; none with too few of them.
+    /// Samples the homography at the pixels of the grid that show the pitch. None with fewer than
+    /// [`FEWEST_POINTS`].
     pub fn new(view: &PlaneView, field: &FieldModel) -> Option<Self> {
         let [columns, rows] = GRID.map(f64::from);
         let (width, height) = (f64::from(SIZE.width), f64::from(SIZE.height));
@@ -59,7 +61,7 @@ impl Sampled {
         (points.len() >= FEWEST_POINTS).then_some(Self { points })
     }
 
-    /// The same points of the pitch where a camera shows them.
+    /// The same points of the pitch, at the pixels where a camera sees them.
     pub fn as_seen_by(&self, camera: &PtzCamera) -> Self {
         let shown = |(ground, _): &(Vec2, ImagePoint)| {
             Some((
@@ -81,7 +83,8 @@ impl Sampled {
         self.points.iter().enumerate().map(landmark).collect()
     }
 
-    /// How far a camera is from the homography, px; infinite where it does not see a point.
+    /// Root mean square distance between camera and homography, px; infinite if the camera does not
+    /// see a point.
     fn rms_px(&self, camera: &PtzCamera) -> f64 {
         let squares = self.points.iter().map(|(ground, image)| {
             let shown = camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0));
@@ -92,8 +95,8 @@ impl Sampled {
         (squares.sum::<f64>() / self.points.len() as f64).sqrt()
     }
 
-    /// Position, rotation and focal length: square pixels, principal point in the middle. None
-    /// where no camera sees the ground so.
+    /// Fits position, rotation and focal length, with square pixels and the principal point in the
+    /// middle. None if no camera above the ground gives this homography.
     pub fn fitted(&self, field: &FieldModel) -> Option<Fitted> {
         let principal = SIZE.centre();
         let pose = pose_from_plane(&self.points, principal).ok()?;
@@ -106,6 +109,7 @@ impl Sampled {
             principal,
             pose.focal_px,
         );
+        // Without priors on pitch and roll: the base has to explain a single frame exactly.
         let loose = BasePriors {
             pitch: Angle::from_degrees(1000.0),
             roll: Angle::from_degrees(1000.0),
@@ -134,7 +138,7 @@ impl Sampled {
         })
     }
 
-    /// The best pan, tilt and focal length under a base, from a start.
+    /// Fits pan, tilt and focal length under a fixed base, from `start`.
     fn pointed(&self, base: &CameraBase, start: Ptz) -> Fitted {
         let refined = refine(base, start, &self.observations(), Loss::Squared, None);
         let camera = PtzCamera::new(*base, refined.ptz);
@@ -145,15 +149,15 @@ impl Sampled {
     }
 }
 
-/// A flat pitch and a lens without distortion: what a homography can say.
+/// The model that corresponds to a homography: a flat pitch and no distortion.
 const PINHOLE: BaseModel = BaseModel {
     lens: LensModel::Pinhole,
     crown: CrownModel::Fixed(0.0),
     principal_point: None,
 };
 
-/// A camera as a base whose pan axis is as upright as its horizontal axis allows, and pan and tilt
-/// about that.
+/// Splits a rotation into a base and pan and tilt. The base's pan axis is as upright as the
+/// camera's horizontal axis allows: the vertical, projected perpendicularly to that axis.
 fn without_roll(
     cam_from_world: &Mat3,
     position_m: Vec3,
@@ -181,21 +185,22 @@ fn without_roll(
     )
 }
 
-/// Frames that one base explains.
+/// A base and the frames that it explains.
 #[derive(Clone, Debug)]
 pub struct SharedBase {
     /// The base.
     pub base: CameraBase,
-    /// Which frames.
+    /// Indices of the frames.
     pub frames: Vec<usize>,
 }
 
-/// Groups of frames within `within_px` of one base each, greedily, the largest first; every frame
-/// is in one group at most.
+/// Finds bases that explain several frames each, within `within_px` root mean square. Greedy,
+/// largest group first; each frame is in at most one group.
 ///
-/// Every frame's own position, with a level head and with one that leans as this frame does, is
-/// tried as the base of its neighbours; the one that most frames agree with is fitted again to
-/// them, they are taken out, and so on until no two frames agree.
+/// Candidates are the fitted positions of all frames, each with a level base and with the frame's
+/// own rotation. The candidate with most frames in agreement is adjusted to these jointly, and they
+/// are removed. This is repeated until no two frames agree. All candidates are tried once; only
+/// their lists of frames shrink.
 pub fn groups(
     field: &FieldModel,
     sampled: &[Sampled],
@@ -234,7 +239,7 @@ pub fn groups(
         .flat_map_iter(|&frame| start_bases(frame).map(try_base))
         .collect();
     let mut found = Vec::new();
-    // The first of equals, so that the order decides nothing else.
+    // Of equal groups take the first, so that the result is deterministic.
     while let Some((_, largest)) = tried
         .iter()
         .enumerate()
@@ -244,6 +249,7 @@ pub fn groups(
             break;
         }
         let mut group = largest.clone();
+        // Alternate between adjusting the base and collecting the frames that agree with it.
         for _ in 0..ROUNDS {
             let base = together(field, sampled, fitted, &group);
             let frames: Vec<usize> = left
@@ -266,7 +272,7 @@ pub fn groups(
     found
 }
 
-/// A group's base, adjusted to all of its frames.
+/// A group's base, adjusted jointly to all of its frames.
 fn together(
     field: &FieldModel,
     sampled: &[Sampled],
@@ -297,8 +303,8 @@ fn together(
     .base
 }
 
-/// How far each frame is from one base for all: the positions' median, a level head, pan, tilt and
-/// focal length its own.
+/// The residual of each frame (root mean square, px) under one level base at the median position,
+/// with pan, tilt and focal length fitted to the frame.
 pub fn under_one_base(sampled: &[Sampled], fitted: &[Fitted]) -> Vec<f64> {
     let middle = Vec3::from_fn(|axis, _| {
         let mut along: Vec<f64> = fitted
@@ -318,7 +324,7 @@ pub fn under_one_base(sampled: &[Sampled], fitted: &[Fitted]) -> Vec<f64> {
     sampled.par_iter().zip(fitted).map(of).collect()
 }
 
-/// Where a camera looks, as pan and tilt of a level base: a start for any base that leans little.
+/// Pan and tilt of the optical axis in a level base: a start for any base that is nearly level.
 fn level_ptz(camera: &PtzCamera) -> Ptz {
     let forward = camera.cam_from_world().row(2).transpose();
     Ptz {

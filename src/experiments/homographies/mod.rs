@@ -1,5 +1,5 @@
-//! Published homographies of broadcast frames: how well our camera describes them, and how many
-//! share a base.
+//! Published homographies of broadcast frames: how well our camera model fits them, and how many
+//! frames share a base.
 
 mod fit;
 mod read;
@@ -18,14 +18,14 @@ use touchline_core::score::{PlaneView, Summary};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Table};
 
-/// Frames agree with a base within these root mean square distances, px.
+/// Limits of the root mean square distance within which a frame agrees with a base, px.
 const WITHIN_PX: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
-/// The one used for the groups in the figures: about the noise of people's clicks at this width.
+/// The limit for the figures' groups: about the click noise of annotators at this width.
 const SHOWN_PX: f64 = 2.0;
-/// In a quick run one frame in this many is used.
+/// A quick run uses every n-th frame.
 const QUICK_STRIDE: usize = 8;
 
-/// A frame with its camera and how that scores.
+/// A frame, the camera fitted to its homography, and the scores of the fit.
 struct Scored {
     name: String,
     sampled: Sampled,
@@ -34,10 +34,10 @@ struct Scored {
     iou_whole: f64,
 }
 
-/// Runs the experiment on the homographies that a folder holds.
+/// Runs the experiment on the homographies in a folder.
 ///
 /// # Errors
-/// A file cannot be read, or no homography shows a camera.
+/// A file cannot be read, or no homography can be that of a camera.
 pub fn run(
     options: &ExperimentOptions,
     folder: &Path,
@@ -82,6 +82,7 @@ pub fn run(
         fit_table(&scored),
     );
     report.data("frames", "Every frame.", frame_table(&scored));
+    // Residuals of the fitted cameras, and under one base for all frames.
     let residuals: Vec<f64> = scored.iter().map(|scored| scored.fitted.rms_px).collect();
     let shared_residual = Axis::log("distance from the homography, root mean square (px)");
     let share = || Axis::linear("share of frames").within(0.0, 1.0);
@@ -111,6 +112,7 @@ pub fn run(
          bend, pitches that are higher in the middle and of another size than the template; each takes its share of the eighth \
          degree of freedom.",
     );
+    // Bases are sought twice: to explain the homographies, and to explain the fitted cameras.
     let by_camera: Vec<Sampled> = scored
         .iter()
         .map(|scored| scored.sampled.as_seen_by(&scored.fitted.camera))
@@ -190,6 +192,7 @@ pub fn run(
     Ok(report)
 }
 
+/// Fits a camera to a homography and scores it. None if no camera can have this homography.
 fn score(read: &Homographies, name: &str, image_from_ground: &Mat3) -> Option<Scored> {
     let view = PlaneView::new(image_from_ground, SIZE)?;
     let sampled = Sampled::new(&view, &read.field)?;
@@ -204,6 +207,7 @@ fn score(read: &Homographies, name: &str, image_from_ground: &Mat3) -> Option<Sc
     })
 }
 
+/// Statistics of the fit over all frames.
 fn fit_table(scored: &[Scored]) -> Table {
     let mut table = Table::new(&[
         ("measure", "measure"),
@@ -227,7 +231,7 @@ fn fit_table(scored: &[Scored]) -> Table {
             false,
         ),
     ] {
-        // Turned round, so that the worst lies at one end for all.
+        // Negated where more is better, so that the upper percentiles are the worst ones.
         let sign = if more_is_better { -1.0 } else { 1.0 };
         let values: Vec<f64> = scored.iter().map(|scored| sign * of(scored)).collect();
         let Some(summary) = Summary::of(&values, 0) else {
@@ -249,7 +253,7 @@ fn fit_table(scored: &[Scored]) -> Table {
     table
 }
 
-/// Every frame, a row each.
+/// A table with a row for each frame.
 fn frame_table(scored: &[Scored]) -> Table {
     let mut table = Table::new(&[
         ("frame", "frame"),
@@ -277,15 +281,15 @@ fn frame_table(scored: &[Scored]) -> Table {
     table
 }
 
-/// Where a frame stands in the order of the set, and how far back its camera.
+/// The position of each frame in the set (from 1), and its camera's y, m.
 fn placed(fitted: &[Fitted], frames: impl Iterator<Item = usize>) -> Vec<[f64; 2]> {
     frames
         .map(|frame| [(frame + 1) as f64, fitted[frame].camera.base().position_m.y])
         .collect()
 }
 
-/// Of the frames of groups the share beside one of their own in the order of the set, and what it
-/// would be if the groups were strewn over the set.
+/// Of the frames in groups, the share with a neighbour in the set's order that belongs to the same
+/// group; and the expected share for random orders.
 fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
     let mut group_of = vec![None; frames];
     for (number, group) in groups.iter().enumerate() {
@@ -302,7 +306,8 @@ fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
     let counted = (0..frames)
         .filter(|&frame| group_of[frame].is_some() && beside(frame))
         .count();
-    // Either of two neighbours may be one of the group's others.
+    // A frame has two neighbours; each belongs to the frame's group with probability (size − 1) /
+    // (frames − 1).
     let others = frames.saturating_sub(1).max(1) as f64;
     let by_chance = |group: &SharedBase| {
         let miss = 1.0 - (group.frames.len() - 1) as f64 / others;
@@ -315,7 +320,7 @@ fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
     )
 }
 
-/// What was sought and found: bases that frames agree with.
+/// The groups for one kind of data and one limit.
 struct Found {
     what: &'static str,
     within_px: f64,
@@ -323,6 +328,7 @@ struct Found {
     groups: Vec<SharedBase>,
 }
 
+/// Numbers of groups and of frames in them, for each limit.
 fn group_table(found: &[Found], frames: usize) -> Table {
     let mut table = Table::new(&[
         ("what", "agree with their"),
@@ -354,6 +360,7 @@ fn group_table(found: &[Found], frames: usize) -> Table {
     table
 }
 
+/// The positions of the cameras and of the groups' bases, from above.
 fn positions(fitted: &[Fitted], groups: &[SharedBase]) -> Figure {
     let alone = fitted
         .iter()

@@ -1,9 +1,10 @@
-//! Homographies of broadcast frames as they were published, in this program's world.
+//! Reads published homographies of broadcast frames.
 //!
-//! Two forms: one JSON file with all (`train_val.json`: template to picture, template 115 × 74
-//! yards), or a folder with a text file for each frame (`N.homographyMatrix`: picture to template,
-//! template 114.83 × 74.37 yards). Both templates begin at the far left corner and run down,
-//! towards the camera; both count pixels from the first pixel's centre.
+//! There are two forms: one JSON file with all frames (`train_val.json`: template to picture,
+//! template 115 × 74 yards), or a folder with a text file for each frame (`N.homographyMatrix`:
+//! picture to template, template 114.83 × 74.37 yards). In both, the template's origin is the far
+//! left corner and its y axis points towards the camera; pixel coordinates are 0 at the first
+//! pixel's centre. The results map world (m) to picture (px, corner convention).
 
 use crate::ExperimentError;
 use crate::given::MAX_GIVEN_BYTES;
@@ -18,27 +19,28 @@ use touchline_documents::exchange::template_from_ground;
 
 /// The file with all homographies.
 const JSON_FILE: &str = "train_val.json";
-/// What the name of a frame's own file ends with.
+/// The extension of a text file.
 const ENDING: &str = "homographyMatrix";
-/// The size of all pictures, px.
+/// Size of all pictures, px.
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
-/// The templates, length and width, yards.
+/// Length and width of the templates, yards.
 const JSON_TEMPLATE_YD: [f64; 2] = [115.0, 74.0];
 const TEXT_TEMPLATE_YD: [f64; 2] = [114.83, 74.37];
-/// From pixels that count from the first one's centre to corner coordinates, px.
+/// Offset from pixel coordinates with 0 at a pixel's centre to corner coordinates, px.
 const CORNER_FROM_CENTRE: f64 = 0.5;
 
-/// A published set.
+/// A published set of homographies.
 pub struct Homographies {
-    /// The field as its template has it.
+    /// The field, of the template's size.
     pub field: FieldModel,
-    /// The template, length and width, yards.
+    /// Length and width of the template, yards.
     pub template_yd: [f64; 2],
-    /// Frames by name: from the ground (world x and y, m) to the picture (px, corner convention).
+    /// Frames by name: the homography from the ground (world x and y, m) to the picture (px, corner
+    /// convention).
     pub frames: Vec<(String, Mat3)>,
 }
 
-/// Whether a folder holds homographies.
+/// Whether a folder contains homographies.
 pub fn holds_homographies(folder: &Path) -> bool {
     folder.join(JSON_FILE).is_file() || text_files(folder).is_ok_and(|files| !files.is_empty())
 }
@@ -46,7 +48,7 @@ pub fn holds_homographies(folder: &Path) -> bool {
 /// Reads the homographies of a folder.
 ///
 /// # Errors
-/// A file cannot be read, or holds something else.
+/// A file cannot be read or has another format.
 pub fn read_homographies(folder: &Path) -> Result<Homographies, ExperimentError> {
     let json = folder.join(JSON_FILE);
     let (template_yd, frames) = if json.is_file() {
@@ -94,6 +96,7 @@ fn wrong(path: &Path, reason: &dyn ToString) -> ExperimentError {
     }
 }
 
+/// Reads the JSON file: the frames' names and homographies from template to picture.
 fn read_json(path: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
     let text = read_named_text(path, MAX_GIVEN_BYTES).map_err(|error| wrong(path, &error))?;
     let file: JsonFile = serde_json::from_str(&text).map_err(|error| wrong(path, &error))?;
@@ -111,7 +114,7 @@ fn read_json(path: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
     }
 }
 
-/// The frames' own files, by number.
+/// The text files, sorted by their numbers.
 fn text_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
@@ -127,6 +130,7 @@ fn text_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
+/// Reads the text files and inverts their homographies to the direction from template to picture.
 fn read_text(folder: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
     let one = |path: PathBuf| {
         let text = read_named_text(&path, MAX_GIVEN_BYTES).map_err(|error| wrong(&path, &error))?;
@@ -163,8 +167,8 @@ mod tests {
 
     #[test]
     fn both_forms_mean_the_same_and_y_runs_down() {
-        // One template yard is ten pixels, its far left corner lies at (100, 50), from the first
-        // pixel's centre.
+        // A template yard is ten pixels; its far left corner is at (100, 50), measured from the
+        // first pixel's centre.
         let image_from_template = Mat3::new(10.0, 0.0, 100.0, 0.0, 10.0, 50.0, 0.0, 0.0, 1.0);
         let folder = tempfile::tempdir().unwrap();
         let rows: Vec<Vec<f64>> = image_from_template

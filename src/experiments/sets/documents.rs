@@ -1,4 +1,4 @@
-//! A user's own frames: documents for training and one for testing, or documents whose clips are
+//! A user's own frames: documents for training and one for testing, or the clips of each document
 //! tested against each other.
 
 use super::{FrameSet, KnownFrame, KnownPicture, SetKind, Split};
@@ -10,28 +10,29 @@ use touchline_documents::document::{Document, FrameStatus, Solution};
 use touchline_vision::features::FeatureOptions;
 use touchline_vision::media::FrameReader;
 
-/// A document with the folder that its paths start from.
+/// A document and the folder to which its paths refer.
 #[derive(Clone, Debug)]
 pub struct OwnDocument {
-    /// What people call it.
+    /// Its name in reports.
     pub name: String,
-    /// The document; what its solved frames hold is the truth.
+    /// The document. The cameras of its solved frames are the ground truth.
     pub document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     pub folder: PathBuf,
 }
 
 /// A user's own documents.
 #[derive(Clone, Debug)]
 pub struct OwnDocuments {
-    /// Their solved frames are used for training.
+    /// Documents with training frames: all that are solved.
     pub train: Vec<OwnDocument>,
-    /// Its solved frames are asked; none: the clips of each document are asked of its other clips.
+    /// The document with the test frames. If none, each clip of a training document is tested
+    /// against the other clips of its camera.
     pub test: Option<OwnDocument>,
 }
 
 impl OwnDocuments {
-    /// How many frames they hold.
+    /// Number of frames of all documents.
     #[must_use]
     pub fn frame_count(&self) -> usize {
         self.train
@@ -42,10 +43,10 @@ impl OwnDocuments {
     }
 }
 
-/// The frames of all documents, split by camera.
+/// Reads the frames of all documents and splits them by camera.
 ///
 /// # Errors
-/// A field is not valid, a picture cannot be read, or no frame could be asked of another.
+/// A field is not valid, a picture cannot be read, or no frame can be tested against another.
 pub fn of_own(
     own: &OwnDocuments,
     progress: &(dyn Fn() + Sync),
@@ -56,7 +57,7 @@ pub fn of_own(
     }
 }
 
-/// The solved frames of a document, and of each its camera and its clip.
+/// The solved frames of documents, with the camera and the clip of each.
 #[derive(Default)]
 pub(super) struct Gathered {
     pub frames: Vec<KnownFrame>,
@@ -65,7 +66,7 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
-    /// Adds the solved frames of a document with their features; where they stand.
+    /// Adds the solved frames of a document with their features. Returns their range of indices.
     pub fn add(
         &mut self,
         own: &OwnDocument,
@@ -106,7 +107,7 @@ impl Gathered {
             let warnings = frame.solution.iter().flat_map(Solution::warnings_of_frame);
             let warnings: Vec<&str> = warnings.map(|warning| warning.code.as_str()).collect();
             self.frames.push(KnownFrame {
-                // Where the file lies says nothing of the frame.
+                // The file's name without its folder, which identifies nothing.
                 name: frame
                     .name()
                     .rsplit('/')
@@ -133,18 +134,18 @@ impl Gathered {
         Ok(begin..self.frames.len())
     }
 
-    /// The cameras of some frames, each once, in their order.
+    /// The distinct cameras of some frames, in order of appearance.
     pub fn cameras(&self, range: Range<usize>) -> Vec<&str> {
         each_once(range.map(|index| self.cameras[index].as_str()))
     }
 
-    /// The clips of a camera's frames, each once, in their order.
+    /// The distinct clips of a camera's frames, in order of appearance.
     pub fn clips(&self, range: Range<usize>, camera: &str) -> Vec<&str> {
         let of_camera = range.filter(|&index| self.cameras[index] == camera);
         each_once(of_camera.map(|index| self.clips[index].as_str()))
     }
 
-    /// The frames of a camera, of these clips or not of them.
+    /// The frames of a camera in the clips for which `clip` is true.
     pub fn of_camera(
         &self,
         range: Range<usize>,
@@ -157,6 +158,7 @@ impl Gathered {
     }
 }
 
+/// Removes repeated names, and keeps the order.
 fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut found: Vec<&str> = Vec::new();
     for name in names {
@@ -167,7 +169,7 @@ fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     found
 }
 
-/// One document is asked of others.
+/// Tests the frames of one document against those of the others.
 fn of_two(
     train: &[OwnDocument],
     test: &OwnDocument,
@@ -208,7 +210,7 @@ fn of_two(
     })
 }
 
-/// Each clip is asked of the others of its camera.
+/// Tests each clip against the other clips of its camera.
 fn of_clips(
     documents: &[OwnDocument],
     progress: &(dyn Fn() + Sync),
@@ -218,6 +220,7 @@ fn of_clips(
     for own in documents {
         let range = gathered.add(own, progress)?;
         let cameras = gathered.cameras(range.clone());
+        // A camera with a single clip has nothing to be tested against.
         for camera in &cameras {
             let clips = gathered.clips(range.clone(), camera);
             if clips.len() < 2 {

@@ -1,4 +1,4 @@
-//! Pictures that are drawn, with everything about them that is known.
+//! Draws synthetic pictures with their ground truth.
 
 use super::{KnownFrame, KnownPicture};
 use crate::{ExperimentError, ExperimentOptions};
@@ -11,31 +11,31 @@ use touchline_vision::features::{FeatureOptions, Features, extract};
 use touchline_vision::media::{FrameReader, MediaError, Picture};
 use touchline_vision::synthetic::{Moment, PathStep, ShootOptions, Stadium};
 
-/// A picture that is to be drawn.
+/// A picture to be drawn.
 pub(super) struct Order<'a> {
     pub scene: &'a Stadium,
     pub moment: Moment,
     pub camera: PtzCamera,
     pub step: PathStep,
-    /// Chooses its noise, with the seed.
+    /// Its number. Together with the seed it determines the noise.
     pub number: usize,
-    /// Brightness beside what varies from frame to frame, stops.
+    /// Exposure in addition to that which varies from frame to frame, stops.
     pub exposure_ev: f64,
     pub shoot: &'a ShootOptions,
     pub size: ImageSize,
     pub seed: u64,
 }
 
-/// Whether features on players and graphics are kept.
+/// Whether features on players and graphics are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Players {
-    /// As a program has them that knows nothing of players.
+    /// Used: the program does not know where players are.
     Kept,
-    /// As a detector of players would leave them out.
+    /// Left out, as if a detector of players had found all of them.
     Masked,
 }
 
-/// The size of drawn pictures.
+/// Size of synthetic pictures.
 pub(super) fn picture_size(options: &ExperimentOptions) -> ImageSize {
     if options.quick {
         ImageSize::new(640, 360)
@@ -44,7 +44,7 @@ pub(super) fn picture_size(options: &ExperimentOptions) -> ImageSize {
     }
 }
 
-/// Draws the pictures, and finds their features.
+/// Draws the pictures and extracts their features.
 pub(super) fn take(
     orders: &[Order<'_>],
     players: Players,
@@ -78,7 +78,7 @@ pub(super) fn take(
             masks,
             is_masked: players == Players::Masked,
         };
-        // Features are those of the JPEG file, as a user's would be.
+        // Extract features from the compressed picture, as with a user's file.
         let decoded = as_picture(known.picture(&mut FrameReader::new())?)?;
         known.features = extract(&decoded, known.used_masks(), &FeatureOptions::default())?;
         progress();
@@ -87,10 +87,10 @@ pub(super) fn take(
     orders.par_iter().map(one).collect()
 }
 
-/// A picture as the detectors take it.
+/// Converts a picture for the feature detectors.
 ///
 /// # Errors
-/// It has no pixels.
+/// The picture has no pixels.
 pub fn as_picture(image: RgbImage) -> Result<Picture, MediaError> {
     let rgba = DynamicImage::from(image).into_rgba8();
     Picture::new(ImageSize::new(rgba.width(), rgba.height()), rgba.into_raw())

@@ -1,9 +1,9 @@
-//! Drawn sequences in the setting of the paper's highlights (its table 2).
+//! Synthetic sequences in the setting of the paper's highlights (table 2).
 //!
-//! One camera low behind a corner, the base of the published sequence; four sequences of two games,
-//! each within the pan, tilt and focal lengths that the table states. Spectators move from frame to
-//! frame and some are others from sequence to sequence, boards change, exposure changes. Players
-//! are in the pictures, and nothing says where.
+//! One camera is low behind a corner, at the base of the published sequence. There are four
+//! sequences of two games, each with the ranges of pan, tilt and focal length of the table.
+//! Spectators move from frame to frame; between sequences some spectators, boards and the exposure
+//! change. Players are visible and not masked.
 
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
@@ -20,19 +20,20 @@ use touchline_vision::synthetic::{
     CameraMotion, Moment, PathStep, Preset, ShootOptions, StadiumOptions, stadium,
 };
 
-/// Seconds between the frames of a sequence, between the beginnings of two, and to the second game.
+/// Time between the frames of a sequence, between the starts of sequences, and to the second game,
+/// s.
 const STEP_S: f64 = 0.8;
 const SEQUENCE_EVERY_S: f64 = 90.0;
 const SECOND_GAME_S: f64 = 5000.0;
-/// The first sequences are of one game, the others of another.
+/// The first two sequences are of one game, the others of another.
 const SEQUENCES_OF_FIRST_GAME: usize = 2;
-/// The shares of people and of boards that change.
+/// Shares of spectators and of boards that change between sequences, and between games.
 const FROM_SEQUENCE_TO_SEQUENCE: [f64; 2] = [0.1, 0.25];
 const FROM_GAME_TO_GAME: [f64; 2] = [0.9, 0.6];
-/// 1-σ of the exposure from sequence to sequence, stops.
+/// 1-σ of the exposure between sequences, stops.
 const EXPOSURE_SIGMA_EV: f64 = 0.35;
 
-/// The four sequences of table 2; each is asked of the other three.
+/// Draws the four sequences of table 2. Each is tested with the other three as references.
 ///
 /// # Errors
 /// This program was built without OpenCV, or a picture cannot be encoded.
@@ -51,6 +52,7 @@ pub fn highlights(
     });
     let [people_changed, boards_changed] = FROM_GAME_TO_GAME;
     let occasion = scene_seed(seed, 1);
+    // The second game is in the same stadium, with most spectators and boards replaced.
     let second = first.at(&Moment {
         occasion,
         people_changed,
@@ -112,18 +114,18 @@ pub fn highlights(
     })
 }
 
-/// How many frames a drawn sequence has.
+/// Number of frames of a synthetic sequence.
 pub fn frames_a_sequence(options: &ExperimentOptions) -> usize {
     options.sized(SEQUENCE_FRAMES, 6)
 }
 
-/// The seed of a scene: those of neighbouring seeds have none in common.
+/// The seed of a scene. Scenes of neighbouring seeds differ.
 pub(super) const fn scene_seed(seed: u64, scene: u64) -> u64 {
     seed.wrapping_mul(1_000).wrapping_add(11 + 100 * scene)
 }
 
-/// How broadcast frames of the paper's time look where a preset does not say more: motion blur, a
-/// lens not quite sharp, noise, coarse compression.
+/// The look of broadcast frames of the paper's time: motion blur, slight defocus, noise and strong
+/// compression. The preset `hard` has a look of its own.
 pub(super) fn broadcast(preset: Preset) -> ShootOptions {
     let shoot = ShootOptions {
         step_s: STEP_S,
@@ -142,7 +144,7 @@ pub(super) fn broadcast(preset: Preset) -> ShootOptions {
     }
 }
 
-/// The paper's field.
+/// The paper's field, 118 × 70 yards.
 fn paper_field() -> Result<FieldModel, ExperimentError> {
     let [length_m, width_m] = FIELD_YD.map(|side| side * 0.9144);
     let sides = BTreeMap::from([
@@ -152,7 +154,7 @@ fn paper_field() -> Result<FieldModel, ExperimentError> {
     Ok(builtin("soccer")?.model(&sides, 0.0)?)
 }
 
-/// The paper's base in pictures of another size, through the lens of a preset.
+/// The paper's base for pictures of another size, with the lens of a preset.
 fn paper_base(shoot: &ShootOptions, size: ImageSize) -> CameraBase {
     let distortion = shoot.main_camera(size).distortion;
     CameraBase {
@@ -162,19 +164,19 @@ fn paper_base(shoot: &ShootOptions, size: ImageSize) -> CameraBase {
     }
 }
 
-/// Where a camera looks during a sequence: smooth, and exactly as far as table 2 states.
+/// The camera's motion during a sequence: smooth, with exactly the ranges of table 2.
 struct Path {
     range: [[f64; 2]; 3],
-    /// Phases of three waves for pan, tilt and focal length.
+    /// Phases of three waves, for each of pan, tilt and focal length.
     phases: [[f64; 3]; 3],
-    /// The least and the greatest sum of waves.
+    /// Minimum and maximum of the sum of waves during the sequence.
     reach: [[f64; 2]; 3],
 }
 
-/// Waves of a sequence, their amplitudes, and how many of the slowest a sequence has.
+/// Amplitudes of the waves, and the number of periods of the slowest one in a sequence.
 const AMPLITUDES: [f64; 3] = [1.0, 0.5, 0.25];
 const SLOWEST: f64 = 0.8;
-/// Where the reach of a path is looked at.
+/// Number of times at which the minimum and maximum are evaluated.
 const SAMPLES: usize = 29;
 
 impl Path {
@@ -199,7 +201,8 @@ impl Path {
         }
     }
 
-    /// At a share of the sequence.
+    /// Pan, tilt and focal length after a share of the sequence. The sum of waves is scaled to the
+    /// range; focal length is interpolated logarithmically.
     fn ptz(&self, share: f64) -> Ptz {
         let [pan, tilt, log_focal] = std::array::from_fn(|axis| {
             let ([low, high], [from, to]) = (self.reach[axis], self.range[axis]);
@@ -208,6 +211,7 @@ impl Path {
         Ptz::from_degrees(pan, tilt, log_focal.exp())
     }
 
+    /// The same with time and speed. The speed is a central difference.
     fn step(&self, share: f64, begins_s: f64) -> PathStep {
         let lasts_s = STEP_S * (SAMPLES - 1) as f64;
         let ahead = 1e-3;
@@ -230,6 +234,7 @@ impl Path {
     }
 }
 
+/// The sum of three waves after a share of the sequence.
 fn waves(phases: &[f64; 3], share: f64) -> f64 {
     let each = AMPLITUDES.iter().zip(phases).enumerate();
     each.map(|(wave, (amplitude, phase))| {

@@ -22,43 +22,43 @@ use touchline_core::geometry::PixelBox;
 use touchline_vision::features::Features;
 use touchline_vision::media::{FrameReader, FrameRef};
 
-/// A frame whose camera is known.
+/// A frame with a known camera.
 #[derive(Clone, Debug)]
 pub struct KnownFrame {
-    /// What people call it.
+    /// Its name in reports.
     pub name: String,
-    /// What its document warns of: the codes.
+    /// The codes of the document's warnings about the frame.
     pub warnings: String,
     /// Its true camera.
     pub truth: PtzCamera,
-    /// Its features; on players and graphics as well unless it is masked.
+    /// Its features. They include those on players and graphics, unless `is_masked` is set.
     pub features: Features,
     /// Its field.
     pub field: FieldModel,
-    /// Where its picture is.
+    /// Its picture.
     pub picture: KnownPicture,
-    /// Where players and graphics are, px.
+    /// Boxes of players and graphics, px.
     pub masks: Vec<PixelBox>,
-    /// Whether features on them are left out.
+    /// Whether features in the masks are left out.
     pub is_masked: bool,
 }
 
-/// Where the picture of a frame is.
+/// The picture of a frame.
 #[derive(Clone, Debug)]
 pub enum KnownPicture {
-    /// Here: a JPEG file that was drawn.
+    /// A synthetic one: the JPEG file's bytes.
     Drawn(Vec<u8>),
-    /// In an image file or a video of the user's own.
+    /// A file: an image or a frame of a video.
     File(FrameRef),
 }
 
 impl KnownFrame {
-    /// The masks that its features keep off.
+    /// The masks, if features in them are left out.
     pub fn used_masks(&self) -> &[PixelBox] {
         if self.is_masked { &self.masks } else { &[] }
     }
 
-    /// Its picture.
+    /// Reads and decodes the picture.
     ///
     /// # Errors
     /// It cannot be read or decoded.
@@ -80,36 +80,36 @@ impl KnownFrame {
     }
 }
 
-/// Frames, and how they are split.
+/// Frames and their splits into training and test frames.
 #[derive(Clone, Debug)]
 pub struct FrameSet {
-    /// What kind of frames they are.
+    /// The kind of the frames.
     pub kind: SetKind,
-    /// The seed that it was drawn with, and with which forests are trained on it.
+    /// The seed with which it was drawn. Forests use it as well.
     pub seed: u64,
-    /// What it is, in words: "drawn, …" where it is drawn.
+    /// A description for reports. Starts with "drawn" if it is synthetic.
     pub title: String,
-    /// How the frames are split, as a sentence.
+    /// A sentence that says how the frames are split.
     pub protocol: String,
     /// The frames.
     pub frames: Vec<KnownFrame>,
-    /// Training and test frames; the frames of one split are of one camera.
+    /// The splits. All frames of a split are of one camera.
     pub splits: Vec<Split>,
 }
 
-/// What kind of frames a set holds: tables of different kinds never share a column.
+/// The kind of frames. Tables of different kinds are never compared in one column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SetKind {
-    /// Drawn by this program; the truth is exact.
+    /// Synthetic, with exact ground truth.
     Drawn,
     /// The authors' published frames and cameras.
     Published,
-    /// A user's own frames; the truth is what the documents hold.
+    /// A user's own frames. The cameras of the documents are the ground truth.
     Own,
 }
 
 impl SetKind {
-    /// What stands in headings.
+    /// The kind, for headings.
     pub const fn describe(self) -> &'static str {
         match self {
             Self::Drawn => "drawn",
@@ -122,22 +122,22 @@ impl SetKind {
 /// Training frames and test frames.
 #[derive(Clone, Debug)]
 pub struct Split {
-    /// Its name: that of what is asked. Splits of one name are reported together.
+    /// Its name: that of the test frames. Splits of the same name are reported together.
     pub name: String,
-    /// Frames used for training.
+    /// Indices of the training frames.
     pub training_frames: Vec<usize>,
-    /// Frames used for testing.
+    /// Indices of the test frames.
     pub asked: Vec<usize>,
 }
 
 impl FrameSet {
-    /// A heading that says what kind of frames it is about, so that a drawn set is not mistaken for
-    /// a real one.
+    /// A heading that names the kind of frames, so that readers do not take a synthetic set for a
+    /// real one.
     pub fn heading(&self, words: &str) -> String {
         format!("{words} ({})", self.kind.describe())
     }
 
-    /// The same without the features on players and graphics, as with a detector of players.
+    /// The same set without features on players and graphics, as if a detector had found these.
     pub fn masked(&self) -> Self {
         let mut set = self.clone();
         for frame in set.frames.iter_mut().filter(|frame| !frame.is_masked) {
@@ -157,7 +157,7 @@ impl FrameSet {
         set
     }
 
-    /// The names of the splits, each once, in their order.
+    /// The distinct names of the splits, in order of appearance.
     pub fn names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for split in &self.splits {

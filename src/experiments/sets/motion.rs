@@ -1,4 +1,4 @@
-//! The motion of a real broadcast camera through the drawn stadium.
+//! The motion of a real broadcast camera in a synthetic stadium.
 
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
@@ -15,23 +15,23 @@ use touchline_vision::synthetic::{
     CameraMotion, Moment, PathStep, Preset, StadiumOptions, stadium,
 };
 
-/// The name of the file with the published motion.
+/// The name of the published file.
 pub const MOTION_FILE: &str = "soccer_ground_truth.json";
-/// The size of the published pictures, px.
+/// Size of the published pictures, px.
 const PUBLISHED_SIZE: ImageSize = ImageSize::new(1280, 720);
-/// From their principal point, which counts from the first pixel's centre, to corner coordinates,
-/// px.
+/// Offset from the file's pixel coordinates, which are 0 at the first pixel's centre, to corner
+/// coordinates, px.
 const CORNER_FROM_CENTRE: f64 = 0.5;
-/// Frames a second: television's, which the file does not state. Only the drawn players and the
-/// blur depend on it.
+/// Assumed frames per second. The file does not state it; only the motion of synthetic players and
+/// the blur depend on it.
 const FRAMES_A_SECOND: f64 = 25.0;
 
-/// A camera and where it pointed, frame after frame.
+/// A real camera's base and its motion.
 #[derive(Clone, Debug)]
 pub struct RealMotion {
-    /// The camera, in pictures of 1280 × 720 px.
+    /// The base, for pictures of 1280 × 720 px.
     pub base: CameraBase,
-    /// Where it pointed.
+    /// Pan, tilt and focal length of each frame.
     pub ptz: Vec<Ptz>,
 }
 
@@ -45,6 +45,7 @@ struct MotionFile {
     frames: Vec<MotionFrame>,
 }
 
+/// A frame in the published file.
 #[derive(Deserialize)]
 struct MotionFrame {
     pan_deg: f64,
@@ -53,13 +54,14 @@ struct MotionFrame {
 }
 
 impl RealMotion {
-    /// Its field, 118 × 70 yards, m; the origin of the file is a corner of it.
+    /// Length and width of the file's field (118 × 70 yards), m. The file's origin is a corner of
+    /// it.
     pub const FIELD_M: [f64; 2] = [118.0 * 0.9144, 70.0 * 0.9144];
 
-    /// Reads the published file.
+    /// Reads the published file and moves its origin to the field's centre.
     ///
     /// # Errors
-    /// It cannot be read, or holds something else.
+    /// The file cannot be read or has another format.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
         let wrong = |reason: String| ExperimentError::Given {
             path: path.to_path_buf(),
@@ -91,7 +93,7 @@ impl RealMotion {
         })
     }
 
-    /// The same in pictures of another width.
+    /// The same motion for pictures of another width.
     fn scaled(&self, size: ImageSize) -> Self {
         let scale = f64::from(size.width) / f64::from(PUBLISHED_SIZE.width);
         let principal = self.base.principal_point;
@@ -109,7 +111,7 @@ impl RealMotion {
         }
     }
 
-    /// How it moves at a frame, per second.
+    /// The speed of pan, tilt and zoom at a frame, from its neighbours.
     pub fn motion_at(&self, index: usize) -> CameraMotion {
         let last = self.ptz.len() - 1;
         let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
@@ -123,8 +125,7 @@ impl RealMotion {
     }
 }
 
-/// The drawn frames of a motion: every `stride`-th of its frames, of which every `every`-th is used
-/// for training.
+/// Draws every `stride`-th frame of a motion. Of these, every `every`-th is used for training.
 ///
 /// # Errors
 /// This program was built without OpenCV, or a picture cannot be encoded.

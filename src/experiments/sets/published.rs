@@ -1,4 +1,4 @@
-//! The authors' published frames, where a user has them.
+//! The frames that the paper's authors published, if a user has them.
 
 use super::documents::{Gathered, OwnDocument};
 use super::{FrameSet, SetKind, Split};
@@ -9,17 +9,17 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use touchline_documents::exchange::read_authors_folder;
 
-/// Which of the two published sets.
+/// The two published sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PublishedKind {
-    /// Sequences of one match; each is asked of the others.
+    /// Sequences of one match. Each is tested with the others as references.
     Highlights,
-    /// Games; every other frame of a game is used for training, the rest for testing.
+    /// Games. Every other frame of a game is used for training, the others for testing.
     WorldCup,
 }
 
 impl PublishedKind {
-    /// What the name of its folder has in it.
+    /// A part of the folder's name.
     const fn in_name(self) -> &'static str {
         match self {
             Self::Highlights => "highlight",
@@ -27,6 +27,7 @@ impl PublishedKind {
         }
     }
 
+    /// The other set.
     const fn other(self) -> Self {
         match self {
             Self::Highlights => Self::WorldCup,
@@ -34,8 +35,8 @@ impl PublishedKind {
         }
     }
 
-    /// Length and width of its field where no model of it is found, yards: those that the authors
-    /// state.
+    /// Length and width of the field, yards, if the data contains no model of it: those that the
+    /// authors state.
     const fn field_yd(self) -> [f64; 2] {
         match self {
             Self::Highlights => [118.0, 70.0],
@@ -44,8 +45,8 @@ impl PublishedKind {
     }
 }
 
-/// The folder of one of the sets: the given one unless its name is the other set's, or one in it
-/// that is named after the set.
+/// The folder of a set: the given one, unless its name is that of the other set, or a subfolder
+/// with the set's name.
 pub fn published_folder(data: &Path, kind: PublishedKind) -> Option<PathBuf> {
     let name = |folder: &Path| {
         folder
@@ -74,7 +75,7 @@ pub fn published_folder(data: &Path, kind: PublishedKind) -> Option<PathBuf> {
     })
 }
 
-/// The published frames with their features.
+/// Reads the published frames and extracts their features.
 ///
 /// # Errors
 /// An annotation or a picture cannot be read.
@@ -126,7 +127,7 @@ pub fn published(
     })
 }
 
-/// The splits, and whether every sequence could be asked of others.
+/// The splits, and whether every sequence has others of its camera as references.
 fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Vec<Split>, bool) {
     let mut splits = Vec::new();
     let mut whole = true;
@@ -165,7 +166,7 @@ mod tests {
     use std::fs;
     use touchline_documents::exchange::mat_writer::{CAMERA, frame, sequence};
 
-    /// Two sequences of three frames each, their images beside them.
+    /// Two sequences of three frames each, with their images.
     fn annotated(folder: &Path) {
         for name in ["seq1", "seq2"] {
             fs::create_dir_all(folder.join(name)).unwrap();

@@ -1,4 +1,4 @@
-//! Drawn games in the setting of the paper's World Cup data (its table 3).
+//! Synthetic games in the setting of the paper's World Cup data (table 3).
 
 use super::drawn::{Order, Players, picture_size, take};
 use super::highlights::{broadcast, scene_seed};
@@ -11,16 +11,16 @@ use touchline_vision::synthetic::{
     Moment, PathStep, Preset, ShootOptions, StadiumOptions, camera_path, stadium,
 };
 
-/// Seconds between the frames of a game.
+/// Time between the frames of a game, s.
 const STEP_S: f64 = 7.0;
-/// So many frames after each other show the same boards; then a part of them is drawn again, and a
-/// few people are others.
+/// Number of consecutive frames with the same boards, and the shares of boards and spectators that
+/// then change.
 const BOARDS_EVERY: usize = 8;
 const CHANGED_BOARDS: f64 = 0.25;
 const CHANGED_PEOPLE: f64 = 0.1;
 
-/// Two games of 42 and 33 frames, each by its own camera on the main stand; every other frame is
-/// used for training.
+/// Draws two games of 42 and 33 frames, each with its own stadium and main camera. Every other
+/// frame is used for training.
 ///
 /// # Errors
 /// This program was built without OpenCV, or a picture cannot be encoded.
@@ -48,6 +48,7 @@ pub fn worldcup(
         splits: Vec::new(),
     };
     for (game, count) in counts.into_iter().enumerate() {
+        // Each game has its own stadium.
         let seed = scene_seed(seed, 2 + game as u64);
         let field = builtin("soccer")?.default_model()?;
         let scene = stadium(&StadiumOptions {
@@ -76,6 +77,7 @@ pub fn worldcup(
         let orders: Vec<Order<'_>> = path.iter().enumerate().map(order).collect();
         let first = set.frames.len();
         set.frames.extend(take(&orders, Players::Kept, progress)?);
+        // Frames alternate between training and testing.
         let of_game = |parity: usize| {
             (first..first + count)
                 .filter(|frame| (frame - first) % 2 == parity)
@@ -90,7 +92,7 @@ pub fn worldcup(
     Ok(set)
 }
 
-/// How many frames the drawn games have.
+/// Numbers of frames of the synthetic games.
 pub fn frames_a_game(options: &ExperimentOptions) -> [usize; 2] {
     if options.quick {
         [10, 8]

@@ -4,13 +4,13 @@ use touchline_core::camera::{AngularDistance, PtzCamera};
 use touchline_core::score::camera_error;
 use touchline_documents::report::{Cell, Table};
 
-/// What one estimate errs by.
+/// The errors of one estimate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Errors {
-    /// Of the rotation from the world to the camera: what the picture shows.
+    /// Angle between the rotations from world to camera: the error that the picture shows.
     pub rotation_deg: f64,
-    /// Of pan and tilt as numbers, whatever the base: the length of both, a pan counted by the
-    /// cosine of the tilt.
+    /// Errors of pan and tilt as numbers, with any base: the length of both, with the error of pan
+    /// multiplied by the cosine of the tilt.
     pub pan_tilt_deg: f64,
     pub focal_px: f64,
 }
@@ -28,12 +28,12 @@ impl Errors {
     }
 }
 
-/// Errors of many trials with some cameras.
+/// Errors of one method, over several cameras.
 #[derive(Clone, Debug, Default)]
 pub struct Collected {
-    /// The cameras' numbers, and the mean of each over its trials.
+    /// For each camera, its index and the mean errors of its trials.
     pub by_camera: Vec<(usize, Errors)>,
-    /// Trials that gave no camera.
+    /// Number of trials without a result.
     pub failed: usize,
 }
 
@@ -71,7 +71,7 @@ impl Collected {
     }
 }
 
-/// Every camera at every noise by every method, a row each: the means over its trials.
+/// A table with a row for each camera, noise and method: the means over the trials.
 pub fn camera_table<'a, const N: usize>(
     noise: &str,
     methods: [&str; N],

@@ -1,4 +1,4 @@
-//! The estimates that are compared, and the bound below which none can lie.
+//! The estimators that are compared, and the Cramér–Rao bound.
 
 use super::collected::Errors;
 use crate::setting::Sighting;
@@ -6,11 +6,11 @@ use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::{Angle, Mat3, Vec2, Vec3};
 use touchline_core::solve::{Loss, Observation, refine, solve_two_points};
 
-/// Points that the authors' refinement looks at.
+/// Number of points and of iterations of the authors' refinement.
 const AUTHORS_POINTS: usize = 32;
 const AUTHORS_ROUNDS: usize = 10;
 
-/// The two sightings that are farthest apart in the picture.
+/// The two points that are farthest apart in the picture.
 pub fn farthest_pair(seen: &[Sighting]) -> [Sighting; 2] {
     let mut best = (0.0, [0, 0]);
     for (i, one) in seen.iter().enumerate() {
@@ -24,15 +24,17 @@ pub fn farthest_pair(seen: &[Sighting]) -> [Sighting; 2] {
     best.1.map(|index| seen[index])
 }
 
-/// The closed form of this program; of two focal lengths the one within the setting.
+/// This program's closed-form solution. Of two focal lengths, the one nearer to 2700 px, about the
+/// middle of the setting's range.
 pub fn two_points(base: &CameraBase, [one, two]: [Sighting; 2]) -> Option<Ptz> {
     let found = solve_two_points(base, [one.world, two.world], [one.image, two.image]).ok()?;
     let off = |ptz: &Ptz| (ptz.focal_px / 2700.0).ln().abs();
     found.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
-/// The closed form as the authors' program has it: the cosine of the angle between two rays taken
-/// as cos Δpan · cos Δtilt, and pixels as separable in pan and tilt (eq. 2 of the paper).
+/// The closed form of the authors' program, with its two approximations: the cosine of the angle
+/// between two rays is taken as cos Δpan · cos Δtilt, and x depends on pan alone, y on tilt alone
+/// (eq. 2 of the paper).
 pub fn two_points_approximate(base: &CameraBase, sightings: [Sighting; 2]) -> Option<Ptz> {
     let rays = sightings
         .map(|sighting| PanTilt::from_direction(base.base_from_world_point(sighting.world)));
@@ -64,6 +66,7 @@ pub fn two_points_approximate(base: &CameraBase, sightings: [Sighting; 2]) -> Op
     })
 }
 
+/// Least-squares refinement over all points with the exact projection.
 pub fn refined(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
     let observations: Vec<Observation> = seen
         .iter()
@@ -73,8 +76,8 @@ pub fn refined(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
     refine(base, start, &observations, Loss::Squared, None).ptz
 }
 
-/// The refinement as the authors' program has it: over a sample of the points, with rays and
-/// projection that take x for pan and y for tilt alone (eq. 2 of the paper). Gauss–Newton.
+/// The refinement of the authors' program: Gauss–Newton over a sample of the points, with the
+/// approximate projection in which x depends on pan alone and y on tilt alone (eq. 2 of the paper).
 pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
     let stride = (seen.len() / AUTHORS_POINTS).max(1);
     let points: Vec<(PanTilt, Vec2)> = seen
@@ -95,7 +98,7 @@ pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> 
                 (ray.tilt - ptz.tilt).radians().tan(),
             );
             let focal_px = ptz.focal_px;
-            // x = f tan Δpan, y = −f tan Δtilt.
+            // Projection: x = f tan Δpan, y = −f tan Δtilt.
             let by_x = Vec3::new(-focal_px * (1.0 + pan * pan), 0.0, pan);
             let by_y = Vec3::new(0.0, focal_px * (1.0 + tilt * tilt), -tilt);
             information += by_x * by_x.transpose() + by_y * by_y.transpose();
@@ -117,7 +120,8 @@ pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> 
     ptz
 }
 
-/// The mean errors that an unbiased estimate has at best: σ² (JᵀJ)⁻¹ at the truth, normal errors.
+/// The Cramér–Rao bound: the smallest mean errors of an unbiased estimate with normal noise. The
+/// covariance is σ² (JᵀJ)⁻¹ at the true camera.
 pub fn bound(camera: &PtzCamera, seen: &[Sighting], sigma_px: f64) -> Errors {
     let jacobians = seen
         .iter()
@@ -126,8 +130,8 @@ pub fn bound(camera: &PtzCamera, seen: &[Sighting], sigma_px: f64) -> Errors {
         .map(|here| here.by_ptz.transpose() * here.by_ptz)
         .sum();
     let covariance = information.try_inverse().unwrap_or_else(Mat3::zeros) * (sigma_px * sigma_px);
-    // The turn about pan and tilt axes, which are at right angles: the mean length of a normal
-    // vector of two numbers is √(π/2) times the mean over all directions u of √(uᵀ Σ u).
+    // The rotation error is a normal vector of two components, pan and tilt. Its mean length is
+    // √(π/2) times the mean of √(uᵀ Σ u) over all directions u.
     let directions = 64;
     let mean_length: f64 = (0..directions)
         .map(|i| {
@@ -141,7 +145,7 @@ pub fn bound(camera: &PtzCamera, seen: &[Sighting], sigma_px: f64) -> Errors {
         .sum::<f64>()
         / f64::from(directions);
     Errors {
-        // Nothing else errs: pan and tilt are the rotation.
+        // With the true base, the rotation error consists of pan and tilt alone.
         pan_tilt_deg: (std::f64::consts::FRAC_PI_2.sqrt() * mean_length).to_degrees(),
         rotation_deg: (std::f64::consts::FRAC_PI_2.sqrt() * mean_length).to_degrees(),
         focal_px: (covariance[(2, 2)] * std::f64::consts::FRAC_2_PI).sqrt(),

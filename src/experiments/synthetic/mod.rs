@@ -1,10 +1,10 @@
-//! Pan, tilt and focal length from noisy rays: figure (b), (c), (d) of the paper in its own
+//! Pan, tilt and focal length from noisy rays: figures (b), (c) and (d) of the paper, in its
 //! setting.
 //!
 //! The paper plots the errors of its two-point method over the noise of pixels, of the base's
-//! position and of its rotation. Here stand beside it the Cramér–Rao bound, below which no unbiased
-//! estimate can lie, the closed form alone, and the closed form with the two approximations of the
-//! authors' program, with and without its refinement.
+//! position and of its rotation. For comparison, this experiment adds the Cramér–Rao bound, which
+//! no unbiased estimate can beat, the closed form alone, and the closed form with the two
+//! approximations of the authors' program, with and without its refinement.
 
 mod collected;
 mod methods;
@@ -24,10 +24,10 @@ use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Table, Verdict};
 
-/// The noises of figure (b), px.
+/// Noise levels of figure (b), 1-σ, px.
 const PIXEL_NOISES_PX: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0];
 
-/// The methods compared, in the order of figures.
+/// The methods, in the order of the figures.
 const METHODS: [&str; 5] = [
     "all rays, refined",
     "Cramér–Rao bound",
@@ -72,7 +72,7 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     report
 }
 
-/// What all three parts share.
+/// The parameters that all three figures share.
 struct Setting<'a> {
     seed: u64,
     cameras: usize,
@@ -80,6 +80,7 @@ struct Setting<'a> {
     step: &'a (dyn Fn() + Sync),
 }
 
+/// A random camera and its points, the same for all noise levels.
 impl Setting<'_> {
     fn camera(&self, index: usize) -> (PtzCamera, Vec<Sighting>) {
         let mut rng = rng(self.seed, [1, index as u64]);
@@ -88,6 +89,7 @@ impl Setting<'_> {
         (camera, seen)
     }
 
+    /// The actual share of points outside the field.
     fn share_outside(&self) -> f64 {
         let shares = (0..self.cameras).map(|index| {
             let (_, seen) = self.camera(index);
@@ -96,7 +98,8 @@ impl Setting<'_> {
         shares.sum::<f64>() / self.cameras as f64
     }
 
-    /// Runs all trials of all cameras at one noise; `trial` gives the errors of each method.
+    /// Runs all trials of all cameras at one noise level. `trial` returns the errors of each
+    /// method; `place` seeds the noise.
     fn collect<const N: usize>(
         &self,
         place: u64,
@@ -125,7 +128,7 @@ impl Setting<'_> {
     }
 }
 
-/// Figure (b): noise of the pixels.
+/// Figure (b): noise of pixels.
 fn pixel_noise(setting: &Setting, report: &mut Report) {
     let mut by_noise = Vec::new();
     for (place, sigma_px) in PIXEL_NOISES_PX.into_iter().enumerate() {
@@ -134,6 +137,8 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
                 .iter()
                 .map(|sighting| sighting.noisy(sigma_px, rng))
                 .collect();
+            // All methods use the same noisy pixels. The closed forms use the two that are farthest
+            // apart.
             let [one, two] = farthest_pair(&noisy);
             let exact = two_points(camera.base(), [one, two]);
             let refined = exact.map(|start| refined(camera.base(), start, &noisy));
@@ -212,6 +217,7 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
     }
 }
 
+/// Mean errors of each method by noise, and the efficiency: bound over error.
 fn noise_table(by_noise: &[(f64, [Collected; METHODS.len()])]) -> Table {
     let mut table = Table::new(&[
         ("sigma_px", "σ (px)"),
@@ -258,7 +264,7 @@ fn noise_table(by_noise: &[(f64, [Collected; METHODS.len()])]) -> Table {
     table
 }
 
-/// The two halves of each figure: stem, label, and which error.
+/// The two diagrams of each figure: file stem, label of the axis, and error.
 type Part = (&'static str, &'static str, fn(&Errors) -> f64);
 const PARTS: [Part; 2] = [
     ("rotation", "rotation error (°)", |errors| {
@@ -267,6 +273,7 @@ const PARTS: [Part; 2] = [
     ("focal", "focal length error (px)", |errors| errors.focal_px),
 ];
 
+/// A figure of all methods' errors over the noise, with the paper's number.
 fn figure(
     noise: &str,
     label: &str,
@@ -291,6 +298,7 @@ fn figure(
             .collect();
         let bars = spreads
             .iter()
+            // The axis is logarithmic, so bars must not reach 0.
             .map(|[mean, sd]| [(mean - sd).max(mean * 0.05), mean + sd]);
         let series = Series::new(name, [1, 0, 3, 2, 2][method], points);
         figure = figure.with(match method {
@@ -339,7 +347,7 @@ mod tests {
             |errors: &Errors| errors.focal_px,
         ] {
             let efficiency = bounds.spread(of)[0] / refined.spread(of)[0];
-            // 400 trials: the mean of a half-normal number is known to 4 %.
+            // 400 trials determine the mean of a half-normal number to 4 %.
             assert!((0.9..1.12).contains(&efficiency), "{efficiency}");
         }
     }

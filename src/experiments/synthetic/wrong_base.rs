@@ -1,4 +1,4 @@
-//! Figures (c) and (d): the base is known wrongly, pixels are exact.
+//! Figures (c) and (d): an inexact base with exact pixels.
 
 use super::Setting;
 use super::collected::{Collected, Errors, camera_table};
@@ -9,21 +9,21 @@ use touchline_core::geometry::{Vec3, rotation};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Table, Verdict};
 
-/// The errors of the base's position: m along each axis. The paper's figure ends at 0.1 m.
+/// Errors of the base's position, 1-σ on each axis, m. The paper's figure ends at 0.1 m.
 const POSITION_NOISES_M: [f64; 7] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0];
-/// Of its rotation: degrees about each axis.
+/// Errors of the base's rotation, 1-σ about each axis, degrees.
 const ROTATION_NOISES_DEG: [f64; 7] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0];
-/// How many noises there are in both.
+/// Number of noise levels of both figures.
 pub(super) const STEPS: usize = POSITION_NOISES_M.len() + ROTATION_NOISES_DEG.len();
-/// Where both are compared with what others found.
+/// The noise level at which the text quotes numbers, m or degrees.
 const COMPARED: f64 = 0.1;
-/// The paper counts 100 px of focal length as 3.2 %.
+/// The paper equates 100 px of focal length with 3.2 %.
 const PERCENT_A_PX: f64 = 3.2 / 100.0;
 
-/// The errors of all cameras at each noise.
+/// The errors of all cameras at each noise level.
 type Measured = Vec<(f64, [Collected; 1])>;
 
-/// Figure (c): the base's position is known wrongly.
+/// Figure (c): errors of the base's position.
 pub(super) fn position_noise(setting: &Setting<'_>, report: &mut Report) {
     let measured = measure(setting, 200, &POSITION_NOISES_M, |base, sigma_m, turn| {
         let position_m = base.position_m + turn * sigma_m;
@@ -54,7 +54,7 @@ pub(super) fn position_noise(setting: &Setting<'_>, report: &mut Report) {
     );
 }
 
-/// Figure (d): the base's rotation is known wrongly.
+/// Figure (d): errors of the base's rotation.
 pub(super) fn rotation_noise(setting: &Setting<'_>, report: &mut Report) {
     let measured = measure(
         setting,
@@ -87,6 +87,8 @@ pub(super) fn rotation_noise(setting: &Setting<'_>, report: &mut Report) {
     );
 }
 
+/// Runs the trials at each noise level. `wrong` disturbs a base by three normal numbers times the
+/// noise.
 fn measure(
     setting: &Setting<'_>,
     place: u64,
@@ -106,7 +108,7 @@ fn measure(
     noises.iter().enumerate().map(of_noise).collect()
 }
 
-/// Errors of the full refinement with a base that is not the true one.
+/// Errors of the full refinement with a disturbed base.
 fn with_wrong_base(camera: &PtzCamera, seen: &[Sighting], base: &CameraBase) -> Option<Errors> {
     let start = two_points(base, farthest_pair(seen))?;
     Some(Errors::of(
@@ -121,7 +123,7 @@ const ERRORS: [fn(&Errors) -> f64; 3] = [
     |errors| errors.focal_px,
 ];
 
-/// Mean rotation, pan and tilt (°) and focal length error (px) at a noise.
+/// Mean errors of rotation (°), of pan and tilt (°) and of focal length (px) at a noise level.
 fn means(measured: &Measured, sigma: f64) -> [f64; 3] {
     let at = measured.iter().find(|(noise, _)| *noise == sigma);
     at.map_or([f64::NAN; 3], |(_, [collected])| {
@@ -129,6 +131,7 @@ fn means(measured: &Measured, sigma: f64) -> [f64; 3] {
     })
 }
 
+/// Adds the figures and tables of one part.
 fn part(report: &mut Report, part: &str, noise: &str, measured: &Measured) {
     let series = |name: &str, colour: usize, of: fn(&Errors) -> f64| {
         let spreads: Vec<(f64, [f64; 2])> = measured

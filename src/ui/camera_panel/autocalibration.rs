@@ -1,4 +1,5 @@
-//! Finding the camera without a click: the button, the progress, what is left to decide.
+//! Autocalibration in the camera panel: the button, the progress, and the choice between two
+//! answers.
 
 use super::section;
 use crate::ui::{
@@ -11,7 +12,8 @@ use touchline_application::app::operations::camera_search::{Left, TwoCameras};
 use touchline_application::app::{Action, Command, Navigation};
 use touchline_documents::document::Camera;
 
-/// Shows what can be done about a camera without a click; nothing where it has a base.
+/// Shows the state of autocalibration and what can be done. Nothing if the camera has a base and no
+/// search is going on.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let search = &panel.app.operations.camera_search;
     if let Some(under_way) = search.under_way() {
@@ -19,6 +21,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         searched(panel, ui, &under_way);
         return;
     }
+    // What the last search left to decide or to report.
     match &search.left {
         Left::Two(two) => {
             section(ui, "TWO ANSWERS");
@@ -39,6 +42,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
+/// Shows the progress of a search, and stops it.
 fn searched(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     ui.add(Label::new(under_way.text.as_str()).wrap());
     let share = under_way.share.unwrap_or_default();
@@ -47,6 +51,8 @@ fn searched(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     command(panel, ui, "Stop", Command::StopFindCamera);
 }
 
+/// Shows two answers that the frames alone cannot distinguish. The user tries both; a click in the
+/// named frame decides.
 fn decided(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
     ui.add(Label::new(two.describe()).wrap());
     ui.add_space(theme::SPACE);
@@ -71,6 +77,7 @@ fn decided(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
     });
 }
 
+/// Shows the button that starts a search, disabled with the reason.
 fn start(panel: &mut Panel<'_>, ui: &mut Ui, says: &str) {
     ui.add_space(theme::SPACE);
     let why_not = panel.app.why_not(Command::FindCamera);
@@ -85,6 +92,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, says: &str) {
     }
 }
 
+/// Shows a button for a command, with another text than the command's name.
 fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
     if ui
         .button(says)

@@ -1,4 +1,4 @@
-//! Estimating the camera's base: what is needed, the progress, the result.
+//! Estimating the camera's base from clicks: what is needed, the progress, the result.
 
 use super::{evidence, section};
 use crate::ui::{
@@ -12,13 +12,14 @@ use touchline_calibration::calibrate::BaseReadiness;
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_documents::document::Camera;
 
-/// Shows the state of the estimation.
+/// Shows the state of the estimation: running, proposed, applied, or what is missing.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "BASE FROM THE FRAMES");
     let state = &panel.app.operations.base_estimate;
     if let Some(running) = state.running() {
         let progress = running.progress().copied();
         ui.add(Label::new(format!("From {}.", running.operation().from)).wrap());
+        // Without a share, the bar is full and animated.
         let share = progress.map_or(Some(0.0), EstimateProgress::share);
         let description = progress.map_or_else(
             || "Looking for initial values…".to_owned(),
@@ -42,7 +43,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// What is missing, and the button.
+/// Shows what is missing, the choice to use painted lines, and the button that starts.
 fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let ready = panel.app.base_readiness();
     if camera.base().is_none() {
@@ -62,6 +63,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     if tick.on_hover_text(Command::BaseOnPaint.about()).changed() {
         panel.actions.push(Action::Command(Command::BaseOnPaint));
     }
+    // The button is emphasised when an estimate is the next step.
     let again = panel.app.operations.base_estimate.applied().is_some();
     let says = if again {
         "Estimate again"
@@ -75,6 +77,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         } else {
             main
         };
+        // Another estimate needs less, because it starts from the present base.
         let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);
         let button = ui.add_enabled(possible, main);
         let tip = panel.app.settings.keys.tooltip(Command::EstimateBase);
@@ -89,6 +92,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     });
 }
 
+/// The number of frames and points that an estimate would use.
 fn counted(ready: &BaseReadiness) -> String {
     let plural =
         |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
@@ -104,7 +108,7 @@ fn counted(ready: &BaseReadiness) -> String {
     )
 }
 
-/// The result, and the choice whether to use it.
+/// Shows a result that is not applied yet. The main button of the panel decides about it.
 fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     let card = Frame::new()
         .fill(ui.palette().raised)
@@ -123,6 +127,7 @@ fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     });
 }
 
+/// Shows a button for a command, with another text than the command's name.
 fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
     if ui
         .button(says)
@@ -133,7 +138,8 @@ fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
     }
 }
 
-/// The numbers of an estimate with their 1-σ.
+/// Shows the numbers of an estimate with their 1-σ. Lengths are m in the field's frame, fits are
+/// px.
 fn summary(ui: &mut Ui, found: &EstimatedBase) {
     let estimate = &found.estimate;
     let (position, sigma) = (estimate.base.position_m, estimate.base.sigma.position_m);
@@ -148,6 +154,7 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
         if let Some(before) = estimate.previous_median_px.filter(|px| px.is_finite()) {
             row("Before", format!("{before:.1} px median"), "The same points with the current base.");
         }
+        // With painted lines: how much paint was seen, and how well it fits before and after.
         if let Some(on_paint) = &found.on_paint {
             let seen = &on_paint.seen;
             let places = format!("{} places, {} lines, {} frames", seen.places, seen.lines, seen.frames);

@@ -1,5 +1,8 @@
-//! The evidence for an estimated base: models, frames, landmarks, points that disagree. A click
-//! goes there.
+//! The evidence for an estimated base: lens models, frames, landmarks, and clicks that disagree. A
+//! click on a row shows the frame.
+//!
+//! Distances are px of the picture between a click and where the estimated base, with the frame's
+//! own pan, tilt and focal length, projects its landmark.
 
 use super::position_view;
 use super::section;
@@ -16,12 +19,12 @@ use touchline_core::field::Symmetry;
 use touchline_core::solve::base::{DisputedClick, MirroredFrame};
 use touchline_documents::document::{Camera, CameraId, Frame, Target};
 
-/// More frames than this are shown when asked for.
+/// Number of frames that are shown before the list is expanded.
 const FRAMES_SHOWN: usize = 12;
-/// More landmarks than this are not listed.
+/// Maximum number of landmarks in the list.
 const LANDMARKS_SHOWN: usize = 12;
 
-/// Shows the evidence of an estimate.
+/// Shows the evidence of an estimate; what the user should correct comes first.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     disagreements(panel, ui, found);
     position_view::show(panel, ui, found);
@@ -30,7 +33,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     landmarks(panel, ui, found);
 }
 
-/// The models that were compared; the chosen one is marked.
+/// Shows the models that were compared, each with its cross-validated error, and why one was
+/// chosen.
 fn models(ui: &mut Ui, found: &EstimatedBase) {
     section(ui, "LENS MODELS, CROSS-VALIDATED");
     Grid::new("models").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
@@ -49,6 +53,7 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
             ui.end_row();
         }
     });
+    // Why the model was chosen, and which frame would make the choice more certain.
     let advice = found
         .estimate
         .one_more_frame
@@ -57,7 +62,8 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
     ui.add(Label::new(RichText::new(reason).small().color(ui.palette().weak)).wrap());
 }
 
-/// Each frame's median as a bar, the worst first.
+/// Shows each frame's median error as a bar, the worst first. A frame without a fit comes before
+/// them all.
 fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     section(ui, "FRAMES, MEDIAN");
     let mut fits: Vec<(usize, Option<f64>)> = found
@@ -74,7 +80,7 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     list(panel, ui, &fits, 3.0 * found.estimate.median_px);
 }
 
-/// The frames that would be used, with their current errors.
+/// Shows the frames that an estimate would use, with the errors of their present solutions.
 pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(open) = panel.app.open() else { return };
     let takes_part = |frame: &Frame| {
@@ -98,6 +104,7 @@ pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     left_out(panel, ui, &camera.id);
 }
 
+/// A list of frames without gaps. Errors above `loud_px` are emphasised.
 fn list(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], loud_px: f64) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
@@ -105,6 +112,7 @@ fn list(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], lou
     });
 }
 
+/// One row for each frame: name, error as a bar, and a button that leaves the frame out.
 fn rows_of_frames(
     panel: &mut Panel<'_>,
     ui: &mut Ui,
@@ -147,6 +155,7 @@ fn rows_of_frames(
                 .actions
                 .push(Action::Navigate(Navigation::GoTo(index)));
         }
+        // The button is a widget of its own on top of the row.
         let place = Rect::from_min_max(pos2(rect.right() - theme::SYMBOL.x, rect.top()), rect.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
             let palette = ui.palette();
@@ -167,6 +176,7 @@ fn rows_of_frames(
             }
         });
     }
+    // Long lists are collapsed at first.
     if frames.len() > FRAMES_SHOWN {
         let says = if all {
             "Fewer".to_owned()
@@ -182,7 +192,7 @@ fn rows_of_frames(
     }
 }
 
-/// The frames that were left out, each with a button to put it back.
+/// Shows the frames that are left out, each with a button that puts it back.
 fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
     let Some(open) = panel.app.open() else { return };
     let frames = open.document.frames.iter().enumerate();
@@ -215,15 +225,17 @@ fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
     }
 }
 
-/// Each landmark's median as a bar, the worst first.
+/// Shows each landmark's median error as a bar, the worst first.
 fn landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     section(ui, "LANDMARKS, MEDIAN");
+    // A scope, so that the spacing of rows ends with the list.
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         rows_of_landmarks(panel, ui, found);
     });
 }
 
+/// One row for each landmark; a click selects its worst click.
 fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     let largest = found
         .landmarks
@@ -267,8 +279,9 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
     }
 }
 
-/// Frames and points that contradict the others, each with its remedy.
+/// Shows frames that look mirrored and clicks that contradict the others, each with its remedy.
 fn disagreements(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
+    // Only what is left to decide: the estimate itself stays as it was computed.
     let open: Vec<&DisputedClick> = found
         .estimate
         .disputed
@@ -290,7 +303,8 @@ fn disagreements(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     }
 }
 
-/// Whether a disputed click still has the disputed name.
+/// Whether a disputed click still has its name and still counts, so that the user has something to
+/// decide.
 fn is_unsettled(panel: &Panel<'_>, disputed: &DisputedClick) -> bool {
     let click = panel
         .app
@@ -305,6 +319,7 @@ fn is_unsettled(panel: &Panel<'_>, disputed: &DisputedClick) -> bool {
     })
 }
 
+/// A frame that fits much better if all its names are mirrored, and the button that mirrors them.
 fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) {
     let Some(name) = panel
         .app
@@ -351,6 +366,7 @@ fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) 
     });
 }
 
+/// A click that contradicts the others, and the name that would fit better, if there is one.
 fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) {
     let Some(frame) = panel.app.open().and_then(|open| open.frame(disputed.frame)) else {
         return;
@@ -378,6 +394,7 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
         disputed.click + 1,
         short_name(frame)
     );
+    // A name is changed in the shown frame, so the frame is shown first.
     remark(ui, &text, |ui| {
         let go = || {
             [
@@ -403,6 +420,7 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
     });
 }
 
+/// A warning with the buttons that settle it.
 fn remark(ui: &mut Ui, text: &str, ways_out: impl FnOnce(&mut Ui)) {
     ui.horizontal_top(|ui| {
         let palette = ui.palette();
@@ -415,7 +433,7 @@ fn remark(ui: &mut Ui, text: &str, ways_out: impl FnOnce(&mut Ui)) {
     ui.add_space(theme::SPACE);
 }
 
-/// A frame's name in lists: the last part of its path.
+/// The name of a frame in lists: the last part of its path.
 fn short_name(frame: &Frame) -> String {
     let name = frame.name();
     name.rsplit(['/', '\\']).next().unwrap_or(&name).to_owned()

@@ -1,5 +1,5 @@
-//! The field: its template, the venue's dimensions, whether the size is confirmed, and which edge
-//! of the lines it refers to.
+//! The field in the camera panel: its template, the venue's dimensions in m, whether its size is
+//! confirmed, and to which edge of the painted lines the size refers.
 
 use super::{numbers, section};
 use crate::ui::number::Number;
@@ -19,15 +19,16 @@ use touchline_core::field::{
 };
 use touchline_documents::document::{CROWN, FieldSize, FieldSpec};
 
-/// The sketch of a line's paint, points.
+/// Size of the sketch of a painted line, points.
 const SKETCH: egui::Vec2 = egui::Vec2::new(64.0, 26.0);
 
-/// Shows the field.
+/// Shows the field of the shown frame.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     section(ui, "FIELD");
     let Some(spec) = panel.app.shown_field_spec().cloned() else {
         return;
     };
+    // Cameras of one document may look at different fields.
     let open = panel.app.open();
     if open
         .zip(panel.app.frame())
@@ -55,7 +56,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Why there is no field yet, or none at all; whether its template is to be read again.
+/// Shows why there is no field. Returns whether the user wants its template to be read again.
 fn problem(ui: &mut Ui, spec: &FieldSpec, error: &FieldError) -> bool {
     let is_being_read = matches!(error, FieldError::BeingRead { .. });
     let colour = if is_being_read {
@@ -67,6 +68,7 @@ fn problem(ui: &mut Ui, spec: &FieldSpec, error: &FieldError) -> bool {
     spec.is_file() && !is_being_read && ui.add(Button::new("Read again").small()).clicked()
 }
 
+/// Shows the choice of the sport.
 fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     let title = builtin(&spec.template)
         .map_or_else(|_| spec.template.clone(), |template| template.title.clone());
@@ -90,6 +92,8 @@ fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
         .on_hover_text("The sport: its field with landmarks and lines.");
 }
 
+/// Shows the dimensions that the template leaves open, each with the range that the rules allow,
+/// and the crown.
 fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     let known = builtin(&spec.template).map_or(&[][..], |template| &template.params);
     for param in known {
@@ -107,11 +111,13 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
             param.source.trim_end_matches('.'),
         );
         row(panel, ui, spec, &param.name, length);
+        // Below the number: what the rules allow, and which rules.
         let rule = param.source.split(':').next().unwrap_or_default();
         let allowed = format!("{} {rule}", range(param));
         ui.add(Label::new(RichText::new(allowed).small().color(ui.palette().weak)).truncate())
             .on_hover_text(&param.source);
     }
+    // The crown belongs to every field, so no template lists it.
     let tip = "How much higher the middle is than the touchlines, m. Usually 0.05 to 0.25.";
     let value = spec.crown_m();
     let crown = metres(
@@ -134,7 +140,7 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     );
 }
 
-/// What the rules allow: "90 to 120 m."
+/// The range that the rules allow, as text: "90 to 120 m."
 fn range(param: &Param) -> String {
     let rounded = |value: f64| (value * 100.0).round() / 100.0;
     if param.min < param.max {
@@ -149,6 +155,7 @@ fn range(param: &Param) -> String {
     }
 }
 
+/// A number in m. `why` is the reason that a user sees for a value outside the range.
 fn metres<'a>(
     name: &'a str,
     tip: &'a str,
@@ -170,12 +177,13 @@ fn metres<'a>(
     }
 }
 
-/// A parameter. Changing length or width makes the size assumed again.
+/// Shows a parameter. Changing a dimension, but not the crown, makes the size assumed again.
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, param: &str, number: Number<'_>) {
     numbers::line(ui, number.name, number.tip, |ui| {
         number.show(ui, panel.app, panel.actions, |value| {
             let mut changed = spec.clone();
             changed.params.insert(param.to_owned(), value);
+            // The size was confirmed or fitted for other dimensions.
             if param != CROWN {
                 changed.size = None;
             }
@@ -184,9 +192,11 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, param: &str, number
     });
 }
 
-/// Whether the size is assumed, confirmed or fitted.
+/// Shows whether the size is assumed, confirmed or fitted. An assumed one can be confirmed or
+/// fitted.
 fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     ui.add_space(theme::SPACE);
+    // An assumed size can be confirmed or fitted; a known one can be doubted again.
     let known = match (spec.describe_assumed_size(), spec.size()) {
         (Some(description), _) => {
             ui.horizontal_top(|ui| {
@@ -237,7 +247,7 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     );
 }
 
-/// Which edge of the boundary lines length and width refer to, as text and as a sketch.
+/// Shows to which edge of the boundary lines length and width refer, as a sketch and in words.
 fn edge(ui: &mut Ui, field: &FieldModel) {
     let Some(edge) = boundary_edge(field) else {
         return;
@@ -260,6 +270,8 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
     ui.horizontal(|ui| {
         let (rect, response) = ui.allocate_exact_size(SKETCH, Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, says));
+        // A strip of grass with a line of paint; the arrow ends at the edge to which the size is
+        // measured. The field is to the left.
         let painter = ui.painter();
         painter.rect_filled(rect, CornerRadius::same(3), Color32::from_rgb(38, 74, 48));
         let paint = Rect::from_min_size(
@@ -282,9 +294,10 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
     });
 }
 
-/// The edge that the first straight boundary line refers to.
+/// The edge to which the first touchline of the template refers; `None` without a straight
+/// touchline.
 fn boundary_edge(field: &FieldModel) -> Option<PaintEdge> {
-    /// The tolerance for lying on the border, m.
+    /// Tolerance for being on the border, m.
     const NEAR_M: f64 = 0.01;
     let on_border = |curve: &Curve| match curve {
         Curve::Segment { from, to } => [from, to]

@@ -1,4 +1,4 @@
-//! The masks (boxes that are excluded from feature detection), as a list.
+//! The list of masks: boxes of the picture, px, that are excluded from feature detection.
 
 use super::section;
 use crate::ui::symbol::{self, Symbol};
@@ -8,7 +8,8 @@ use touchline_application::app::{Action, Command, EditAction, MaskList, MaskScop
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Camera, MaskSource, RangedMask};
 
-/// Shows the list.
+/// Shows the masks of the camera for every frame, those for a range of frames, and those of the
+/// shown frame.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "MASKS");
     let of_frame = panel
@@ -22,6 +23,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                 .color(ui.palette().weak),
         );
     }
+    // One row for each mask of the three lists.
     for (index, mask) in camera.masks.iter().enumerate() {
         row(
             panel,
@@ -74,16 +76,16 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// A mask of one of the lists.
+/// A mask and its place in one of the three lists.
 struct Row<'a> {
     list: MaskList,
     index: usize,
     mask: &'a PixelBox,
-    /// Which frames it covers.
+    /// Which frames it covers, as text.
     covers: String,
 }
 
-/// Which frames a mask with a range covers, and whether it was found.
+/// Which frames a mask with a range covers, as text, and whether the program found it.
 fn covers(mask: &RangedMask) -> String {
     let frames = match (mask.from, mask.to) {
         (None, None) => "every frame".to_owned(),
@@ -98,6 +100,7 @@ fn covers(mask: &RangedMask) -> String {
     }
 }
 
+/// Shows a mask with a menu that changes which frames it covers, and a button that removes it.
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &Row<'_>) {
     let Row {
         list,

@@ -1,5 +1,8 @@
-//! The camera panel: position, base rotation, lens, masks, and the field. The overlay follows while
-//! a number is dragged, so that a base can be fitted manually.
+//! The camera panel: everything that the frames of one camera share.
+//!
+//! Sections: autocalibration, estimation of the base from clicks with its evidence, position and
+//! rotation, lens, uncertainty, the field, masks. The overlay follows while a number is dragged, so
+//! that a base can also be fitted by eye.
 
 mod autocalibration;
 mod estimate;
@@ -21,13 +24,13 @@ use touchline_core::camera::BaseAngles;
 use touchline_core::geometry::{Angle, Vec3};
 use touchline_documents::document::Camera;
 
-/// The usual position of a main camera, as a start for manual fitting: this far behind the near
-/// touchline, m.
+/// Where fitting by eye begins, behind the near touchline at the halfway line: distance from the
+/// touchline, m,
 const START_BEHIND_M: f64 = 30.0;
-/// And this high, m.
+/// and height, m. Typical of a main camera.
 const START_HEIGHT_M: f64 = 15.0;
 
-/// Shows the panel.
+/// Shows the panel for the camera of the shown frame.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
     let Some(camera) = camera_of(panel) else {
@@ -41,6 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             });
         return;
     };
+    // The decision about an estimated base is at the bottom, always in view.
     if panel.app.decides_about_base() {
         inspector::decide(panel, ui);
     }
@@ -58,8 +62,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .show(ui, |ui| {
                     ui.set_width(ui.available_width());
                     of_frames(panel, ui, &camera);
-                    // The sport has to be chosen before the first point; afterwards the field comes
-                    // last.
+                    // The sport must be chosen before the first click, so the field comes first;
+                    // once the base is known, it comes last.
                     let settled = camera.base().is_some()
                         || panel.app.operations.base_estimate.found().is_some();
                     if !settled {
@@ -88,7 +92,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// A copy of the shown frame's camera, to be edited; the first camera if there is no frame.
+/// A copy of the shown frame's camera; of the first camera if there is no frame.
 fn camera_of(panel: &Panel<'_>) -> Option<Camera> {
     let open = panel.app.open()?;
     match panel.app.frame() {
@@ -101,6 +105,7 @@ fn camera_of(panel: &Panel<'_>) -> Option<Camera> {
     }
 }
 
+/// Shows the title, the name of the camera, and the buttons that load a camera and close the panel.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new()
         .inner_margin(Margin::symmetric(8, 6))
@@ -136,7 +141,8 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// The number of the camera's frames, and the button to assign some to another camera.
+/// Shows how many frames the camera has, or how many are selected, and the button that assigns some
+/// to another camera.
 fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(open) = panel.app.open() else { return };
     let frames = open.counts().of_camera(&camera.id);
@@ -167,7 +173,7 @@ fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     );
 }
 
-/// Shown while the camera's base is not known.
+/// Shows what to do while the base is unknown.
 fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "POSITION AND ROTATION");
     ui.add(
@@ -181,6 +187,7 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         "{START_BEHIND_M:.0} m behind the near touchline, at the halfway line, {START_HEIGHT_M:.0} m up, level."
     ));
     if start.clicked() {
+        // Behind the near touchline at the halfway line, level.
         let half_width_m = panel
             .app
             .current()
@@ -205,7 +212,7 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// A title with room above it.
+/// A title with space above it.
 fn section(ui: &mut Ui, text: &str) {
     ui.add_space(2.0 * theme::SPACE);
     theme::title(ui, text);

@@ -1,4 +1,5 @@
-//! The camera's numbers.
+//! The numbers of a camera: position, base rotation, lens, stage, sensor, uncertainty. Each can be
+//! dragged or typed.
 
 use super::section;
 use crate::ui::number::Number;
@@ -12,19 +13,20 @@ use touchline_core::camera::{BaseAngles, BaseSigma};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 use touchline_documents::document::{Camera, CameraSigma, K1Curve, Stage};
 
-/// The sensor of a broadcast camera (2/3 inch), mm: what exports take where nobody knows better.
+/// Width of the sensor of a broadcast camera (2/3 inch), mm. Exports use it where the width is
+/// unknown.
 const GUESSED_SENSOR_MM: f64 = 9.6;
 
-/// A camera stands at least this high, m.
+/// Minimum height of a camera, m.
 const LOWEST_M: f64 = 0.1;
 
-/// The width of a number field, points.
+/// Width of a number field, points.
 pub const FIELD: f32 = 112.0;
 
-/// The column of "Position" and "Rotation" in the table of uncertainties, points.
+/// Width of the first column in the table of uncertainties, points.
 const AXIS_LABEL: f32 = 56.0;
 
-/// A number of the camera, and how it is written back.
+/// Shows a number of the camera. `write` puts a changed value into a copy of the camera.
 fn row(
     panel: &mut Panel<'_>,
     ui: &mut Ui,
@@ -42,7 +44,7 @@ fn row(
     });
 }
 
-/// A label at the left edge and its controls at the right one.
+/// A label at the left end of a row and its controls at the right end.
 pub fn line(ui: &mut Ui, label: &str, tip: &str, value: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         ui.label(label).on_hover_text(tip);
@@ -50,12 +52,13 @@ pub fn line(ui: &mut Ui, label: &str, tip: &str, value: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// Position, m.
+/// Shows the position in the frame of the field, m.
 pub fn position(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(position) = camera.position_m else {
         return;
     };
     section(ui, "POSITION");
+    // The height has another lower limit than the horizontal coordinates.
     for (axis, label, name, tip) in [
         (
             0,
@@ -99,11 +102,12 @@ pub fn position(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// The base rotation as heading, pitch and roll, and as a matrix.
+/// Shows the base rotation as heading, pitch and roll in degrees, and as a matrix.
 pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(base) = camera.base() else { return };
     let angles = base.angles();
     section(ui, "BASE ROTATION");
+    // The three angles have the same unit and step; their limits differ.
     let number = |name, tip, angle: Angle, limit: f64| Number {
         name,
         step: "Rotate camera base",
@@ -174,7 +178,7 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     matrix(ui, &base.base_from_world);
 }
 
-/// The matrix as text, with a copy button.
+/// Shows the matrix, with a button that copies it.
 fn matrix(ui: &mut Ui, base_from_world: &Mat3) {
     for line in base_from_world.row_iter() {
         let cells: Vec<String> = line.iter().map(|cell| format!("{cell:+.6}")).collect();
@@ -195,6 +199,7 @@ fn matrix(ui: &mut Ui, base_from_world: &Mat3) {
     }
 }
 
+/// A matrix as a JSON array of rows, with all digits.
 fn as_json(matrix: &Mat3) -> String {
     let rows: Vec<[f64; 3]> = matrix
         .row_iter()
@@ -203,7 +208,7 @@ fn as_json(matrix: &Mat3) -> String {
     serde_json::to_string(&rows).unwrap_or_default()
 }
 
-/// Principal point and distortion.
+/// Shows principal point, distortion, sensor and stage.
 pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "LENS");
     let size = camera.image_size;
@@ -212,6 +217,7 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             RichText::new(format!("{} × {} px", size.width, size.height)).color(ui.palette().weak),
         );
     });
+    // The principal point may be outside the picture, if the picture was cropped.
     let point = |name, tip, value, limit: u32| Number {
         name,
         step: "Move principal point",
@@ -240,9 +246,11 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     stage(panel, ui, camera);
 }
 
-/// The stage in whose axes tracks are written; without one they are in the field's.
+/// Shows the stage, the coordinate system of exported tracks. Without one, tracks are in the
+/// field's coordinates.
 fn stage(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "STAGE");
+    // Without a stage the numbers show the field's axes; the first change creates one.
     let known = camera
         .stage
         .clone()
@@ -303,7 +311,7 @@ fn stage(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     );
 }
 
-/// The width of the sensor: a guess until somebody sets or confirms it.
+/// Shows the width of the sensor: assumed until the user sets or confirms it.
 fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let known = camera.sensor_width_mm;
     let number = Number {
@@ -326,6 +334,7 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     row(panel, ui, camera, label, number, |changed, mm| {
         changed.sensor_width_mm = Some(mm);
     });
+    // Confirming stores the assumed width as a known one.
     let confirm = Button::new("Confirm sensor width").small();
     if known.is_none()
         && ui
@@ -345,6 +354,8 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
+/// Shows k₁ at a focal length, its change with the focal length, and the ratio of k₂ to k₁² if the
+/// lens has one.
 fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let curve = camera
         .distortion
@@ -363,6 +374,7 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         suffix,
         width: FIELD,
     };
+    // k₁ is linear in the focal length: a value at one focal length, and a slope.
     let tip = "Radial distortion: a point at radius r (in focal lengths) moves outwards by k1·r³. 0: none.";
     let value = number("k1", tip, curve.value, 0.0005, 5, -5.0..=5.0, "");
     row(panel, ui, camera, "k1", value, |changed, value| {
@@ -404,6 +416,7 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         slope,
         |changed, value| curve_of(changed).per_1000_px = value,
     );
+    // Only a lens that has this ratio shows it.
     if let Some(share) = camera
         .distortion
         .as_ref()
@@ -417,7 +430,7 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// The camera's k1 curve, created if it has none.
+/// The k₁ curve of a camera; a new one if it has none.
 fn curve_of(camera: &mut Camera) -> &mut K1Curve {
     camera
         .distortion
@@ -426,12 +439,13 @@ fn curve_of(camera: &mut Camera) -> &mut K1Curve {
         .get_or_insert_default()
 }
 
-/// The 1-σ uncertainty of position and rotation.
+/// Shows 1-σ of the position, m, and of the base rotation about the world's axes, degrees.
 pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "UNCERTAINTY (1-σ)");
     let known = camera.sigma.as_ref();
     let position = known.map_or(Vec3::zeros(), |sigma| sigma.position_m);
     let rotation = known.map_or(Vec3::zeros(), |sigma| sigma.rotation_deg);
+    // The first change of a camera without a stored σ starts from the default.
     let written = |camera: &mut Camera, change: &dyn Fn(&mut CameraSigma)| {
         change(
             camera

@@ -1,5 +1,5 @@
-//! Residuals of the camera's frames over time, with a mark where it stops fitting. A click goes
-//! there.
+//! The residuals of a camera's frames in the order of the frames, with a mark where the camera
+//! stops fitting, for example because it was moved. A click shows the nearest frame.
 
 use super::section;
 use crate::ui::plot::{Plot, small};
@@ -15,20 +15,21 @@ use egui::{
 use touchline_application::app::{Action, Command, Navigation};
 use touchline_documents::document::{Camera, Frame};
 
-/// The plot's height, points.
+/// Height of the plot, points.
 const HEIGHT: f32 = 72.0;
-/// The scale's least upper end, px at 1920 px width.
+/// Minimum upper end of the scale, px at 1920 px width.
 const SCALE_PX: f64 = 8.0;
-/// The fewest frames that are plotted.
+/// Minimum number of frames for a plot.
 const MIN_FRAMES: usize = 3;
 
-/// A frame of the camera with enough clicks for its residuals to be evidence.
+/// A frame of the camera: its position in the document, and the rms of its residuals, px.
 struct Point {
     frame: usize,
     rms_px: f64,
 }
 
-/// Shows the residuals of a camera's frames in order, and the remedy where they jump.
+/// Shows the residuals of a camera's frames. If they jump, a button makes a new camera from there
+/// on.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let points = points(panel, camera);
     if points.len() < MIN_FRAMES {
@@ -36,6 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
     section(ui, "FIT OVER TIME");
     plot(panel, ui, camera, &points);
+    // The remedy, if the residuals jump.
     let Some(change) = panel
         .app
         .camera_change()
@@ -70,6 +72,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     });
 }
 
+/// The frames of the camera with a finite rms.
 fn points(panel: &Panel<'_>, camera: &Camera) -> Vec<Point> {
     let Some(open) = panel.app.open() else {
         return Vec::new();
@@ -95,6 +98,7 @@ fn points(panel: &Panel<'_>, camera: &Camera) -> Vec<Point> {
         .collect()
 }
 
+/// Draws the plot and reads the pointer.
 fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
@@ -110,6 +114,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let (from, to) = (number(first.frame), number(last.frame));
     let description = format!("Fit of {} frames over time, {from} to {to}", points.len());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &description));
+    // Scales and their numbers.
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, CornerRadius::same(4), ui.palette().backdrop);
     let highest = scale_px(points, SCALE_PX * camera.image_size.scale_from_1920());
@@ -123,7 +128,8 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     };
     let area = plot.area;
     let x_of = |frame: usize| plot.x_of(frame as f64);
-    // A square-root scale: a few px stay distinguishable beside fifty.
+    // The vertical axis has a square-root scale, on which a few px remain distinguishable beside
+    // fifty.
     let at = |point: &Point| plot.at(point.frame as f64, point.rms_px.sqrt());
     painter.hline(
         area.x_range(),
@@ -137,6 +143,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
         small(),
         ui.palette().weak,
     );
+    // Vertical lines: the shown frame, and where the camera stops fitting.
     let change = panel
         .app
         .camera_change()
@@ -157,6 +164,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
             Stroke::new(2.0, ui.palette().caution),
         );
     }
+    // Frames from the change on have another colour; the shown frame is larger.
     for point in points {
         let after = change.is_some_and(|change| point.frame >= change);
         let colour = if after {
@@ -167,6 +175,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
         let radius = if point.frame == shown { 3.5 } else { 2.0 };
         painter.circle_filled(at(point), radius, colour);
     }
+    // The first and the last frame's number below the plot.
     let below = rect.bottom() - 1.0;
     painter.text(
         pos2(area.left(), below),
@@ -183,6 +192,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
         ui.palette().weak,
     );
 
+    // The pointer picks the point that is nearest on the screen.
     let nearest = |pointer: Pos2| {
         points.iter().min_by(|a, b| {
             let distance = |point: &Point| at(point).distance_sq(pointer);
@@ -213,7 +223,8 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     }
 }
 
-/// The upper end of the scale: slightly above nearly all frames.
+/// The upper end of the scale, px: 1.2 times the 95 % quantile, so that single outliers do not
+/// flatten the others.
 fn scale_px(points: &[Point], least_px: f64) -> f64 {
     let mut sorted: Vec<f64> = points.iter().map(|point| point.rms_px).collect();
     sorted.sort_by(f64::total_cmp);

@@ -1,5 +1,8 @@
-//! The map of a camera that was found without a click: paint that stays, and the field's lines over
-//! it. A click in it goes to the frame that shows that place.
+//! The panorama of a camera that autocalibration found: persistent paint, and the field's lines as
+//! this camera sees them. A click shows the frame that looks there.
+//!
+//! Where paint and lines coincide, the camera is right. This is the user's check of a camera for
+//! which nothing was clicked.
 
 use super::section;
 use crate::ui::{Panel, theme::Themed as _};
@@ -11,14 +14,14 @@ use touchline_calibration::calibrate::FoundCamera;
 use touchline_core::geometry::{ImagePoint, subsample};
 use touchline_documents::document::Camera;
 
-/// Places of paint that are drawn, at most.
+/// Maximum number of paint points that are drawn.
 const PLACES: usize = 4000;
 
-/// The map is at most so high, as a share of its width.
+/// Maximum height of the map as a share of its width.
 const MOST_HIGH: f32 = 0.6;
 
-/// Shows the map of a camera; nothing where it was not found without a click since the project was
-/// opened.
+/// Shows the map of a camera. Nothing unless it was found automatically since the project was
+/// opened and has not been moved since.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let is_it = |found: &Arc<FoundCamera>| {
         let base = camera.base();
@@ -48,6 +51,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         return;
     };
     section(ui, "PAINT AND LINES");
+    // The map fills the width, unless it would then be too high.
     let (wide, high) = (map.size.width as f32, map.size.height as f32);
     let scale = ui.available_width() / wide;
     let size = vec2(
@@ -59,6 +63,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, describe(&found)));
     let at = |point: ImagePoint| rect.min + vec2(point.x as f32, point.y as f32) * scale;
     draw(ui, rect, &scene, &map, at);
+    // A click: from the screen to the map, and from there to a frame.
     let clicked = response
         .clicked()
         .then(|| response.interact_pointer_pos())
@@ -79,6 +84,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     response.on_hover_text(tip);
 }
 
+/// The evidence in words, for a screen reader.
 fn describe(found: &FoundCamera) -> String {
     let evidence = &found.found.evidence;
     format!(
@@ -88,6 +94,7 @@ fn describe(found: &FoundCamera) -> String {
     )
 }
 
+/// Draws, from back to front: the views of the frames, paint, the field's lines.
 fn draw(
     ui: &Ui,
     rect: Rect,

@@ -1,5 +1,5 @@
-//! The stadium from above and from the side: the camera's position with its uncertainty, and where
-//! its frames look.
+//! The stadium from above and from the side: the estimated position of the camera with its
+//! uncertainty, and where its frames look.
 
 use super::section;
 use crate::ui::{Panel, theme::Themed as _};
@@ -11,15 +11,16 @@ use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Vec2, Vec3, covariance_ellipse};
 
-/// The view's height, points.
+/// Height of both views, points.
 const HEIGHT: f32 = 176.0;
-/// The width of the side view at the right, points.
+/// Width of the side view, points. It is to the right of the view from above.
 const SIDE: f32 = 64.0;
-/// The least size of the drawn ellipse, points; it is enlarged by a round factor, which is shown.
+/// Minimum radius of the drawn ellipse, points. A smaller one is enlarged by a round factor, which
+/// is shown.
 const VISIBLE: f64 = 14.0;
-/// The corners of the drawn ellipse.
+/// Number of corners of the polygon that is drawn for the ellipse.
 const CORNERS: u32 = 48;
-/// The least length of the frames' directions as drawn, m.
+/// Minimum length of the lines that show where frames look, m.
 const LOOK_M: f64 = 45.0;
 
 /// Shows both views.
@@ -52,6 +53,7 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     response.on_hover_text(tip);
 }
 
+/// Draws the field, the camera, and where its frames look, from above: x to the right, y upwards.
 fn from_above(
     painter: &Painter,
     rect: Rect,
@@ -63,6 +65,7 @@ fn from_above(
     let position = estimate.base.position_m;
     let (half_length, half_width) = (field.length_m / 2.0, field.width_m / 2.0);
     let (left, right) = (position.x.min(-half_length), position.x.max(half_length));
+    // The view contains field and camera, with room for the uncertainty across the field.
     let room_m = 8.0 + 2.0 * estimate.position_covariance[(1, 1)].max(0.0).sqrt();
     let (near, far) = (
         (position.y - room_m).min(-half_width),
@@ -88,10 +91,13 @@ fn from_above(
         ));
     }
     let heading = estimate.base.angles().heading;
+    // The line of each frame begins at the camera; its direction is heading plus pan, from the y
+    // axis to the right.
     for (index, fit) in found.frames.iter().zip(&estimate.frames) {
         let Some(fit) = fit else { continue };
         let direction = (heading + fit.ptz.pan).radians();
-        // To the field's long axis, or straight on where it looks along the field.
+        // It ends at the field's long axis. A frame that looks along the field never reaches it,
+        // hence the limit 0.2 for the cosine.
         let reach_m = (position.y.abs() / direction.cos().abs().max(0.2)).max(LOOK_M);
         let end = position + Vec3::new(direction.sin(), direction.cos(), 0.0) * reach_m;
         let (width, colour) = if *index == shown {
@@ -101,6 +107,7 @@ fn from_above(
         };
         painter.line_segment([at(position), at(end)], Stroke::new(width, colour));
     }
+    // The 1-σ ellipse of the horizontal position.
     let covariance = estimate
         .position_covariance
         .fixed_view::<2, 2>(0, 0)
@@ -130,12 +137,13 @@ fn from_above(
     );
 }
 
-/// The height over the ground with its 1-σ.
+/// Draws the camera's height above the ground, with its 1-σ as a thick line.
 fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
     let (height, sigma) = (
         found.estimate.base.position_m.z,
         found.estimate.base.sigma.position_m.z,
     );
+    // The scale leaves room for the text below and for the upper end of the interval.
     let ground = rect.bottom() - 14.0;
     let scale = f64::from(ground - rect.top() - 16.0) / (height + sigma).max(1.0);
     let x = rect.center().x;
@@ -163,7 +171,7 @@ fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
     );
 }
 
-/// The round factor that makes the ellipse visible at a scale (points per m).
+/// The round factor that enlarges the ellipse to at least [`VISIBLE`] at a scale in points per m.
 fn enlargement(ellipse: &[Vec2], scale: f64) -> f64 {
     let radius_m = ellipse.iter().map(Vec2::norm).fold(0.0, f64::max);
     let seen = |times: &&f64| radius_m * scale * **times >= VISIBLE;

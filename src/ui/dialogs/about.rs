@@ -1,4 +1,4 @@
-//! Version, licence, citation, and a diagnostic report for bug reports.
+//! Version, licence, citation, and a report for bug reports.
 
 use super::sheet;
 use crate::ui::{
@@ -14,7 +14,7 @@ use touchline_vision::media::VideoBackend;
 const CITATION: &str = "J. Chen, F. Zhu and J. J. Little: A Two-point Method for PTZ Camera Calibration in Sports. IEEE \
                         Winter Conference on Applications of Computer Vision (WACV), 2018.";
 
-/// Shows the sheet.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "About", vec2(480.0, 420.0), |panel, ui| {
         ui.label(
@@ -38,6 +38,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         }
         ui.add_space(2.0 * theme::SPACE);
         theme::title(ui, "FOR A BUG REPORT");
+        // The report is shown in full before it is copied.
         let report = report(panel.app, panel.adapter, ui.ctx());
         ui.add(
             Label::new(RichText::new(&report).monospace().color(ui.palette().weak))
@@ -56,7 +57,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
-/// Versions, graphics adapter and counts; nothing that identifies the match.
+/// Versions, graphics adapter and counts. Nothing in it identifies the match: no path, no name.
 fn report(app: &App, adapter: &str, ctx: &Context) -> String {
     let screen = ctx.content_rect().size();
     let adapter = if adapter.is_empty() { "none" } else { adapter };

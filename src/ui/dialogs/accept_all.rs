@@ -1,5 +1,5 @@
-//! Accepting suggestions together: how many, how many of them are wrong, and a look at the doubtful
-//! ones and at samples.
+//! Accepting many suggestions together: how many pass the threshold, how many of them are probably
+//! wrong, and thumbnails of the doubtful ones and of samples.
 
 use super::{has_just_opened, sheet};
 use crate::ui::{
@@ -15,16 +15,16 @@ use touchline_application::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, 
 use touchline_application::app::{Action, Command, EditAction, Navigation, ViewAction};
 use touchline_calibration::proposals::ExpectedWrong;
 
-/// The sheet's size, points.
+/// Size of the dialog, points.
 const SIZE: egui::Vec2 = vec2(760.0, 560.0);
-/// The size of a thumbnail, points.
+/// Size of a thumbnail, points.
 const PICTURE: egui::Vec2 = vec2(232.0, 131.0);
-/// The height of its caption, points.
+/// Height of its caption, points.
 const CAPTION: f32 = 18.0;
-/// The gap between thumbnails, points.
+/// Gap between thumbnails, points.
 const GAP: f32 = 8.0;
 
-/// Shows the sheet.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let opened = has_just_opened(ctx, "accept all");
     let Some(shown) = panel.app.accept_sheet().map(Arc::clone) else {
@@ -41,6 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         );
         disagreeing(panel, ui, bulk);
         ui.add_space(theme::SPACE);
+        // The thumbnails take the height that heading and buttons leave.
         let room = ui.available_height().min(SIZE.y - 170.0);
         ui.allocate_ui(vec2(ui.available_width(), room), |ui| grid(panel, ui, bulk));
         ui.add_space(theme::SPACE);
@@ -51,6 +52,8 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
+/// Says how many suggestions would be accepted, how many of them are expected to be wrong, and
+/// which are shown.
 fn describe(
     panel: &Panel<'_>,
     AcceptSheet {
@@ -89,7 +92,7 @@ fn describe(
     )
 }
 
-/// How many are wrong, with the interval that holds in 95 of 100 cases.
+/// The expected number of wrong ones, as the interval that contains it in 95 of 100 cases.
 fn describe_wrong(wrong: &ExpectedWrong) -> String {
     match (wrong.least, wrong.most) {
         (_, 0) => "all probably right".to_owned(),
@@ -99,6 +102,7 @@ fn describe_wrong(wrong: &ExpectedWrong) -> String {
     }
 }
 
+/// The choice whether to include suggestions that are out of line with their neighbours.
 fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     let before = panel.app.session.review.with_disagreeing;
     if !before && bulk.left_out == 0 {
@@ -122,7 +126,7 @@ fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     }
 }
 
-/// Thumbnails of some of the suggestions; a click goes to one, its tick takes it out.
+/// Shows thumbnails of some of the suggestions. A click shows the frame; the tick excludes it.
 fn grid(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     let shown = bulk.preview();
     let columns = (((ui.available_width() - 8.0) / (PICTURE.x + GAP)) as usize).max(1);
@@ -153,6 +157,7 @@ fn grid(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
         });
 }
 
+/// Shows a thumbnail with number and confidence.
 fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: Rect) {
     let Some(open) = panel.app.open() else { return };
     let number = open.frame_number(index);
@@ -170,6 +175,7 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
     });
     let picture = Rect::from_min_size(place.min, PICTURE);
     miniature::paint(panel, ui.painter(), open, index, picture);
+    // A look at a frame closes the dialog; the choices in it are kept by the application.
     if response.hovered() || response.has_focus() {
         ui.painter().rect_stroke(
             picture,
@@ -206,7 +212,7 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
     }
 }
 
-/// Whether a suggestion is accepted with the others.
+/// The tick of a suggestion: whether it is accepted with the others.
 fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Rect) {
     let mut ticked = before;
     let number = panel
@@ -215,7 +221,7 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
         .map_or(index as u64, |open| open.frame_number(index));
     let place = Rect::from_min_size(cell.min + vec2(4.0, 4.0), vec2(20.0, 20.0));
     ui.painter().rect_filled(place, 3.0, ui.palette().panel);
-    // A child of its own: the rows stay where they are.
+    // A child of its own, so that the tick does not move the layout of the rows.
     let response = ui
         .new_child(UiBuilder::new().max_rect(place))
         .add(Checkbox::without_text(&mut ticked));
@@ -236,6 +242,7 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
     }
 }
 
+/// The buttons. The main one has the focus at first, so that Enter accepts.
 fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) {
     let count = bulk.taken().count();
     let accept = ui.add_enabled(

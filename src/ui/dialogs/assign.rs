@@ -1,4 +1,4 @@
-//! Which camera took these frames: one of the document's, or a new one.
+//! Assigning frames to the camera that took them: one of the document's, or a new one.
 
 use super::{has_just_opened, sheet};
 use crate::ui::{
@@ -11,13 +11,14 @@ use touchline_application::app::{Action, CameraChoice, EditAction, Navigation};
 use touchline_core::geometry::counted;
 use touchline_documents::document::CameraId;
 
-/// More cameras than fit here are scrolled to, points.
+/// Height of the list of cameras, points; longer lists scroll.
 const LIST: f32 = 200.0;
 
-/// Shows the sheet; `scope` is which frames are assigned.
+/// Shows the dialog. `scope` says which frames are assigned.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
     let memory = Id::unique("name of the new camera");
     let opened = has_just_opened(ctx, "assign to camera");
+    // The name of the new camera is kept while the dialog is open.
     let known = ctx
         .data_mut(|data| data.get_temp::<String>(memory))
         .filter(|_| !opened);
@@ -42,7 +43,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
                 );
                 let field = field.accessible_name("Name of the new camera");
                 if opened {
-                    // So that Enter creates it, and a person may type another name.
+                    // With the focus here, Enter creates the camera, and typing changes its name.
                     field.request_focus();
                 }
                 let taken = panel
@@ -76,6 +77,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
     ctx.data_mut(|data| data.insert_temp(memory, name));
 }
 
+/// A free name, derived from the present camera's.
 fn suggested_name(panel: &Panel<'_>) -> String {
     let open = panel.app.open().zip(panel.app.camera_id());
     open.map_or_else(String::new, |(open, camera)| {
@@ -83,7 +85,7 @@ fn suggested_name(panel: &Panel<'_>) -> String {
     })
 }
 
-/// The choice of frames; returns how many they are.
+/// The choice of frames. Returns their number.
 fn scopes(panel: &mut Panel<'_>, ui: &mut Ui, chosen: Scope) -> usize {
     let Some(open) = panel.app.open() else {
         return 0;
@@ -113,6 +115,8 @@ fn scopes(panel: &mut Panel<'_>, ui: &mut Ui, chosen: Scope) -> usize {
     total
 }
 
+/// Lists the cameras of the document; a click assigns the frames. Only a camera with pictures of
+/// the same size is possible.
 fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
     let Some(open) = panel.app.open() else { return };
     let size = panel.app.frame().map(|frame| frame.image_size);

@@ -1,4 +1,4 @@
-//! Another program changed the document: choosing which version to keep.
+//! Choosing which version to keep after another program has changed the document.
 
 use super::sheet;
 use crate::ui::{
@@ -8,7 +8,7 @@ use crate::ui::{
 use egui::{Button, Context, Label, RichText, vec2};
 use touchline_application::app::{Action, Command, OutsideChoice, ViewAction};
 
-/// What each choice is called, and what it does.
+/// The choices with name and explanation.
 const CHOICES: [(OutsideChoice, &str, &str); 3] = [
     (
         OutsideChoice::Merge,
@@ -27,7 +27,7 @@ const CHOICES: [(OutsideChoice, &str, &str); 3] = [
     ),
 ];
 
-/// Shows the sheet.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(
         panel,

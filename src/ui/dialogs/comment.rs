@@ -1,4 +1,4 @@
-//! A comment on the frame.
+//! Editing the comment on the shown frame.
 
 use super::{has_just_opened, sheet};
 use crate::ui::menu::file_name;
@@ -10,7 +10,7 @@ use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdi
 use touchline_application::app::{Action, EditAction, ViewAction};
 use touchline_documents::document::Frame;
 
-/// Shows the sheet; `before` is the comment as it was when it opened.
+/// Shows the dialog. `before` is the comment when it opened.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
     let memory = Id::unique("comment");
     let opened = has_just_opened(ctx, "comment");

@@ -1,7 +1,11 @@
-//! Finding a command by a few of its letters.
+//! Approximate matching of a few letters, for finding a command.
 
-/// How well letters match a text: they occur in it in order; beginnings of words and runs count
-/// more. None: they do not.
+/// How well letters match a text; larger is better, `None` if they do not.
+///
+/// The letters must occur in the text in order. A letter counts 1; at the beginning of a word 4
+/// more; in a run of adjacent letters up to 8 more. The sum is divided by a measure of the text's
+/// length. The best of all positions of the first letter counts, because the first match is not
+/// always the best.
 pub fn score(letters: &str, text: &str) -> Option<u32> {
     let text: Vec<char> = text.to_lowercase().chars().collect();
     let letters: Vec<char> = letters
@@ -16,7 +20,7 @@ pub fn score(letters: &str, text: &str) -> Option<u32> {
     best
 }
 
-/// The same, with the first letter no earlier than `from`.
+/// The score with the first letter at `from` or later; each letter takes its first occurrence.
 fn score_from(letters: &[char], text: &[char], from: usize) -> Option<u32> {
     let (mut total, mut at) = (0, from);
     let mut run = 0;

@@ -1,4 +1,4 @@
-//! Going to a frame by its number, or to a time.
+//! Going to a frame by its number or by a time of the video.
 
 use super::{has_just_opened, sheet};
 use crate::ui::{
@@ -9,7 +9,7 @@ use egui::{Button, Context, Id, Key, RichText, TextEdit, vec2};
 use touchline_application::app::place::Place;
 use touchline_application::app::{Action, Navigation, sentence};
 
-/// Shows the sheet.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let memory = Id::unique("place asked for");
     let opened = has_just_opened(ctx, "place");
@@ -51,6 +51,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 place
             });
             ui.add_space(theme::SPACE);
+            // What is wrong with the text, or else which numbers there are.
             let says = match &place.inner {
                 Err(error) if !typed.trim().is_empty() => {
                     RichText::new(sentence(&error.to_string())).color(ui.palette().caution)

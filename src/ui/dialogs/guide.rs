@@ -1,5 +1,7 @@
-//! The user guide: the Markdown of `assets/guide`, a page at a time, with the pictures that it
-//! names.
+//! The user guide: pages of Markdown from `assets/guide`, with their pictures.
+//!
+//! Only the Markdown that the guide uses is understood: titles, section headings, pictures, lists,
+//! and marked words. Each paragraph is one line.
 
 use super::sheet;
 use crate::ui::{
@@ -16,7 +18,7 @@ use touchline_application::app::guide::GuidePage;
 use touchline_application::app::{Action, ViewAction};
 use touchline_assets::guide;
 
-/// The text of a page.
+/// The Markdown of a page.
 const fn text(page: GuidePage) -> &'static str {
     match page {
         GuidePage::FirstProject => guide::FIRST_PROJECT,
@@ -32,10 +34,11 @@ const fn text(page: GuidePage) -> &'static str {
     }
 }
 
-/// The width of the list of pages, points.
+/// Width of the list of pages, points.
 const LIST: f32 = 120.0;
 
-/// Shows a page of the guide; closing it leads back to a dialog if `leads_back`.
+/// Shows a page of the guide. If `leads_back`, closing it shows the dialog from which it was
+/// opened.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: bool) {
     sheet(panel, ctx, "User guide", vec2(860.0, 580.0), |panel, ui| {
         ui.horizontal_top(|ui| {
@@ -62,7 +65,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
                 .id_salt(page.title())
                 .auto_shrink(false)
                 .show(ui, |ui| {
-                    // The area has the layout of the row that it stands in.
+                    // A scroll area inherits the layout of the row around it, which is horizontal.
                     ui.vertical(|ui| {
                         for line in text(page).lines() {
                             show_line(ui, line);
@@ -73,8 +76,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
     });
 }
 
-/// A line of Markdown: a title, the heading of a section, a picture, an entry of a list, or a
-/// paragraph.
+/// Shows a line of Markdown: a title, a section heading, a picture, a list entry, or a paragraph.
 fn show_line(ui: &mut Ui, line: &str) {
     if let Some(title) = line.strip_prefix("# ") {
         ui.label(RichText::new(title).heading().color(ui.palette().strong));
@@ -98,6 +100,7 @@ fn show_line(ui: &mut Ui, line: &str) {
         ui.add_space(theme::SPACE);
         return;
     };
+    // An entry of a numbered or plain list, or a paragraph.
     let numbered = text
         .split_once(". ")
         .filter(|(number, _)| number.parse::<u32>().is_ok());
@@ -121,12 +124,13 @@ fn show_line(ui: &mut Ui, line: &str) {
     });
 }
 
-/// The caption and the name of the picture that a line is.
+/// Caption and file name, if a line is a picture.
 fn picture(line: &str) -> Option<(&str, &str)> {
     line.strip_prefix("![")?.strip_suffix(')')?.split_once("](")
 }
 
-/// Shows a picture as wide as there is room, its caption for those who do not see it.
+/// Shows a picture, at most as wide as the available space. The caption is its description for
+/// screen readers.
 fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
     let memory = Id::unique(("picture of the guide", name));
     let known = ui.data(|data| data.get_temp::<TextureHandle>(memory));
@@ -145,7 +149,7 @@ fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
     shown.on_hover_text(caption);
 }
 
-/// A picture of the guide on the graphics adapter.
+/// Decodes a picture of the guide into a texture. `None` if the guide has no picture of this name.
 fn decoded(ctx: &Context, name: &str) -> Option<TextureHandle> {
     let (_, bytes) = guide::PICTURES.iter().find(|(known, _)| *known == name)?;
     let picture = image::load_from_memory_with_format(bytes, ImageFormat::WebP)
@@ -158,7 +162,7 @@ fn decoded(ctx: &Context, name: &str) -> Option<TextureHandle> {
     Some(ctx.load_texture(name, image, TextureOptions::LINEAR))
 }
 
-/// A text with what stands between pairs of `**`, `*` and `` ` `` set off.
+/// Lays out a text with the words between pairs of `**`, `*` and `` ` `` emphasised.
 fn laid_out(palette: &Palette, text: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     for (part, is_set_off) in parts(text) {
@@ -187,7 +191,8 @@ fn laid_out(palette: &Palette, text: &str) -> LayoutJob {
     job
 }
 
-/// A text in parts, and whether each is set off; those that are keep their marks.
+/// Splits a text into parts, each with whether it is emphasised. Emphasised parts keep their marks;
+/// a mark without a second one is text.
 fn parts(text: &str) -> Vec<(&str, bool)> {
     let (mut found, mut rest) = (Vec::new(), text);
     while let Some(start) = rest.find(['`', '*']) {
@@ -196,6 +201,7 @@ fn parts(text: &str) -> Vec<(&str, bool)> {
         } else {
             &rest[start..=start]
         };
+        // A mark without a second one: the rest is text.
         let Some(length) = rest[start + mark.len()..].find(mark) else {
             break;
         };

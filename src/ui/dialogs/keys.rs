@@ -1,4 +1,4 @@
-//! Every command and its key; a click on a key changes it.
+//! The list of all commands with their keys. A click on a key changes it.
 
 use super::sheet;
 use crate::ui::{
@@ -10,7 +10,7 @@ use egui::{
 };
 use touchline_application::app::{Action, Chord, Command, Keymap, MenuGroup, SettingsAction};
 
-/// Keys that are not commands and cannot be changed.
+/// Keys and pointer actions that are no commands and cannot be changed.
 const FIXED: [(&str, &str); 9] = [
     ("Click", "place a point, or grab one"),
     ("1–5, letters", "choose a name, filter the names"),
@@ -32,27 +32,29 @@ const FIXED: [(&str, &str); 9] = [
     ("1–6", "the reason, after Not calibratable"),
 ];
 
-/// The width of a key, points.
+/// Width of the column of keys, points.
 const KEY: f32 = 168.0;
 
-/// The command that is about to get a new key.
+/// Where the command that waits for a new key is stored.
 fn waiting() -> Id {
     Id::unique("command that waits for a key")
 }
 
-/// Whether the next key press is recorded for a command.
+/// Whether the next key press is recorded for a command, so that nothing else may read it.
 pub fn captures_keys(ctx: &Context) -> bool {
     ctx.data(|data| data.get_temp::<Option<Command>>(waiting()))
         .flatten()
         .is_some()
 }
 
+/// Sets the command that waits for a new key.
 fn set_waiting(ctx: &Context, command: Option<Command>) {
     ctx.data_mut(|data| data.insert_temp(waiting(), command));
 }
 
-/// Shows the sheet.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    // A command that waited for a key when the dialog was closed no longer does.
     if super::has_just_opened(ctx, "keys") {
         set_waiting(ctx, None);
     }
@@ -107,6 +109,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
+/// Lists the commands of a menu.
 fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup, chosen: Option<Command>) {
     theme::title(ui, &group.title().to_uppercase());
     Grid::new(("keys", group.title()))
@@ -124,6 +127,7 @@ fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup, chosen: Option<Co
     ui.add_space(3.0 * theme::SPACE);
 }
 
+/// Shows the keys of a command as a button; a click waits for a new key.
 fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
     let shown = shown(&panel.app.settings.keys, command);
     let text = match (waits, shown.is_empty()) {
@@ -146,7 +150,7 @@ fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
     }
 }
 
-/// Every key of a command.
+/// All keys of a command.
 fn shown(keys: &Keymap, command: Command) -> String {
     let chords: Vec<String> = keys
         .chords(command)
@@ -156,6 +160,7 @@ fn shown(keys: &Keymap, command: Command) -> String {
     chords.join(", ")
 }
 
+/// Lists what cannot be changed.
 fn fixed(ui: &mut Ui) {
     theme::title(ui, "POINTER AND FIXED KEYS");
     Grid::new("fixed keys")
@@ -171,8 +176,10 @@ fn fixed(ui: &mut Ui) {
         });
 }
 
-/// Records the next key press for the command.
+/// Assigns the next key press to the command, and removes it from the input. Escape keeps the old
+/// key.
 fn capture(panel: &mut Panel<'_>, ctx: &Context, command: Command) {
+    // A modifier alone is not a key, and a repetition belongs to an earlier press.
     let pressed = ctx.input_mut(|input| {
         let found = input.events.iter().find_map(|event| match event {
             Event::Key {
@@ -184,6 +191,7 @@ fn capture(panel: &mut Panel<'_>, ctx: &Context, command: Command) {
             } if !is_modifier(*key) => Some((*key, *modifiers)),
             _ => None,
         });
+        // The text that the key types must not reach a field either.
         if found.is_some() {
             input
                 .events
@@ -205,6 +213,7 @@ fn capture(panel: &mut Panel<'_>, ctx: &Context, command: Command) {
     }
 }
 
+/// Whether a key is a modifier by itself.
 const fn is_modifier(key: Key) -> bool {
     matches!(
         key,
@@ -219,8 +228,8 @@ const fn is_modifier(key: Key) -> bool {
     )
 }
 
-/// A key as the settings write it. Whether a sign needs Shift is the layout's business, not the
-/// chord's.
+/// A key stroke as the settings store it. For punctuation, Shift is not stored, because the
+/// keyboard layout decides whether the sign needs it.
 fn chord(key: Key, modifiers: Modifiers) -> Chord {
     let question = key == Key::Questionmark || key == Key::Slash && modifiers.shift;
     let sign = question

@@ -1,4 +1,4 @@
-//! Every message of this session, the latest first.
+//! All messages since the program was started, the latest first.
 
 use super::sheet;
 use crate::ui::{
@@ -8,7 +8,7 @@ use crate::ui::{
 use egui::{Button, Context, Label, RichText, ScrollArea, vec2};
 use touchline_application::app::{Action, Command};
 
-/// Shows the list.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Messages", vec2(640.0, 460.0), |panel, ui| {
         let command = Command::DismissNotices;

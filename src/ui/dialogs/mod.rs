@@ -1,6 +1,8 @@
-//! Dialogs: user guide, palette, keys, preferences, messages, about, sport, overlay style, look of
-//! the picture, comment, camera assignment, path, and the questions about saving. Escape or a click
-//! beside a dialog closes it. Tab stays inside one that darkens the window.
+//! Dialogs. At most one is open at a time.
+//!
+//! Most are sheets in the middle of the darkened window. They close with Escape or a click beside
+//! them, and Tab stays within them. The dialogs about appearance (`overlay_style.rs`,
+//! `picture_look.rs`) leave the window bright and usable, so that their effect is seen.
 
 mod about;
 mod accept_all;
@@ -36,7 +38,7 @@ use egui::{
 use touchline_application::app::session::Dialog;
 use touchline_application::app::{Action, Command, ViewAction};
 
-/// Shows the dialog that is open, if any.
+/// Shows the open dialog, if any.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
     let ctx = &ui.ctx().clone();
     match panel.app.session.dialog.clone() {
@@ -62,8 +64,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
     }
 }
 
-/// Whether this dialog has just opened: then it takes the focus and forgets what was typed into it
-/// before.
+/// Whether this dialog has just opened, that is, was not shown in the previous frame of the window.
+/// Then it takes the focus and forgets what was typed into it before.
 fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
     let (memory, now) = (
         Id::unique(("dialog was shown", dialog)),
@@ -76,8 +78,8 @@ fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
     })
 }
 
-/// The darkened backdrop of a dialog; a click on it closes the dialog. Nothing behind it takes the
-/// keyboard's focus.
+/// Darkens the window behind a dialog. A click there closes the dialog; nothing behind it can have
+/// the keyboard focus.
 fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
     let all = ctx.content_rect();
     let area = Area::new(Id::unique("curtain"))
@@ -94,7 +96,8 @@ fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
-/// A dialog with a title in the middle of the window.
+/// Shows a dialog with a title in the middle of the window. `size` is the largest size of its
+/// contents, points.
 fn sheet(
     panel: &mut Panel<'_>,
     ctx: &Context,
@@ -104,6 +107,7 @@ fn sheet(
 ) {
     curtain(panel, ctx);
     let all = ctx.content_rect();
+    // A margin stays free in a small window.
     let size = size.min(all.size() - vec2(48.0, 48.0));
     Area::new(Id::unique(("dialog", title)))
         .order(Order::Foreground)
@@ -121,10 +125,12 @@ fn sheet(
         });
 }
 
+/// The border and margin of a dialog.
 fn frame(ui: &Ui) -> Frame {
     Frame::window(ui.style()).inner_margin(Margin::same(16))
 }
 
+/// The title of a dialog, with the buttons that close it and open the guide.
 fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(title).heading().color(ui.palette().strong));
@@ -145,7 +151,7 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
     ui.add_space(theme::SPACE);
 }
 
-/// The way to the page of the guide that speaks of the dialog.
+/// The button that opens the guide at the page about this dialog, if there is one.
 fn to_guide(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(page) = panel.app.guide_page() else {
         return;

@@ -1,4 +1,4 @@
-//! The warning before unsaved edits are lost.
+//! The warning before unsaved edits are lost by closing or opening.
 
 use super::sheet;
 use crate::ui::{
@@ -9,7 +9,7 @@ use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
 use touchline_application::app::session::{Leaving, Saving};
 use touchline_application::app::{Action, Command, ViewAction};
 
-/// Shows the sheet.
+/// Shows the dialog. `leaving` is what the user was about to do.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
     let (title, does, does_only) = match leaving {
         Leaving::Close => ("Quit without saving?", "Quit and lose edits", "Quit"),
@@ -18,6 +18,8 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
         }
     };
     sheet(panel, ctx, title, vec2(520.0, 220.0), |panel, ui| {
+        // Why edits may be lost. After a change by another program nothing is lost, but the version
+        // is set aside.
         let (what, does) = match &panel.app.session.disk.saving {
             Saving::Failed { message, since } => {
                 let edits = since.as_ref().map_or_else(

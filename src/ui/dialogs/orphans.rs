@@ -1,4 +1,5 @@
-//! Edits of another version of the document that were set aside.
+//! Edits that were made to another version of the document and were set aside. They can be merged
+//! or saved as a document of their own.
 
 use super::sheet;
 use crate::ui::{
@@ -9,7 +10,7 @@ use egui::{Context, Label, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::Action;
 use touchline_documents::store::Orphan;
 
-/// Shows the sheet.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(
         panel,
@@ -32,6 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     );
 }
 
+/// Shows one set of edits with its two buttons.
 fn entry(panel: &mut Panel<'_>, ui: &mut Ui, orphan: &Orphan) {
     let count = orphan.edits.len();
     let last = orphan.edits.last().map(String::as_str).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Colour, width and opacity of the field's lines; the picture stays in view and follows at once.
+//! Colour, width and opacity of the field's lines. The picture stays in view and follows at once.
 
 use super::{frame, header, swatches};
 use crate::ui::{Panel, theme};
@@ -6,7 +6,7 @@ use egui::{Area, Button, Context, Grid, Id, Order, Slider, Ui, vec2};
 use touchline_application::app::{Action, SettingsAction};
 use touchline_application::scene::{OverlayStyle, Sport};
 
-/// Shows the sheet at the upper left of the picture.
+/// Shows the dialog at the upper left of the picture.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let corner = ctx.content_rect().min + vec2(16.0, 40.0);
     Area::new(Id::unique("overlay style"))
@@ -31,7 +31,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         });
 }
 
-/// The colour of the shown sport's lines.
+/// The colour of lines for the shown sport. It is stored for each sport, because grounds differ.
 fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
     let template = panel
         .app
@@ -56,6 +56,7 @@ fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.add_space(2.0 * theme::SPACE);
 }
 
+/// The sliders and switches, and the button that restores the defaults.
 fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
     Grid::new("overlay style")
         .num_columns(2)
@@ -99,6 +100,7 @@ fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
             ui.end_row();
         });
     ui.add_space(theme::SPACE);
+    // The defaults leave the colour, which is set for each sport.
     let delivered = OverlayStyle {
         colour: style.colour,
         ..OverlayStyle::default()

@@ -1,4 +1,4 @@
-//! The command palette: any command by typing.
+//! The command palette: every command, found by typing.
 
 use super::{curtain, fuzzy, has_just_opened};
 use crate::ui::{
@@ -13,16 +13,16 @@ use std::cmp::Reverse;
 use touchline_application::app::synonyms::synonyms;
 use touchline_application::app::{Action, App, Command, ViewAction};
 
-/// The palette's width, points.
+/// Width of the palette, points.
 const WIDTH: f32 = 520.0;
-/// The height of a row, points.
+/// Height of a row, points.
 const ROW: f32 = 28.0;
-/// What a match of another word for a command counts.
+/// Score of a match by another word for a command.
 const BY_SYNONYM: u32 = 60;
-/// The number of visible rows.
+/// Number of rows in view.
 const ROWS: f32 = 11.0;
 
-/// The typed text and the chosen row.
+/// The typed text and the index of the highlighted row.
 #[derive(Clone, Default)]
 struct State {
     typed: String,
@@ -60,8 +60,9 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     ctx.data_mut(|data| data.insert_temp(memory, state));
 }
 
+/// Shows the text field and the matching commands.
 fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool) {
-    // Read before the text field sees them: arrows choose, Enter confirms.
+    // Arrows and Enter are read before the text field sees them.
     let (step, take) = ui.input_mut(|input| {
         let down = input.count_and_consume_key(Modifiers::NONE, Key::ArrowDown) as isize;
         let up = input.count_and_consume_key(Modifiers::NONE, Key::ArrowUp) as isize;
@@ -82,6 +83,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
     if response.changed() {
         state.highlighted = 0;
     }
+    // Typing starts again from the first row; arrows move on from the present one.
     let found = found(panel.app, &state.typed);
     let last = found.len().saturating_sub(1);
     state.highlighted = state.highlighted.saturating_add_signed(step).min(last);
@@ -114,8 +116,8 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
         });
 }
 
-/// The commands that match, those that can be done now first, then the best match; in menu order
-/// while nothing is typed.
+/// The matching commands: available ones first, then by score; in the order of the menus while
+/// nothing is typed.
 fn found(app: &App, typed: &str) -> Vec<Command> {
     let candidates = Command::all().filter(|command| *command != Command::Palette);
     let mut scored: Vec<((bool, Reverse<u32>), Command)> = candidates
@@ -133,8 +135,8 @@ fn found(app: &App, typed: &str) -> Vec<Command> {
     scored.into_iter().map(|(_, command)| command).collect()
 }
 
-/// How well a command matches what was typed: by its name, its menu, or another word for it. None:
-/// it does not.
+/// How well a command matches the typed text, by its name, its menu, or another word for it; `None`
+/// if it does not.
 fn score(typed: &str, command: Command) -> Option<u32> {
     let typed = typed.trim();
     if typed.is_empty() {
@@ -145,8 +147,8 @@ fn score(typed: &str, command: Command) -> Option<u32> {
         typed,
         &format!("{} {}", command.group().title(), command.name()),
     );
-    // Another word counts by its beginning, and less than a name of which every word begins as
-    // typed.
+    // Another word matches only by its beginning, and scores less than a name all of whose words
+    // begin as typed.
     let wanted = typed.to_lowercase();
     let begins = |word: &str| word.to_lowercase().starts_with(&wanted);
     let by_synonym =
@@ -154,6 +156,8 @@ fn score(typed: &str, command: Command) -> Option<u32> {
     by_name.max(by_group).max(by_synonym)
 }
 
+/// Shows a command with its menu, or with the reason why it is not available, and its key. Returns
+/// whether it was clicked.
 fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let why_not = app.why_not(command);
@@ -188,6 +192,7 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
         FontId::proportional(13.5),
         name,
     );
+    // Beside the name: its menu, or why it is not available.
     let beside = why_not.unwrap_or_else(|| command.group().title());
     painter.text(
         pos2(end.right() + 10.0, middle),
@@ -237,7 +242,7 @@ mod tests {
             assert!(found(&app, word).contains(&Command::ChooseSport), "{word}");
         }
         assert!(found(&app, "shortcuts").contains(&Command::Keys));
-        // Nothing is open: what needs a document comes after everything that does not.
+        // Nothing is open, so commands that need a document come last.
         let found = found(&app, "");
         let first_refused = found
             .iter()

@@ -1,4 +1,4 @@
-//! Typing a path, where the system has no file dialog.
+//! A field for typing a path, for systems without file dialogs.
 
 use super::{has_just_opened, sheet};
 use crate::ui::{
@@ -9,7 +9,7 @@ use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
 use std::path::PathBuf;
 use touchline_application::app::{Action, Question, ViewAction};
 
-/// The title, the button's text, and an example.
+/// Title, text of the button, and an example, for a question.
 const fn describe(question: Question) -> (&'static str, &'static str, &'static str) {
     match question {
         Question::Project => (
@@ -53,7 +53,7 @@ const fn describe(question: Question) -> (&'static str, &'static str, &'static s
     }
 }
 
-/// Shows the sheet.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
     let memory = Id::unique("path asked for");
     let opened = has_just_opened(ctx, "path");
@@ -75,6 +75,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
         if opened {
             response.request_focus();
         }
+        // A text field loses the focus with Enter.
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.add_space(theme::SPACE);
         let row = vec2(ui.available_width(), 24.0);

@@ -1,4 +1,4 @@
-//! Brightness, contrast and gamma of the picture; it stays in view and follows at once.
+//! Brightness, contrast and gamma of the picture. The picture stays in view and follows at once.
 
 use super::{frame, header};
 use crate::ui::{
@@ -9,7 +9,7 @@ use egui::{Area, Button, Context, Grid, Id, Order, Slider, vec2};
 use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::PictureLook;
 
-/// Shows the sheet at the upper left of the picture.
+/// Shows the dialog at the upper left of the picture.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let corner = ctx.content_rect().min + vec2(16.0, 40.0);
     Area::new(Id::unique("picture look"))

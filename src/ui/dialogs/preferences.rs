@@ -1,4 +1,4 @@
-//! Everything that belongs to the user and not to a project, in one place.
+//! All settings of the user, as opposed to those of a project.
 
 use super::{sheet, swatches};
 use crate::ui::{
@@ -10,24 +10,24 @@ use touchline_application::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE,
 use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::SPORTS;
 
-/// Switches, with what the settings say of each.
+/// Commands that switch a setting on and off.
 const SWITCHES: [Command; 4] = [
     Command::SnapPoints,
     Command::SnapSuggestions,
     Command::BaseOnPaint,
     Command::ShowFieldMap,
 ];
-/// Dialogs with more of the user's own.
+/// Commands that open further settings.
 const MORE: [Command; 3] = [Command::OverlayStyle, Command::PictureLook, Command::Keys];
-/// What is kept, and where nothing goes.
+/// What is stored, and where.
 const KEPT: &str = "Every edit is saved at once, to a journal beside the project. Forest and features are in the hidden folder \
                     .touchline beside the project, which can be deleted at any time.";
-/// What is sent.
+/// What is sent: nothing.
 const TELEMETRY: &str = "Telemetry: none. touchline sends nothing anywhere.";
-/// The width of the names of sports, points.
+/// Width of the names of sports, points.
 const SPORT: f32 = 130.0;
 
-/// Shows the sheet.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(
         panel,
@@ -76,12 +76,14 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     );
 }
 
+/// A title and the settings below it.
 fn group(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
     theme::title(ui, title);
     contents(ui);
     ui.add_space(2.0 * theme::SPACE);
 }
 
+/// The choice of the theme.
 fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
     let before = panel.app.settings.theme;
     ui.horizontal(|ui| {
@@ -113,6 +115,7 @@ fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
+/// The button that restores the default sizes of the panels.
 fn panel_sizes(panel: &mut Panel<'_>, ui: &mut Ui) {
     let sized =
         panel.app.settings.side_width.is_some() || panel.app.settings.filmstrip_height.is_some();
@@ -131,7 +134,7 @@ fn panel_sizes(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// The loupe around a point that is placed or dragged.
+/// The settings of the loupe.
 fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
     let before = panel.app.settings.loupe;
     let mut look = before;
@@ -165,8 +168,8 @@ fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// The colours of lines: the underlined ones are told from the sport's ground by every colour
-/// vision.
+/// The colours of lines for each sport. The underlined ones can be distinguished from the sport's
+/// ground with every kind of colour vision.
 fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
     let text = "Underlined: people with any colour vision tell it from the sport's ground.";
     ui.label(RichText::new(text).small().color(ui.palette().weak));
@@ -190,7 +193,7 @@ fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// The memory for decoded frames.
+/// The maximum memory for decoded frames.
 fn memory(panel: &mut Panel<'_>, ui: &mut Ui) {
     let before = panel.app.settings.picture_memory_mib;
     let mut mib = before;
@@ -208,8 +211,8 @@ fn memory(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// How large texts and controls are; it changes once the slider is let go, as it moves the slider
-/// itself.
+/// The size of texts and controls. It changes when the slider is released, because the change moves
+/// the slider itself.
 fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
     let memory = egui::Id::unique("text size");
     let known = panel.app.settings.text_size;
@@ -223,6 +226,7 @@ fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
             .fixed_decimals(2);
         let response = ui.add(slider).accessible_name("Text size");
         let response = response.on_hover_text("The size of texts and controls; 1 is the system's.");
+        // During the drag the size is only remembered.
         let held = response.dragged();
         ui.data_mut(|data| {
             if held {
@@ -239,6 +243,7 @@ fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
+/// A setting as a check box.
 fn switch(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     let settings = &panel.app.settings;
     let before = match command {

@@ -1,4 +1,4 @@
-//! The sport, chosen by a drawing of its field.
+//! The choice of the sport, by drawings of the fields.
 
 use super::{has_just_opened, sheet};
 use crate::ui::labels::{PlateStyle, plate};
@@ -13,14 +13,14 @@ use egui::{
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::field::{FieldModel, builtin, builtin_names};
 
-/// The size of a drawing with its name, points.
+/// Size of a drawing with its name, points.
 const CARD: egui::Vec2 = vec2(150.0, 132.0);
-/// The height of the name and of who makes the rules, points.
+/// Height of the name and of the organisation that makes the rules, points.
 const NAME: f32 = 36.0;
-/// The number of pieces that a curve is drawn with.
+/// Number of segments that approximate a curve.
 const PIECES: u32 = 32;
 
-/// Shows the fields to choose from.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let opened = has_just_opened(ctx, "sport");
     sheet(
@@ -55,7 +55,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                                 name == chosen,
                                 guess == Some(name),
                             );
-                            // Enter takes what is likely.
+                            // Enter takes the most likely sport.
                             if opened && name == guess.unwrap_or(&chosen) {
                                 card.request_focus();
                             }
@@ -71,7 +71,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     );
 }
 
-/// What a change costs.
+/// Says what a change of the field costs: the names of points.
 fn cost(app: &App) -> String {
     match app.points_of_field() {
         0 => "Which sport is it? Until points are named, changing it costs nothing.".to_owned(),
@@ -83,7 +83,7 @@ fn cost(app: &App) -> String {
     }
 }
 
-/// A field with its name.
+/// A field with its name, as a button.
 fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: bool) -> Response {
     let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, title));
@@ -103,6 +103,7 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
     }
     let ground = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME)).shrink(6.0);
     draw(painter, ground, field);
+    // "Sport (rules)" is written in two lines.
     let (sport, rules) = title.split_once(" (").unwrap_or((title, ""));
     let at = pos2(rect.center().x, rect.bottom() - NAME);
     painter.text(
@@ -140,8 +141,10 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
     ))
 }
 
-/// The lines of a field from above.
+/// Draws the lines of a field from above, x to the right and y upwards. Lines above the ground,
+/// such as crossbars, are left out.
 fn draw(painter: &Painter, ground: Rect, field: &FieldModel) {
+    // The field with a margin around it, as large as the card allows.
     let scale = (f64::from(ground.width()) / (1.1 * field.length_m))
         .min(f64::from(ground.height()) / (1.1 * field.width_m));
     let (half_length, half_width) = (

@@ -1,5 +1,5 @@
-//! Colours of lines to choose from; those that every colour vision tells from the sport's ground
-//! come first.
+//! A row of colours for lines. Those that can be distinguished from the sport's ground with every
+//! kind of colour vision come first and are underlined.
 
 use crate::ui::theme::{self, Themed as _};
 use egui::{
@@ -7,11 +7,11 @@ use egui::{
 };
 use touchline_application::scene::{Ground, LINE_COLOURS, LineColour};
 
-/// The side of a colour, points.
+/// Side of a colour's square, points.
 const SIDE: f32 = 20.0;
 
-/// Shows the colours, and any other at the end; returns the one that was chosen. `whose` goes
-/// before their accessible names.
+/// Shows the colours, and at the end a button for any other. Returns the one that was chosen.
+/// `whose` is put before the accessible names.
 pub fn show(ui: &mut Ui, whose: &str, ground: Option<Ground>, chosen: [u8; 3]) -> Option<[u8; 3]> {
     let is_safe =
         |colour: &LineColour| ground.is_some_and(|ground| colour.safe_on.contains(&ground));
@@ -20,6 +20,7 @@ pub fn show(ui: &mut Ui, whose: &str, ground: Option<Ground>, chosen: [u8; 3]) -
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = theme::SPACE;
         let safe_width = safe.len() as f32 * (SIDE + theme::SPACE) - theme::SPACE;
+        // The line that underlines the safe colours.
         let below = Rect::from_min_size(
             ui.cursor().left_top() + vec2(0.0, SIDE + 1.0),
             vec2(safe_width, 1.0),
@@ -58,6 +59,7 @@ pub fn show(ui: &mut Ui, whose: &str, ground: Option<Ground>, chosen: [u8; 3]) -
     taken.filter(|taken| *taken != chosen)
 }
 
+/// Shows a colour as a button. Returns whether it was clicked.
 fn swatch(ui: &mut Ui, colour: &LineColour, whose: &str, chosen: bool, tip: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(SIDE), Sense::click());
     let name = format!("{whose}{}", colour.name);
@@ -69,7 +71,7 @@ fn swatch(ui: &mut Ui, colour: &LineColour, whose: &str, chosen: bool, tip: &str
         CornerRadius::same(3),
         Color32::from_rgb(r, g, b),
     );
-    // White on a light ground.
+    // The border makes white visible on a light ground.
     let border = Stroke::new(1.0, ui.palette().window_line);
     painter.rect_stroke(
         rect.shrink(2.0),

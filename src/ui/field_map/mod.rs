@@ -1,6 +1,8 @@
-//! The field map: the field from above with the camera's view and the clicks. It can name a point
-//! or choose what to click next. It is rotated to the camera's side; names never depend on the
-//! view.
+//! The field map: the field from above with the camera's view and the clicks. A landmark or line
+//! can be picked on it, as the name of the current point or of the next click.
+//!
+//! The map is rotated by 180° if the camera is on the side of positive y, so that the camera's side
+//! is at the bottom. The names of landmarks do not depend on this.
 
 mod pick;
 
@@ -25,23 +27,23 @@ use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_documents::document::Target;
 
-/// The margin around the field, m.
+/// Margin around the field, m.
 const MARGIN_M: f64 = 6.0;
-/// The resolution of the map's own px.
+/// Resolution of the map's own pixels.
 const PX_PER_M: f64 = 10.0;
-/// The map's height as a share of its width.
+/// Height of the map divided by its width.
 const SHAPE: f32 = 0.65;
-/// A landmark that has not been clicked.
+/// Colour of a landmark without a click.
 const UNCLICKED: Colour = Colour {
     r: 214,
     g: 226,
     b: 218,
     a: 150,
 };
-/// The colour of the chosen or pointed landmark's ring.
+/// Colour of the ring around the landmark that is chosen or pointed at.
 const POINTED: Color32 = Color32::from_rgb(255, 221, 64);
 
-/// Shows the map across the available width, at most `most_height` points high.
+/// Shows the map over the available width, at most `most_height` points high.
 pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     let Some(field) = panel.app.current().field().cloned() else {
         return;
@@ -52,6 +54,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Field map"));
     let pixels_per_point = ui.pixels_per_point();
     let rect = egui::emath::GuiRounding::round_to_pixels(rect, pixels_per_point);
+    // The map is rotated if the camera is on the side of positive y.
     let turned = panel
         .app
         .current()
@@ -62,6 +65,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         ..FieldMap::new(&field, MARGIN_M, PX_PER_M)
     };
 
+    // The map's own zoom and pan.
     let view_id = Id::NULL.with("field map's view");
     let mut view = ui
         .data(|data| data.get_temp::<PictureView>(view_id))
@@ -75,6 +79,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     ui.data_mut(|data| data.insert_temp(view_id, view));
     let placement = Placement::new(rect, pixels_per_point, map.size_px(), view);
 
+    // The target under the pointer. Lines only, while a line is to be named or placed.
     let spots = pick::spots(&field, &map, &placement);
     let lines = match &panel.app.session.mode {
         Mode::Naming(naming) => naming.lines,
@@ -104,6 +109,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     ];
     response.context_menu(|ui| menu::entries(panel, ui, &map_menu));
     sport(panel, ui);
+    // In a blind round the map shows what to click and cannot be used to choose.
     let pointed = pointed.filter(|_| panel.app.round().is_none());
     if let Some((target, at)) = pointed {
         ring(&painter, &on_map, &target);
@@ -119,7 +125,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     }
 }
 
-/// The sport, as a button under the map.
+/// Shows the sport as a button below the map.
 fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let Some(spec) = panel.app.shown_field_spec() else {
         return;
@@ -144,7 +150,7 @@ fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     });
 }
 
-/// Where things lie on the screen.
+/// Field and map, and where they are on the screen. `spots` are the landmarks in the field's order.
 struct Place<'a> {
     field: &'a FieldModel,
     map: &'a FieldMap,
@@ -152,7 +158,7 @@ struct Place<'a> {
     spots: &'a [Pos2],
 }
 
-/// The view after this frame's gestures: the wheel zooms, dragging moves.
+/// The view after the gestures of this frame of the window: the wheel zooms, dragging moves.
 fn moved(
     ui: &egui::Ui,
     response: &egui::Response,
@@ -161,6 +167,7 @@ fn moved(
 ) -> PictureView {
     let mut placement = placement;
     if let Some(at) = response.hover_pos() {
+        // Several gestures in one frame of the window are applied one after the other.
         for gesture in ui.input(|input| {
             input
                 .events
@@ -181,6 +188,7 @@ fn moved(
     view
 }
 
+/// Draws ground, landmarks, the camera's view and the clicks with their numbers.
 fn paint(
     app: &App,
     ui: &egui::Ui,
@@ -192,7 +200,7 @@ fn paint(
     let rect = placement.rect;
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, labels::colour(SURROUND));
-    // The label stays hidden during a blind round.
+    // A blind round hides the label.
     let hidden = app.round().is_some();
     let clicks = app
         .frame()
@@ -233,6 +241,7 @@ fn paint(
         placement.render_view(),
         layers.into(),
     );
+    // The numbers of the clicks, beside their landmarks.
     for (index, click) in clicks.iter().enumerate() {
         let Some(Target::Landmark(id)) = &click.target else {
             continue;
@@ -258,8 +267,7 @@ fn paint(
     }
 }
 
-/// The landmarks that can be picked: those on the ground as dots, those above the ground as small
-/// rings.
+/// The landmarks without a click: dots for those on the ground, small rings for those above it.
 fn dots<'a>(
     field: &FieldModel,
     placement: &Placement,
@@ -267,6 +275,7 @@ fn dots<'a>(
     clicked: impl Iterator<Item = &'a Target>,
 ) -> Drawing {
     let clicked: Vec<&str> = clicked.map(Target::as_str).collect();
+    // Clicked landmarks are drawn with the clicks.
     let unclicked = field
         .landmarks
         .iter()
@@ -302,7 +311,7 @@ fn dots<'a>(
     }
 }
 
-/// The landmark or line that has been chosen and is about to be placed.
+/// The landmark or line that is chosen and about to be placed.
 fn chosen(app: &App) -> Option<Target> {
     match &app.session.mode {
         Mode::Naming(naming) => naming.chosen().map(|candidate| candidate.target.clone()),
@@ -314,7 +323,7 @@ fn chosen(app: &App) -> Option<Target> {
     }
 }
 
-/// Rings a landmark, or retraces a line.
+/// Draws a ring around a landmark, or draws over a line.
 fn ring(painter: &Painter, place: &Place<'_>, target: &Target) {
     let rim = Color32::from_black_alpha(160);
     match target {
@@ -340,7 +349,7 @@ fn ring(painter: &Painter, place: &Place<'_>, target: &Target) {
     }
 }
 
-/// Shows the name under the pointer; the text may leave the map, but not the window.
+/// Writes a name below the pointer. The text may leave the map but not the window.
 fn name(ui: &egui::Ui, at: Pos2, text: &str) {
     let painter = ui.ctx().layer_painter(LayerId::new(
         Order::Tooltip,
@@ -365,7 +374,8 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
     );
 }
 
-/// The camera's position; if it lies beyond the map, at the border in its direction.
+/// Draws the camera in its position, looking at the field's centre. If it is outside the map, it is
+/// drawn at the border.
 fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
     let Some(base) = app.shown().base else { return };
     let position = Vec3::new(base.position_m.x, base.position_m.y, 0.0);
@@ -377,6 +387,7 @@ fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
     let field_centre = place
         .placement
         .screen_from_image(place.map.map_from_world(Vec3::zeros()));
+    // The icon points to the field's centre; its axes on the screen are `ahead` and `aside`.
     let ahead = (field_centre - stands).normalized();
     let aside = ahead.rot90();
     let corner = |along: f32, across: f32| at + ahead * along + aside * across;
@@ -403,6 +414,7 @@ fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
     }
 }
 
+/// The code by which a landmark or line is typed; empty if it has none.
 fn code<'a>(field: &'a FieldModel, target: &Target) -> &'a str {
     target
         .element(field)

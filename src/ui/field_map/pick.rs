@@ -1,4 +1,4 @@
-//! Finding the landmark or line under the pointer on the field map.
+//! Finds the landmark or line under the pointer on the field map.
 
 use crate::ui::placement::Placement;
 use egui::{Pos2, Vec2, vec2};
@@ -7,18 +7,19 @@ use touchline_core::field::{Curve, FieldModel, Landmark};
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::Target;
 
-/// The picking distance of landmarks, points.
+/// Distance within which a landmark is picked, points.
 const LANDMARK_REACH_PT: f32 = 12.0;
-/// The picking distance of lines, points.
+/// Distance within which a line is picked, points.
 const LINE_REACH_PT: f32 = 8.0;
-/// How far outside a landmark the one above it is drawn, points.
+/// How far outwards a landmark is drawn if another one is below it, points. From above, both ends
+/// of a post are in one place.
 const RAISED_PT: f32 = 9.0;
-/// Landmarks nearer to each other on the ground than this count as one above the other, m.
+/// Horizontal distance below which one landmark counts as above the other, m.
 const SAME_PLACE_M: f64 = 0.3;
-/// The number of pieces of a curve for measuring distances.
+/// Number of segments that approximate a curve.
 const PIECES: u32 = 48;
 
-/// Where each landmark of the field is drawn on the screen, in the field's order.
+/// Where each landmark is drawn on the screen, in the field's order.
 pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
     let on_screen =
         |landmark: &Landmark| placement.screen_from_image(map.map_from_world(landmark.nominal_m));
@@ -26,6 +27,7 @@ pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<P
         .landmarks
         .iter()
         .map(|landmark| {
+            // A landmark above another one is drawn beside it, so that both can be picked.
             let stands_above = field.landmarks.iter().any(|other| {
                 let apart = other.nominal_m.xy() - landmark.nominal_m.xy();
                 apart.norm() < SAME_PLACE_M && other.nominal_m.z < landmark.nominal_m.z
@@ -40,9 +42,10 @@ pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<P
         .collect()
 }
 
-/// The outward direction on the map, across the border that the landmark lies on.
+/// The direction on the map that points out of the field, across the border that the landmark is
+/// on. Upwards for a landmark within the field.
 fn outwards(field: &FieldModel, map: &FieldMap, landmark: &Landmark) -> Vec2 {
-    /// A landmark beyond this share of the half field counts as on its border.
+    /// A coordinate beyond this share of half the extent counts as on the border.
     const BORDER: f64 = 0.98;
     let over = |at: f64, extent: f64| {
         if at.abs() > BORDER * extent / 2.0 {
@@ -64,7 +67,8 @@ fn outwards(field: &FieldModel, map: &FieldMap, landmark: &Landmark) -> Vec2 {
     }
 }
 
-/// The landmark under the pointer, else the line; with `lines` only a line.
+/// The landmark under the pointer, else the line; only a line if `lines`. `spots` comes from
+/// [`spots`].
 pub fn under(
     field: &FieldModel,
     map: &FieldMap,
@@ -101,7 +105,7 @@ pub fn under(
     }
 }
 
-/// A curve of the field on the screen.
+/// A curve of the field as a polyline on the screen.
 pub fn on_screen(curve: &Curve, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
     let pieces = if matches!(curve, Curve::Segment { .. }) {
         1
@@ -114,6 +118,7 @@ pub fn on_screen(curve: &Curve, map: &FieldMap, placement: &Placement) -> Vec<Po
         .collect()
 }
 
+/// Distance of a place on the screen from a curve, points.
 fn distance_to_curve(curve: &Curve, map: &FieldMap, placement: &Placement, at: Pos2) -> f32 {
     let point = |at: &Pos2| ImagePoint::new(f64::from(at.x), f64::from(at.y));
     let points: Vec<ImagePoint> = on_screen(curve, map, placement).iter().map(point).collect();

@@ -1,4 +1,4 @@
-//! A run of frames that the forest has no answer for, as one cell.
+//! A cell of the filmstrip that stands for a run of frames without an answer from the forest.
 
 use super::item::{BAR, CAPTION};
 use crate::ui::{
@@ -11,10 +11,13 @@ use egui::{
 };
 use touchline_application::app::{Action, Navigation};
 
-/// The distance between the sheets of the stack, points.
+/// Offset between the sheets of the stack, points.
 const SHEET: f32 = 3.0;
 
-/// Shows the cell; a click goes to the frame in the middle, which unfolds them.
+/// Shows the cell as a stack of sheets with the number of frames. A click shows the frame in the
+/// middle, which splits the run.
+///
+/// `(first, last)` are positions in the document; a filter may hide some frames between them.
 pub fn show(
     panel: &mut Panel<'_>,
     ui: &Ui,
@@ -37,6 +40,7 @@ pub fn show(
         picture.min + vec2(0.0, 2.0 * SHEET),
         picture.max - vec2(2.0 * SHEET, 0.0),
     );
+    // Three sheets, each a little up and to the right of the one before it.
     for sheet in [2.0, 1.0, 0.0] {
         let shape = top.translate(vec2(SHEET * sheet, -SHEET * sheet));
         painter.rect_filled(shape, CornerRadius::same(3), theme::ON_PICTURE.raised);
@@ -66,6 +70,7 @@ pub fn show(
         FontId::proportional(11.0),
         theme::ON_PICTURE.text,
     );
+    // The range of frame numbers below, where other cells have their number.
     let line = place.bottom() - CAPTION / 2.0;
     let numbers = format!("{from}–{to}");
     painter.text(

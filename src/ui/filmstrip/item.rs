@@ -1,4 +1,4 @@
-//! One frame of the filmstrip.
+//! One frame of the filmstrip: thumbnail, status and marks.
 
 use super::strip::SHOT_GAP;
 use crate::ui::menu::{self, file_name};
@@ -19,28 +19,28 @@ use touchline_application::app::{
 };
 use touchline_documents::document::{Frame, FrameStatus, Solution};
 
-/// The height of the line below a thumbnail, points.
+/// Height of the line below a thumbnail, points.
 pub const CAPTION: f32 = 14.0;
-/// The mark of a gold frame.
+/// Colour of the mark of a gold frame.
 const GOLD: Color32 = Color32::from_rgb(255, 208, 70);
-/// The height of the status bar, points.
+/// Height of the status bar, points.
 pub const BAR: f32 = 4.0;
 
-/// A thin line before a shot, with its name.
+/// Draws a thin line before the first frame of a shot, with the shot's name.
 pub fn separator(ui: &Ui, first: Rect, name: String) {
     let x = first.left() - SHOT_GAP + 4.0;
     let painter = ui.painter();
     painter.vline(x, first.y_range(), Stroke::new(1.0, ui.palette().line));
     let galley = painter.layout_no_wrap(name, FontId::proportional(10.0), ui.palette().weak);
     let at = pos2(x + 1.0, first.bottom() - CAPTION - BAR - 2.0);
-    // Upwards along the line, so that a long name takes no room.
+    // Written upwards along the line, so that a long name needs no width.
     painter.add(
         egui::epaint::TextShape::new(at, galley, ui.palette().weak)
             .with_angle(-std::f32::consts::FRAC_PI_2),
     );
 }
 
-/// A frame: thumbnail, status, number; a click goes there.
+/// Shows a frame. A click shows it in the picture; with Ctrl or Shift a click selects frames.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
     let app = panel.app;
     let Some((open, frame)) = app.open().and_then(|open| Some((open, open.frame(index)?))) else {
@@ -77,6 +77,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
             hovered: response.hovered(),
         },
     );
+    // As in file managers: Shift selects up to here, Ctrl this one as well.
     if response.clicked() {
         let modifiers = ui.input(|input| input.modifiers);
         match (modifiers.shift, modifiers.command) {
@@ -111,7 +112,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
     tooltip(response, index, frame, app.paint_says(index));
 }
 
-/// What can be done with the frame, or with all that are selected.
+/// The commands for the frame, or for all selected frames.
 fn context_menu(panel: &mut Panel<'_>, ui: &mut Ui) {
     let selected = panel.app.session.frames_selected.len();
     if selected > 1 {
@@ -141,7 +142,7 @@ fn context_menu(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// A frame of the open project and its place in the strip.
+/// A frame of the open project and its place on the screen.
 struct Item<'a> {
     open: &'a OpenProject,
     index: usize,
@@ -150,6 +151,12 @@ struct Item<'a> {
     hovered: bool,
 }
 
+/// Draws the frame. Marks are in the corners of the thumbnail:
+///
+/// * upper left: a comment;
+/// * upper right: a warning;
+/// * lower left: selected;
+/// * lower right: the line check, and whether the frame is gold.
 fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     let &Item {
         open,
@@ -167,6 +174,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
         place.min,
         pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0),
     );
+    // The thumbnail, darker for a rejected frame.
     painter.rect_filled(picture, CornerRadius::same(3), ui.palette().raised);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
         let shape = fitted(texture.size_vec2(), picture);
@@ -191,6 +199,8 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
             ui.palette().weak,
         );
     }
+    // Below the thumbnail: the status bar, the number at the left, confidence and status letter at
+    // the right.
     let bar = Rect::from_min_size(
         pos2(place.left(), picture.bottom() + 2.0),
         vec2(place.width(), BAR),
@@ -212,7 +222,8 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
         number,
     );
     let mark = match confidence(frame) {
-        // Whole per cent, as a decimal would touch the next frame's number.
+        // Whole per cent, because a decimal would touch the next frame's number. At most 99 %: a
+        // suggestion is never certain.
         Some(confidence) => format!("{:.0} % {}", (100.0 * confidence).round().min(99.0), letter),
         None => letter.to_string(),
     };
@@ -223,6 +234,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
         small,
         colour,
     );
+    // The marks on the thumbnail.
     if frame
         .solution
         .as_ref()
@@ -267,6 +279,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
             theme::ON_PICTURE.strong,
         );
     }
+    // The border: the shown frame, or the one under the pointer.
     let frame_line = match (current, hovered) {
         (true, _) => Stroke::new(2.0, ui.palette().accent),
         (false, true) => Stroke::new(1.0, ui.palette().weak),
@@ -280,7 +293,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     );
 }
 
-/// The confidence of a suggestion; none for a frame of another status.
+/// The confidence of a suggestion; `None` for a frame of another status.
 fn confidence(frame: &Frame) -> Option<f64> {
     let suggested = frame.status == FrameStatus::Suggested;
     frame
@@ -290,12 +303,13 @@ fn confidence(frame: &Frame) -> Option<f64> {
         .and_then(|solution| solution.confidence)
 }
 
-/// A picture's place within a box, in its own shape.
+/// The largest rectangle of a picture's shape in the middle of a box.
 fn fitted(size: egui::Vec2, within: Rect) -> Rect {
     let scale = (within.width() / size.x.max(1.0)).min(within.height() / size.y.max(1.0));
     Rect::from_center_size(within.center(), size * scale)
 }
 
+/// Describes a frame: name, number, status, confidence, line check, time, warnings, comment.
 fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<PaintSays>) {
     response.on_hover_ui(|ui| {
         ui.label(egui::RichText::new(file_name(&frame.name())).color(ui.palette().strong));

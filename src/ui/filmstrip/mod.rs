@@ -1,5 +1,5 @@
-//! The filmstrip: frames by shot with thumbnail, status and warnings. Only visible frames are laid
-//! out.
+//! The filmstrip: frames by shot with thumbnail, status and warnings. Only frames in view become
+//! widgets, so that the strip of a long video costs no more than that of a short one.
 
 mod fold;
 mod item;
@@ -12,12 +12,12 @@ use touchline_application::app::session::Filter;
 use touchline_application::app::{Action, ViewAction};
 use touchline_documents::document::FrameStatus;
 
-/// The width of the column with the filter, points.
+/// Width of the column with the filter, points.
 const COLUMN: f32 = 116.0;
-/// A thumbnail's shape.
+/// Width of a thumbnail divided by its height.
 const ASPECT: f32 = 16.0 / 9.0;
 
-/// Shows the filmstrip.
+/// Shows the filter at the left, and the frames.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.max_rect();
     let column = Rect::from_min_size(area.min, vec2(COLUMN, area.height())).shrink2(vec2(8.0, 6.0));
@@ -35,7 +35,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The filter, with the number of frames of each kind.
+/// Shows the filter with the number of frames of each kind, and how many are done.
 fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(open) = panel
         .app
@@ -66,6 +66,7 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
         .response
         .accessible_name("Frames shown")
         .on_hover_text("Which frames the filmstrip shows.");
+    // How far the work is.
     let (references, needed) = (counts.of_status(FrameStatus::Reference), counts.to_do);
     ui.label(
         RichText::new(format!(
@@ -88,10 +89,13 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
         );
 }
 
+/// Shows the frames in view, and remembers where they are.
 fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     let Some(open) = app.open() else { return };
     let height = ui.available_height();
+    // The height of the panel gives the size of a cell: a thumbnail with status bar and caption
+    // below it.
     let item = vec2(((height - 26.0) * ASPECT).round(), height - 8.0);
     let strip = Strip::of(ui, open, app.session.filter, app.session.frame, item.x);
     if strip.cells.is_empty() {
@@ -101,6 +105,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
         return;
     }
+    // Where to scroll, from what the strip showed before.
     let memory = Id::unique("filmstrip shows");
     let before = ui.data(|data| data.get_temp::<Shown>(memory));
     let mut area = ScrollArea::horizontal().auto_shrink(false);
@@ -113,6 +118,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     ) {
         area = area.horizontal_scroll_offset(offset);
     }
+    // The cells in view.
     let scrolled = area.show_viewport(ui, |ui, viewport| {
         let origin = ui.max_rect().min;
         let (whole, _) = ui.allocate_exact_size(vec2(strip.width(), height - 2.0), Sense::hover());
@@ -130,6 +136,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         }
     });
+    // Remembered for the next frame of the window.
     let offset = scrolled.state.clamped_offset().x;
     let anchor = strip.first_from(offset);
     let shown = Shown {
@@ -144,20 +151,22 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.data_mut(|data| data.insert_temp(memory, shown));
 }
 
-/// What the strip showed last.
+/// What the strip showed in the previous frame of the window.
 #[derive(Clone, Copy, Debug)]
 struct Shown {
     frame: usize,
     filter: Filter,
     /// How far it was scrolled, points.
     offset: f32,
-    /// The first frame that began in view, and where in the strip, points.
+    /// The first frame of the first cell that began in view, and the left end of that cell in the
+    /// strip, points.
     anchor: Option<(usize, f32)>,
 }
 
-/// Where the strip is to be scrolled to, points; none: it stays. The current frame is scrolled into
-/// view when it or the filter changes. Where cells fold or unfold before it, the visible frames
-/// keep their places.
+/// Where to scroll to, points; `None` if the strip stays.
+///
+/// If the shown frame or the filter has changed, the frame is scrolled into view. If cells fold or
+/// unfold before the visible ones, the visible ones keep their places on the screen.
 fn offset(
     frame: usize,
     filter: Filter,
@@ -165,7 +174,9 @@ fn offset(
     before: Option<Shown>,
     width: f32,
 ) -> Option<f32> {
+    // With another filter the strip is a new one.
     let before = before.filter(|before| before.filter == filter);
+    // The offset at which the anchor keeps its place on the screen.
     let kept = before.and_then(|before| {
         let (anchor, left) = before.anchor?;
         Some(before.offset + strip.left(strip.place_of(anchor)?) - left)

@@ -1,4 +1,8 @@
-//! The layout of the filmstrip.
+//! The layout of the filmstrip: which cells it has, and where.
+//!
+//! The layout is computed from a few values of each frame ([`Part`]). They are remembered, and
+//! after an edit only those of changed frames are computed again. If none of them differs, the
+//! layout stays.
 
 use egui::{Id, Ui};
 use std::collections::BTreeMap;
@@ -8,37 +12,38 @@ use touchline_application::app::OpenProject;
 use touchline_application::app::session::Filter;
 use touchline_documents::document::{Clip, Frame, FrameChanges, Frames};
 
-/// Between two frames of a shot, points.
+/// Gap between two frames of a shot, points.
 const GAP: f32 = 4.0;
-/// Before the first frame of a shot, where its name is shown, points.
+/// Gap before the first frame of a shot, with the shot's name, points.
 pub const SHOT_GAP: f32 = 18.0;
-/// The fewest frames without an answer in a row that fold into one cell.
+/// Minimum number of consecutive frames without an answer that fold into one cell.
 const FOLDED: usize = 4;
 
-/// A place of the strip.
+/// A cell of the strip. Frames are given by their positions in the document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StripCell {
-    /// A frame of the document.
+    /// One frame.
     Frame(usize),
-    /// Frames of one shot that the forest has no answer for, one after the other.
+    /// A run of frames of one shot without an answer from the forest.
     Unanswered {
-        /// The first.
+        /// The first frame.
         first: usize,
-        /// The last.
+        /// The last frame.
         last: usize,
-        /// How many.
+        /// Their number. Fewer than `last - first + 1` if the filter hides some.
         count: usize,
     },
 }
 
 impl StripCell {
-    /// The first frame of the document in it.
+    /// The position in the document of its first frame.
     pub const fn first(self) -> usize {
         match self {
             Self::Frame(first) | Self::Unanswered { first, .. } => first,
         }
     }
 
+    /// The position in the document of its last frame.
     const fn last(self) -> usize {
         match self {
             Self::Frame(frame) => frame,
@@ -51,30 +56,32 @@ impl StripCell {
 pub struct Strip {
     /// The cells in order.
     pub cells: Vec<StripCell>,
-    /// Where each shot begins, within `cells`, and its name.
+    /// For each shot, the index of its first cell and its name.
     shots: Vec<(usize, Option<Clip>)>,
+    /// Width of a cell, points.
     item: f32,
 }
 
-/// What a strip was laid out for.
+/// What a layout depends on, besides the frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LaidOutFor {
     filter: Filter,
-    /// The frame that is not folded away though it would be.
+    /// The shown frame, if it would be folded otherwise.
     unfolded: Option<usize>,
     item: f32,
 }
 
-/// What the strip takes from each frame: a long video's frames lie all over the memory, and are not
-/// looked at anew each time.
+/// The values of all frames on which the layout depends. The frames of a long video are scattered
+/// over the memory, so reading all of them for each frame of the window would be slow.
 #[derive(Clone, Debug, Default)]
 struct Parts {
     frames: Frames,
     of_frames: Vec<Part>,
-    /// The numbers of the shots.
+    /// A number for each shot.
     clips: BTreeMap<Option<Clip>, usize>,
 }
 
+/// The values of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Part {
     is_shown: bool,
@@ -83,6 +90,7 @@ struct Part {
 }
 
 impl Parts {
+    /// The values of all frames.
     fn of(frames: &Frames, filter: Filter) -> Self {
         let mut parts = Self {
             frames: frames.clone(),
@@ -95,7 +103,7 @@ impl Parts {
         parts
     }
 
-    /// Goes on to what the frames are now; whether a cell may lie elsewhere then.
+    /// Computes the values of the frames that have changed. Returns whether a cell may have moved.
     fn follow(&mut self, frames: &Frames, filter: Filter) -> bool {
         let FrameChanges::At(changed) = frames.changes_since(&self.frames) else {
             *self = Self::of(frames, filter);
@@ -110,6 +118,7 @@ impl Parts {
         is_other
     }
 
+    /// The values of one frame. A new shot gets the next number.
     fn part_of(&mut self, frame: &Frame, filter: Filter) -> Part {
         let clip = self.clips.get(&frame.clip).copied().unwrap_or_else(|| {
             let next = self.clips.len();
@@ -125,12 +134,13 @@ impl Parts {
 }
 
 impl Strip {
-    /// As [`Self::new`]; the one that was laid out last is kept as long as its cells stay where
-    /// they are.
+    /// The layout as [`Self::new`] computes it. The last one is returned again as long as its cells
+    /// stay where they are.
     pub fn of(ui: &Ui, open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Arc<Self> {
         type Known = Option<(LaidOutFor, Parts, Arc<Strip>)>;
         let memory = Id::unique("filmstrip as laid out");
         let frames = &open.document.frames;
+        // The layout depends on the shown frame only if that frame would be folded.
         let unfolded = frames
             .get(shown)
             .filter(|frame| may_fold(filter, frame))
@@ -143,6 +153,7 @@ impl Strip {
         let known = ui
             .data_mut(|data| data.remove_temp::<Known>(memory))
             .flatten();
+        // The values of the frames depend on the filter.
         let known = known.filter(|known| known.0.filter == filter);
         let (parts, kept) = match known {
             Some((before, mut parts, strip)) => {
@@ -158,10 +169,10 @@ impl Strip {
         strip
     }
 
-    /// Lays frames out, `item` points wide each. The `shown` frame is never folded away.
+    /// Lays frames out in cells that are `item` points wide. The `shown` frame is never folded.
     fn new(parts: &Parts, shown: usize, item: f32) -> Self {
         let mut cells: Vec<StripCell> = Vec::new();
-        // The number of cells at the end that are frames without an answer.
+        // Number of cells at the end of `cells` that may be folded.
         let mut run = 0;
         let mut shots = Vec::new();
         let mut shot = None;
@@ -171,6 +182,7 @@ impl Strip {
             .enumerate()
             .filter(|(_, part)| part.is_shown)
         {
+            // A new shot ends the run: cells of two shots never fold together.
             if shot.replace(part.clip) != Some(part.clip) {
                 fold(&mut cells, std::mem::take(&mut run));
                 shots.push((cells.len(), parts.frames[index].clip.clone()));
@@ -186,7 +198,7 @@ impl Strip {
         Self { cells, shots, item }
     }
 
-    /// The width of the whole strip, points.
+    /// Width of the whole strip, points.
     pub fn width(&self) -> f32 {
         self.cells
             .len()
@@ -194,13 +206,13 @@ impl Strip {
             .map_or(0.0, |last| self.left(last) + self.item + GAP)
     }
 
-    /// Where a frame begins, points from the strip's start.
+    /// Left end of a cell, points from the strip's start.
     pub fn left(&self, at: usize) -> f32 {
         let shot = self.shots.partition_point(|(begin, _)| *begin <= at);
         at as f32 * (self.item + GAP) + shot as f32 * SHOT_GAP
     }
 
-    /// The cell of a frame of the document.
+    /// The cell that has a frame of the document.
     pub fn place_of(&self, frame: usize) -> Option<usize> {
         let at = self.cells.partition_point(|cell| cell.last() < frame);
         let stands = |cell: &StripCell| match *cell {
@@ -210,7 +222,7 @@ impl Strip {
         self.cells.get(at).is_some_and(stands).then_some(at)
     }
 
-    /// The cells between two places, points, and one more on each side.
+    /// The cells between two positions of the strip in points, and one more on each side.
     pub fn within(&self, left: f32, right: f32) -> Range<usize> {
         let count = self.cells.len();
         let first = partition(count, |at| self.left(at) + self.item < left);
@@ -218,22 +230,22 @@ impl Strip {
         first.saturating_sub(1)..(last + 1).min(count)
     }
 
-    /// The first place that begins at or after a point of the strip.
+    /// The first cell that begins at or after a position of the strip, points.
     pub fn first_from(&self, left: f32) -> usize {
         partition(self.cells.len(), |at| self.left(at) < left)
     }
 
-    /// How far a window of `width` points is scrolled from `offset` to show a place and some of its
-    /// neighbours: no farther than it takes, points.
+    /// How far a window of `width` points that is scrolled to `offset` must be scrolled to show a
+    /// cell and some of its neighbours, points. It moves no farther than necessary.
     pub fn offset_showing(&self, at: usize, offset: f32, width: f32) -> f32 {
+        // One and a half neighbours on each side, if they fit.
         let margin = (1.5 * self.item).min((width - self.item) / 2.0).max(0.0);
         let (first, last) = (self.left(at) - margin, self.left(at) + self.item + margin);
         let needed = offset.max((last - width).min(first)).min(first);
         needed.clamp(0.0, (self.width() - width).max(0.0))
     }
 
-    /// The title before the first frame of a shot; none within a shot, and none if no frame belongs
-    /// to a shot.
+    /// The name to show before a cell, if a shot begins with it and any frame belongs to a shot.
     pub fn shot_beginning_at(&self, at: usize) -> Option<String> {
         let shot = self
             .shots
@@ -249,12 +261,12 @@ impl Strip {
     }
 }
 
-/// Whether a frame is folded away among others like it.
+/// Whether a frame may be folded: it has no answer, and the filter does not ask for such frames.
 fn may_fold(filter: Filter, frame: &Frame) -> bool {
     filter != Filter::Unanswered && frame.is_unanswered()
 }
 
-/// Folds the last `run` cells into one if there are enough.
+/// Folds the last `run` cells into one, if they are enough.
 fn fold(cells: &mut Vec<StripCell>, run: usize) {
     if run < FOLDED {
         return;
@@ -269,8 +281,8 @@ fn fold(cells: &mut Vec<StripCell>, run: usize) {
     });
 }
 
-/// How many of the first `count` numbers satisfy `is_before`, which holds for a prefix of them
-/// (binary search).
+/// Number of indices below `count` for which `is_before` is true. It must be true for a prefix of
+/// them, as in [`slice::partition_point`].
 fn partition(count: usize, is_before: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, count);
     while low < high {

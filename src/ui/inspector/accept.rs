@@ -1,5 +1,5 @@
-//! The main button: it makes the frame a reference; while an estimated base waits for a decision it
-//! takes that base.
+//! The main button. It accepts the frame as a reference. While an estimated base waits for a
+//! decision, it takes that base instead.
 
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme::Themed as _};
@@ -10,12 +10,12 @@ use egui::{
 use touchline_application::app::{Action, Command};
 use touchline_documents::document::FrameStatus;
 
-/// The button's height, points.
+/// Height of the button, points.
 const HEIGHT: f32 = 44.0;
-/// The width of the button that discards an estimated base, points.
+/// Width of the button that discards an estimated base, points.
 const DISCARD: f32 = 84.0;
 
-/// Shows the button.
+/// Shows the button, disabled with the reason if the frame cannot be accepted.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.decides_about_base() {
         base(panel, ui);
@@ -43,7 +43,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The decision about an estimated base: the only place where it is taken or discarded.
+/// Shows the decision about an estimated base. It is taken or discarded here only.
 fn base(panel: &mut Panel<'_>, ui: &mut Ui) {
     let keys = &panel.app.settings.keys;
     ui.horizontal(|ui| {
@@ -69,18 +69,19 @@ fn base(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// Whether what a button does has been done.
+/// Whether the button's action has been done already.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Look {
     ToDo,
     Done,
 }
 
-/// A large button with a word and perhaps a symbol, centred together.
+/// A large button with a word and an optional symbol, centred together.
 fn button(ui: &mut Ui, says: &str, sign: Option<Symbol>, look: Look, width: f32) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
     let enabled = ui.is_enabled();
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, says));
+    // Colours by state. A button that is done only invites again under the pointer.
     let (ground, text) = match (
         enabled,
         response.is_pointer_button_down_on(),

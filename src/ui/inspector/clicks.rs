@@ -1,4 +1,4 @@
-//! The points of the frame, a row each.
+//! The list of the frame's points, one row each: number, name, residual, and buttons.
 
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
@@ -16,10 +16,10 @@ use touchline_application::scene::overlay::{CHECK, click_colour};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::Click;
 
-/// The column of the residuals, points: of numbers, and of the words "no evidence".
+/// Width of the column of residuals, points: for numbers, and for the words "no evidence".
 const RESIDUAL: [f32; 2] = [50.0, 68.0];
 
-/// What can be done with a point.
+/// The commands in the context menu of a point.
 const MENU: [Command; 4] = [
     Command::RenameClick,
     Command::ToggleCheck,
@@ -27,7 +27,7 @@ const MENU: [Command; 4] = [
     Command::DeleteClick,
 ];
 
-/// Shows the points; more than fit into `room` scroll.
+/// Shows the list. It takes at most `room` points of height and scrolls beyond that.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
     ui.horizontal(|ui| {
         let count = panel.app.frame().map_or(0, |frame| frame.clicks.len());
@@ -69,6 +69,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
         });
 }
 
+/// The switch that makes the next click a point on a line.
 fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let command = Command::PlaceOnLine;
     let on = panel.app.session.points.next_on_line;
@@ -82,11 +83,13 @@ fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
+/// Shows one point. A click selects it, a double click renames it.
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let app = panel.app;
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     let selected = app.session.points.selected == Some(index);
+    // Scrolls to the point once, when it becomes selected; later the user may scroll away.
     if selected && has_been_selected(ui, index) {
         response.scroll_to_me(None);
     }
@@ -96,6 +99,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
         let label = format!("Point {}: {name}, {}", index + 1, residual.text);
         WidgetInfo::selected(Role::Button, true, selected, label)
     });
+    // The background of the row.
     let ground = match (selected, response.hovered()) {
         (true, _) => Some(ui.palette().accent_ground),
         (false, true) => Some(ui.palette().raised),
@@ -109,6 +113,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let painter = ui.painter().clone();
     let middle = rect.center().y;
     let small = FontId::proportional(12.0);
+    // From left to right: number, symbol of its kind, name, residual; the buttons come last.
     painter.text(
         pos2(rect.left() + 14.0, middle),
         Align2::RIGHT_CENTER,
@@ -126,7 +131,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
         Symbol::Landmark
     };
     let mark = Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0));
-    // The colours of points are made for pictures.
+    // The colours of points are chosen for pictures, so the symbol gets a ground like a picture's.
     painter.rect_filled(
         mark,
         CornerRadius::same(3),
@@ -154,7 +159,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     };
     let mut galley = laid_out(name.clone());
     if galley.elided {
-        // Names that begin alike must not be cut alike.
+        // Names that begin alike would be cut to the same text, so the unique code goes in front.
         galley = laid_out(
             code(app, click).map_or_else(|| name.clone(), |code| format!("{code} · {name}")),
         );
@@ -190,6 +195,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
             .push(Action::Navigate(Navigation::Select(Some(index))));
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
+    // The buttons are widgets of their own on top of the row.
     let tail = Rect::from_min_max(pos2(rect.right() - buttons, rect.top()), rect.max);
     let layout = Layout::right_to_left(Align::Center);
     ui.scope_builder(UiBuilder::new().max_rect(tail).layout(layout), |ui| {
@@ -198,7 +204,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     });
 }
 
-/// Whether the selection changed since the last frame of the window.
+/// Whether another point was selected in the previous frame of the window.
 fn has_been_selected(ui: &Ui, index: usize) -> bool {
     let memory = egui::Id::unique("selected point in view");
     ui.data_mut(|data| {
@@ -208,6 +214,7 @@ fn has_been_selected(ui: &Ui, index: usize) -> bool {
     })
 }
 
+/// The buttons at the end of a row: delete the point, make it a check point or an ordinary one.
 fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let keys = &panel.app.settings.keys;
     let palette = ui.palette();
@@ -241,6 +248,7 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
     }
 }
 
+/// The name of a point, or that it has none.
 fn name(app: &App, click: &Click) -> String {
     click
         .target
@@ -248,13 +256,13 @@ fn name(app: &App, click: &Click) -> String {
         .map_or_else(|| "no name yet".to_owned(), |target| app.label(target))
 }
 
-/// The letters by which the point's name is typed.
+/// The code that a user types for the point's name.
 fn code<'a>(app: &'a App, click: &Click) -> Option<&'a str> {
     let field = app.current().field()?;
     click.target.as_ref()?.element(field)?.code(field)
 }
 
-/// The colour that the point has on the picture.
+/// The colour of the point in the picture.
 fn colour(app: &App, index: usize, click: &Click) -> Color32 {
     shown(click_colour(click, app.shown().disputed.contains(&index)))
 }
@@ -263,12 +271,21 @@ const fn shown(colour: drawing::Colour) -> Color32 {
     Color32::from_rgb(colour.r, colour.g, colour.b)
 }
 
-/// The text of a point's residual.
+/// The text about a point's residual, and its colour.
 struct Residual {
     text: String,
     colour: Color32,
 }
 
+/// Describes the residual of a point.
+///
+/// | point | text |
+/// |---|---|
+/// | without a name | nothing |
+/// | check point | distance in px, and in σ of its prediction where that is known |
+/// | without a projection | "out of sight" |
+/// | of a frame in which residuals are no evidence | "no evidence" |
+/// | any other | distance in px, emphasised beyond 3 σ |
 fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residual {
     let quiet = |text: &str| Residual {
         text: text.to_owned(),
@@ -277,6 +294,7 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
     if click.target.is_none() {
         return quiet("");
     }
+    // Emphasised beyond the limit.
     let loud = |px: f64, limit_px: f64| Residual {
         text: format!("{px:.1} px"),
         colour: if px > limit_px {
@@ -286,6 +304,7 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
         },
     };
     let solved = app.shown().solved();
+    // A check point was not fitted, so its error is evidence even in a frame of two clicks.
     if let Some(solved) = solved.filter(|_| click.check) {
         let Some(check) = solved.checks.iter().find(|check| check.click == index) else {
             return quiet("–");
@@ -311,6 +330,7 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
     }
 }
 
+/// The tooltip of a point: name, position in px, and what is special about it.
 fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     ui.label(RichText::new(format!("{}  {name}", index + 1)).color(ui.palette().strong));
     ui.label(format!("x {:.2}, y {:.2} px", click.image.x, click.image.y));

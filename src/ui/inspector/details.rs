@@ -1,5 +1,5 @@
-//! The details, collapsed by default: uncertainties, residuals, the second root, the camera, every
-//! warning.
+//! The details of a frame: uncertainties, residuals, the second root, the base, every warning. They
+//! are collapsed by default.
 
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
@@ -12,12 +12,13 @@ use touchline_application::app::{Action, App, Command, EditAction, SettingsActio
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Solution, Target};
 
-/// Shows the details, or the line that expands them.
+/// Shows the heading that expands and collapses the details, and the details if expanded.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let open = panel.app.settings.details;
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, open, "Details"));
+    // The heading with its triangle.
     let colour = if response.hovered() {
         ui.palette().strong
     } else {
@@ -48,6 +49,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             .actions
             .push(Action::Settings(SettingsAction::Details(!open)));
     }
+    // Details that open in the lower half would be out of view.
     if has_just_unfolded(ui, open) && rect.top() > ui.clip_rect().center().y {
         response.scroll_to_me(Some(egui::Align::TOP));
     }
@@ -56,6 +58,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     let app = panel.app;
     let shown = app.shown();
+    // An estimated base gives no advice about the next click: it is not applied yet.
     if let Some(solved) = shown.solved() {
         uncertainty(ui, solved);
         evidence(ui, solved);
@@ -71,6 +74,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .iter()
                 .map(|warning| warning.message.as_str()),
         );
+    // Nothing was solved here, but the document records an earlier solution.
     } else if let Some(solution) = app
         .frame()
         .filter(|_| !shown.is_estimated)
@@ -81,7 +85,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     camera(app, ui);
 }
 
-/// Whether the details were collapsed in the last frame of the window.
+/// Whether the details were collapsed in the previous frame of the window.
 fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
     let memory = egui::Id::unique("details are shown");
     ui.data_mut(|data| {
@@ -91,9 +95,10 @@ fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
     })
 }
 
-/// The widest a value may be, points.
+/// Maximum width of a value, points.
 const VALUE: f32 = 172.0;
 
+/// A row of a grid: name and value, with a tooltip.
 fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
     ui.label(RichText::new(name).color(ui.palette().weak))
         .on_hover_text(tip);
@@ -106,6 +111,7 @@ fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
     ui.end_row();
 }
 
+/// A grid of names and values.
 fn grid(ui: &mut Ui, name: &str, rows: impl FnOnce(&mut Ui)) {
     Grid::new(name)
         .num_columns(2)
@@ -114,6 +120,7 @@ fn grid(ui: &mut Ui, name: &str, rows: impl FnOnce(&mut Ui)) {
         .show(ui, rows);
 }
 
+/// 1-σ of pan, tilt, focal length and of the lines at the worst corner.
 fn uncertainty(ui: &mut Ui, solved: &FrameSolution) {
     theme::title(ui, "1-σ");
     grid(ui, "uncertainty", |ui| {
@@ -143,7 +150,7 @@ fn uncertainty(ui: &mut Ui, solved: &FrameSolution) {
     ui.add_space(theme::SPACE);
 }
 
-/// Separation, fit and distortion.
+/// The separation of the landmarks, the quality of the fit, the distortion.
 fn evidence(ui: &mut Ui, solved: &FrameSolution) {
     grid(ui, "evidence", |ui| {
         if let Some(separation) = solved.separation_px {
@@ -174,6 +181,8 @@ fn evidence(ui: &mut Ui, solved: &FrameSolution) {
     ui.add_space(theme::SPACE);
 }
 
+/// The residual of each point in px of the picture, and the check points. Residuals that are no
+/// evidence are not shown.
 fn residuals(ui: &mut Ui, solved: &FrameSolution) {
     if !solved.residuals_are_evidence() && solved.checks.is_empty() {
         return;
@@ -200,6 +209,7 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
                 ui.end_row();
             }
         });
+    // Check points in words below the table.
     for check in &solved.checks {
         let description = match (check.error_px, check.z_score) {
             (Some(px), Some(z)) => {
@@ -213,14 +223,15 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
     ui.add_space(theme::SPACE);
 }
 
-/// With its sign and two digits; -0.00 becomes +0.00.
+/// A number with its sign and two digits. Without the rounding, -0.001 would be written -0.00.
 fn signed(px: f64) -> String {
     format!("{:+.2}", if px.abs() < 0.005 { 0.0 } else { px })
 }
 
-/// The landmarks that would reduce the uncertainty most; a click on one places it next.
+/// Lists the landmarks that would reduce the uncertainty most. A click on one makes it the name of
+/// the next point.
 fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
-    /// The number of landmarks that are listed.
+    /// Maximum number of landmarks in the list.
     const SHOWN: usize = 4;
     let next: Vec<_> = panel
         .app
@@ -256,6 +267,8 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.add_space(theme::SPACE);
 }
 
+/// Offers the second root of the two-point solution, if there is one: another focal length with
+/// which the points fit as well.
 fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {
     let Some(other) = panel.app.current().other_root() else {
         return;
@@ -277,6 +290,7 @@ fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {
     ui.add_space(theme::SPACE);
 }
 
+/// Lists warnings.
 fn warnings<'a>(ui: &mut Ui, messages: impl Iterator<Item = &'a str>) {
     for message in messages {
         ui.horizontal_top(|ui| {
@@ -288,7 +302,7 @@ fn warnings<'a>(ui: &mut Ui, messages: impl Iterator<Item = &'a str>) {
     ui.add_space(theme::SPACE);
 }
 
-/// The camera as text for other programs.
+/// Buttons that copy the camera as text for other programs.
 fn copy(app: &App, ui: &mut Ui) {
     let Some(camera) = app.shown().camera else {
         return;
@@ -310,7 +324,7 @@ fn copy(app: &App, ui: &mut Ui) {
     });
 }
 
-/// What the document records about a solution that was not computed here.
+/// Shows what the document records about a solution that was not computed here.
 fn recorded(ui: &mut Ui, solution: &Solution) {
     grid(ui, "recorded", |ui| {
         if let Some(rms_px) = solution.rms_px {
@@ -340,6 +354,7 @@ fn recorded(ui: &mut Ui, solution: &Solution) {
     );
 }
 
+/// Shows the position of the camera in the frame of the field, m, and the buttons that copy it.
 fn camera(app: &App, ui: &mut Ui) {
     let Some(base) = app.shown().base else { return };
     theme::title(ui, "CAMERA POSITION");

@@ -1,5 +1,7 @@
-//! The shown frame: field map, points, solution, details; at the bottom, always in sight, the
-//! verdict and the button that accepts the frame.
+//! The inspector: everything about the shown frame, on the right of the picture.
+//!
+//! From top to bottom: field map, points, solution, details. Verdict and main button are at the
+//! bottom and always in view, because they are the decision for which the rest is the evidence.
 
 mod accept;
 mod clicks;
@@ -13,13 +15,14 @@ use super::{
 };
 use egui::{Frame, Margin, ScrollArea, Sense, Ui, vec2};
 
-/// The least height below the list of points, for the solution and the folded details, points.
+/// Minimum height below the list of points, for the solution and the collapsed details, points.
 const BELOW_CLICKS: f32 = 148.0;
-/// What the points and the solution need, points: in a low window the field map gives way to them.
+/// Height that points and solution need below the field map, points. In a low window the field map
+/// gives way to them.
 const BELOW_MAP: f32 = 284.0;
-/// The field map is at least this high, points.
+/// Minimum height of the field map, points.
 const LEAST_MAP: f32 = 104.0;
-/// The most that the verdict takes, as a share of the panel; more scrolls.
+/// Maximum height of the verdict as a share of the panel; beyond that it scrolls.
 const MOST_VERDICT: f32 = 0.4;
 
 /// Shows the panel.
@@ -28,17 +31,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         return;
     }
     let height = ui.available_height();
+    // From the bottom: the main button and the verdict; then the map at the top; the rest scrolls.
     decide(panel, ui);
     verdict_row(ui, MOST_VERDICT * height, |ui| verdict::show(panel, ui));
     if panel.app.settings.field_map {
-        // Not from the verdict's height of this moment: the map must not jump with it.
+        // The room is computed with the verdict's minimum height, not with its present one, so that
+        // the map does not change its size with every verdict.
         field_map::show(
             panel,
             ui,
             (height - DECIDE - verdict::HEIGHT - BELOW_MAP).max(LEAST_MAP),
         );
     }
-    // Unfolded details need room as well.
+    // Expanded details need room, so the list of points is limited to eight rows.
     let most = if panel.app.settings.details {
         8.0
     } else {
@@ -63,8 +68,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// The verdict above the main button, as high as it is.
+/// Shows the verdict above the main button, as high as its contents but at most `most` points.
 fn verdict_row(ui: &mut Ui, most: f32, contents: impl FnOnce(&mut Ui)) {
+    // The panel's height must be known before its contents are laid out. So the height of the
+    // previous frame of the window is used, and one that differs is drawn again at once.
     let memory = egui::Id::unique("height of the verdict");
     let before = ui
         .data(|data| data.get_temp::<f32>(memory))
@@ -89,10 +96,10 @@ fn verdict_row(ui: &mut Ui, most: f32, contents: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// The height of the row at the bottom with the main button, points.
+/// Height of the row at the bottom with the main button, points.
 const DECIDE: f32 = 44.0 + 4.0 * theme::SPACE;
 
-/// The row at the bottom of a panel with its main button.
+/// Shows the row at the bottom of a panel with its main button.
 pub fn decide(panel: &mut Panel<'_>, ui: &mut Ui) {
     egui::Panel::bottom("accept")
         .resizable(false)
@@ -101,12 +108,12 @@ pub fn decide(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show(ui, |ui| accept::show(panel, ui));
 }
 
-/// The button that makes the shown frame a reference, for other panels too.
+/// Shows the main button, for other panels.
 pub fn accept(panel: &mut Panel<'_>, ui: &mut Ui) {
     accept::show(panel, ui);
 }
 
-/// A thin line between two groups.
+/// Draws a thin line between two groups.
 fn line(ui: &mut Ui) {
     let (rect, _) = ui.allocate_exact_size(
         vec2(ui.available_width(), 2.0 * theme::SPACE + 1.0),

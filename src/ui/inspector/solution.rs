@@ -1,4 +1,4 @@
-//! Pan, tilt, focal length and field of view: shown, dragged or typed.
+//! Pan, tilt, focal length and field of view of the shown frame. They can be dragged or typed.
 
 use crate::ui::number::Number;
 use crate::ui::{
@@ -11,22 +11,22 @@ use touchline_core::camera::Ptz;
 use touchline_core::geometry::Angle;
 use touchline_documents::document::{Frame, FramePtz, SolutionSource};
 
-/// The width of the labels, points.
+/// Width of a label, points.
 const LABEL: f32 = 34.0;
-/// Between two columns, points.
+/// Gap between two columns, points.
 const GAP: f32 = 8.0;
-/// The start values when numbers are set manually.
+/// Initial tilt when numbers are set by hand.
 const START_TILT_DEG: f64 = -10.0;
-/// The start focal length, in widths of the picture.
+/// Initial focal length when numbers are set by hand, in widths of the picture.
 const START_FOCAL_WIDTHS: f64 = 1.2;
 
-/// The fields of view that a lens can have, degrees.
+/// The smallest and the largest horizontal field of view that is accepted, degrees.
 const NARROWEST_DEG: f64 = 0.5;
 const WIDEST_DEG: f64 = 150.0;
-/// Why.
+/// The reason that a user sees for a value outside that range.
 const VIEWS: &str = "lenses show between 0.5° and 150°";
 
-/// Shows the solution.
+/// Shows the numbers with their source; without a camera, how to get one.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     let Some(frame) = app.frame() else { return };
@@ -41,6 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
     });
     let shown = app.shown();
+    // A frame without a base may still have recorded numbers.
     let recorded = frame
         .ptz
         .as_ref()
@@ -55,7 +56,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Where the numbers come from.
+/// Says where the numbers come from.
 fn source(app: &App, frame: &Frame) -> String {
     let shown = app.shown();
     if shown.is_estimated {
@@ -83,6 +84,7 @@ fn source(app: &App, frame: &Frame) -> String {
     }
 }
 
+/// "from n points": those with a name, without check points.
 fn from_points(frame: &Frame) -> String {
     let used = frame
         .clicks
@@ -92,11 +94,15 @@ fn from_points(frame: &Frame) -> String {
     format!("from {used} point{}", if used == 1 { "" } else { "s" })
 }
 
+/// Shows the four numbers in two columns. Field of view and focal length are one quantity, so
+/// changing one changes the other.
 fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
     let editable = panel.app.current().base.is_some() && !panel.app.shown().is_estimated;
     let app = panel.app;
     let actions = &mut *panel.actions;
+    // Both columns of fields share the width that labels and gaps leave.
     let field = ((ui.available_width() - 2.0 * LABEL - 3.0 * GAP) / 2.0).floor();
+    // Each number replaces one value of the present camera, so the others stay as they are.
     ui.add_enabled_ui(editable, |ui| {
         egui::Grid::new("solution")
             .num_columns(4)
@@ -182,8 +188,9 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
     });
 }
 
-/// The worst corner, and the button that discards numbers set manually.
+/// Shows 1-σ at the worst corner, and the button that discards numbers set by hand.
 fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
+    // The uncertainty that was computed here, or else the one that the document records.
     let stored = frame
         .solution
         .as_ref()
@@ -217,7 +224,7 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     .on_hover_text("1-σ of the drawn lines at the worst corner of the picture, including the uncertainty of the base.");
 }
 
-/// No numbers yet: why, and how to set them manually.
+/// Says why there are no numbers yet, and offers to set them by hand.
 fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     if panel.app.shown().is_estimated {
         ui.label(
@@ -246,12 +253,12 @@ fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     }
 }
 
-/// The horizontal field of view, degrees.
+/// The horizontal field of view of a focal length, degrees. Without distortion.
 pub fn view_deg(focal_px: f64, width_px: f64) -> f64 {
     2.0 * (width_px / 2.0 / focal_px).atan().to_degrees()
 }
 
-/// The focal length of a horizontal field of view.
+/// The focal length of a horizontal field of view in degrees, px. The inverse of [`view_deg`].
 fn focal_px(view_deg: f64, width_px: f64) -> f64 {
     width_px / 2.0 / (view_deg.to_radians() / 2.0).tan()
 }

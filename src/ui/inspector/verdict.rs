@@ -1,4 +1,7 @@
-//! The verdict on the solution in one word, its reason, and at most one remedy.
+//! The verdict on the solution in one word, its main reason, and at most one remedy.
+//!
+//! Further warnings are only counted here; the details list them. Below the verdict stand the line
+//! check and the switch for training.
 
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
@@ -15,10 +18,11 @@ use touchline_calibration::calibrate::CalibrationError;
 use touchline_core::solve::{SolveError, Verdict, Warning, WarningCode};
 use touchline_documents::document::{Frame, FrameStatus, Target};
 
-/// The least height of the group, points, so that little jumps from frame to frame.
+/// Minimum height of the verdict, points. With it the layout rarely changes from frame to frame.
 pub const HEIGHT: f32 = 78.0;
 
-/// Shows the verdict.
+/// Shows the verdict. The cases come in order of precedence: another picture, a verdict on the
+/// solution, an error, a proposal, a frame without an answer, a camera without points, nothing.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     ui.vertical(|ui| {
@@ -33,6 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             (Some(judgement), _) => {
                 let colour = ui.palette().verdict(judgement.verdict);
                 ui.horizontal(|ui| {
+                    // A good verdict needs no symbol.
                     let sign = if judgement.verdict == Verdict::Good { Symbol::Landmark } else { Symbol::Warning };
                     if judgement.verdict != Verdict::Good {
                         symbol::show(ui, sign, colour);
@@ -69,7 +74,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// That the picture is not the one that was labelled: no verdict on its label means anything.
+/// Says that the picture is not the one that was labelled. No verdict on the label would mean
+/// anything.
 fn other_picture(says: &str, ui: &mut Ui) {
     let palette = ui.palette();
     ui.horizontal(|ui| {
@@ -84,7 +90,7 @@ fn other_picture(says: &str, ui: &mut Ui) {
     ui.add(Label::new(RichText::new(sentence(says)).color(palette.text)).wrap());
 }
 
-/// Whether the program proposed the frame's camera and nobody has changed it.
+/// Whether the frame's camera is a proposal that the user has not changed.
 fn proposed(frame: &Frame) -> bool {
     matches!(
         frame.status,
@@ -92,7 +98,7 @@ fn proposed(frame: &Frame) -> bool {
     ) && frame.is_suggestion()
 }
 
-/// The state and the confidence of a proposal.
+/// Shows the confidence of a proposal, and whether it is accepted.
 fn proposal(app: &App, ui: &mut Ui) {
     let Some(frame) = app.frame() else { return };
     let confidence = frame
@@ -116,7 +122,7 @@ fn proposal(app: &App, ui: &mut Ui) {
     );
 }
 
-/// The switch for using an accepted proposal for training.
+/// Shows the switch for using an accepted proposal for training.
 fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let accepted = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.is_suggestion();
     let Some(before) = panel
@@ -142,7 +148,7 @@ fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// What the painted lines say about the camera.
+/// Shows the result of the line check: whether the picture has paint where the camera predicts it.
 fn paint(app: &App, ui: &mut Ui) {
     let Some(says) = app.paint_says(app.session.frame) else {
         return;
@@ -158,11 +164,12 @@ fn paint(app: &App, ui: &mut Ui) {
     });
 }
 
+/// A weak text instead of a verdict.
 fn said(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
 }
 
-/// The button that searches the painted lines, where that may find a camera.
+/// Shows the button that searches the painted lines for a camera, if that is possible.
 fn search_lines(panel: &mut Panel<'_>, ui: &mut Ui) {
     let command = Command::SearchLines;
     if panel.app.why_not(command).is_none()
@@ -175,7 +182,7 @@ fn search_lines(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// An error as one calm line.
+/// Describes an error. The frequent ones name the next step.
 fn describe_error(error: &CalibrationError) -> String {
     match error {
         CalibrationError::Solve(SolveError::TooFewObservations { equations: 2 }) => {
@@ -188,11 +195,16 @@ fn describe_error(error: &CalibrationError) -> String {
     }
 }
 
-/// The buttons of the warning that is shown, and how many more there are.
+/// Shows the remedy for the warning that is the verdict's reason, and how many more warnings there
+/// are.
+///
+/// The first that applies: assign the frame to a camera that fits better, a command that mends the
+/// cause, an action from [`way_out`].
 fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     let more = hidden(panel.app, reason);
     let mend = panel.app.mend();
     let better = panel.app.current().better_camera.as_ref();
+    // The last resort, an action for the dominant warning, applies only without the other two.
     let way = panel
         .app
         .cause()
@@ -246,15 +258,15 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     });
 }
 
-/// A button that leads out of what the verdict names.
+/// A remedy: the word on its button, the tooltip, and what it does.
 struct WayOut {
     word: &'static str,
     about: String,
     actions: Vec<Action>,
 }
 
-/// What is done about the cause that dominates: points for the base, a point where it gains most, a
-/// look at the point that contradicts the others.
+/// The remedy for the dominant warning: labels for an uncertain base, the next point where it
+/// reduces the uncertainty most, or the point that contradicts the others.
 fn way_out(app: &App, cause: &Warning) -> Option<WayOut> {
     match (cause.code, cause.clicks.as_slice()) {
         (WarningCode::BaseUncertain, _) => Some(WayOut {
@@ -288,7 +300,7 @@ fn way_out(app: &App, cause: &Warning) -> Option<WayOut> {
     }
 }
 
-/// A button that shows the other solution while it is held, like its key.
+/// A button that shows the other solution while it is pressed, like its key.
 fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
     let response = ui
         .button("Compare")
@@ -297,6 +309,7 @@ fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
     let before = ui
         .data(|data| data.get_temp::<bool>(pressed))
         .unwrap_or(false);
+    // Only changes are reported, as for a key that goes down and up.
     let down = response.is_pointer_button_down_on();
     if down != before {
         ui.data_mut(|data| data.insert_temp(pressed, down));
@@ -304,7 +317,7 @@ fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// The number of warnings beside the one that is the verdict's reason.
+/// The number of warnings besides the one that is the verdict's reason.
 fn hidden(app: &App, reason: &str) -> usize {
     let warnings = app
         .current()

@@ -1,5 +1,7 @@
-//! Two annotators on the same frames: how far apart their clicks lie, what they call differently,
-//! how their cameras differ.
+//! Two annotators on the same frames: how far apart their clicks are, which points they name
+//! differently, and how much their cameras differ.
+//!
+//! Distances are px at 1920 px width.
 
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
@@ -17,18 +19,19 @@ use touchline_application::app::{Action, Command, Navigation};
 use touchline_calibration::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use touchline_documents::document::Target;
 
-/// More rows than this are not listed.
+/// Maximum number of rows in a list.
 const SHOWN: usize = 9;
 /// Bars end at this multiple of the median, so that one outlier does not flatten all others.
 const BAR_LIMIT: f64 = 4.0;
-/// The width of a column, points.
+/// Width of a column, points.
 const COLUMN: f32 = 330.0;
 
-/// Shown before a comparison.
+/// The text before a comparison.
 const NOTHING: &str = "Choose another annotator's document of the same frames to see distances by landmark, points that were \
                        named differently, how the cameras differ, and the click noise.";
 
-/// Shows the section.
+/// Shows the card: a scatter plot of offsets on the left, distances by landmark in the middle,
+/// names and frames that differ on the right.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let (is_running, made) = (
         panel.app.operations.comparison.is_running(),
@@ -48,6 +51,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
 }
 
+/// Shows the button that chooses the other document, and with which document the result was
+/// computed. If this document has changed since, a second button compares again.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<Compared>>) {
     let command = Command::CompareAnnotators;
     let why_not = panel.app.why_not(command);
@@ -82,7 +87,9 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<Compared>>) 
         .on_hover_text(compared.file.display().to_string());
 }
 
+/// Shows the result of a comparison.
 fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
+    // A copied click says nothing about an annotator's precision.
     let pairs: Vec<(&FrameAgreement, &ClickPair)> = agreement
         .frames
         .iter()
@@ -96,6 +103,7 @@ fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         .collect();
     ui.horizontal_top(|ui| {
         let offsets: Vec<_> = pairs.iter().map(|(_, pair)| pair.offset_px).collect();
+        // The offset between two independent clicks has √2 times the σ of one click.
         let sigma_px = agreement
             .noise
             .map(|noise| noise.sigma * std::f64::consts::SQRT_2);
@@ -132,6 +140,7 @@ fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     });
 }
 
+/// The action that shows a click of a frame.
 fn look_at(frame: &FrameAgreement, click: usize) -> Action {
     Action::Navigate(Navigation::LookAt {
         frame: frame.frames[0],
@@ -139,6 +148,7 @@ fn look_at(frame: &FrameAgreement, click: usize) -> Action {
     })
 }
 
+/// Shows the summary: distances, click noise, frames that only one of the two has labelled.
 fn describe(ui: &mut Ui, agreement: &Agreement) {
     let mut text = String::new();
     if let Some(distances) = &agreement.distances {
@@ -165,7 +175,7 @@ fn describe(ui: &mut Ui, agreement: &Agreement) {
     );
 }
 
-/// The landmarks that lie farthest apart.
+/// Shows the median distance for each landmark, the largest first.
 fn landmarks(panel: &Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     if agreement.landmarks.is_empty() {
         return;
@@ -202,7 +212,7 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     }
 }
 
-/// Points that the two named differently, one row per frame.
+/// Lists the points that the two named differently, one row for each frame.
 fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     let count: usize = agreement.frames.iter().map(|frame| frame.names.len()).sum();
     if count == 0 {
@@ -222,6 +232,7 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
                 .map(|id| panel.app.label(&Target::Landmark(id)));
             format!("{here} is {there} there")
         };
+        // The row shows the first difference, the tooltip all of them.
         let points = if frame.names.len() == 1 {
             "1 point".to_owned()
         } else {
@@ -248,8 +259,10 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     ui.add_space(theme::SPACE);
 }
 
-/// The frames whose cameras, or else whose clicks, lie farthest apart.
+/// Lists the frames that differ most: by the worst corner of their cameras, or by the farthest
+/// click where a camera is missing.
 fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
+    // How far apart a frame's cameras are, or its clicks if one has no camera.
     let apart = |frame: &FrameAgreement| {
         frame
             .cameras
@@ -276,6 +289,8 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         },
     );
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+    // Outliers are cut off at a multiple of the median and coloured, so that the other bars remain
+    // distinguishable.
     let usual = apart(sorted[sorted.len() / 2]);
     let largest = apart(sorted[0]).min(BAR_LIMIT * usual).max(1e-9);
     for frame in sorted.into_iter().take(SHOWN) {
@@ -306,6 +321,7 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     }
 }
 
+/// The tooltip of a frame: numbers of points, distances, difference of the cameras.
 fn tip(frame: &FrameAgreement) -> String {
     let cameras = frame.cameras.map(|cameras| {
         let iou = cameras

@@ -1,5 +1,9 @@
-//! Pan, tilt and focal length over time; frames that disagree with their neighbours are ringed. A
-//! click goes there.
+//! Pan, tilt and focal length over time. Frames that are out of line with their neighbours are
+//! ringed, and a click on a point shows its frame.
+//!
+//! Three plots share one time axis, of frame numbers or of the video's time in s, and one visible
+//! part of it (the span). All horizontal coordinates are in the unit of this axis; pan and tilt are
+//! in degrees, focal lengths in px.
 
 use super::time::time_ticks;
 use super::{card, legend, nothing_yet};
@@ -22,34 +26,35 @@ use touchline_core::geometry::Angle;
 use touchline_documents::document::Frame;
 use touchline_documents::report::figure::Ruler;
 
-/// The heights of one plot: at least, and as a share of the page's width, points.
+/// Height of one plot: the minimum in points, and the share of the page's width above it.
 const HEIGHT: f32 = 76.0;
 const HEIGHT_SHARE: f32 = 0.058;
-/// Room for numbers at the left of the plots and below the last one, points.
+/// Room for the numbers to the left of the plots and below the last one, points.
 const NUMBERS: f32 = 44.0;
 const BELOW: f32 = 16.0;
-/// At the right of the plots: half of the last number below them, points.
+/// Room to the right of the plots for half of the last number below them, points.
 const NUMBERS_END: f32 = 18.0;
-/// Above the first plot and between two plots: room for half a number, points.
+/// Room above each plot for half a number, points.
 const BETWEEN: f32 = 10.0;
-/// A column of a plot with many points, points.
+/// Width of a column in a plot with many points, points of the screen.
 const COLUMN: f32 = 2.0;
-/// The pointer picks what is this near, points.
+/// Distance within which the pointer picks a point, points of the screen.
 const REACH: f32 = 14.0;
-/// The most frames that are ringed, and that are named below.
+/// Maximum numbers of frames that are ringed, and that are named below the plots.
 const RINGED: usize = 300;
 const NAMED: usize = 6;
-/// Shots narrower than this are not separated by lines, points.
+/// Average width of shots below which no lines are drawn between them, points.
 const NARROW: f32 = 5.0;
-/// Outliers stretch a scale to at most this multiple of what the others need.
+/// Outliers stretch a scale to at most this multiple of the range of all other frames.
 const STRETCH: f64 = 2.5;
 
-/// The section's title.
+/// The title of the card.
 const TITLE: &str = "PAN, TILT, FOCAL LENGTH";
-/// Shown while no frame has a camera.
+/// The text while no frame has a camera.
 const NOTHING: &str = "Cameras are plotted here over time. Accept a few frames and let the forest propose cameras for the others.";
 
-/// Shows the section.
+/// Shows the card: legend and buttons, the plots, the description of the frame under the pointer,
+/// and the frames that are out of line.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     let course = &app.quality().course;
@@ -78,9 +83,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The legend, the unit of time, and the zoom; laid out from the right.
+/// Shows the zoom buttons, the choice of the time axis and the legend. The layout runs from right
+/// to left, so the last button comes first.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
     let actions = &mut *panel.actions;
+    // The zoom buttons.
     let mut button = |ui: &mut Ui, says: &str, command: Command, enabled: bool, tip: &str| {
         let button = ui.add_enabled(enabled, Button::new(says).small());
         if button.on_hover_text(tip).clicked() {
@@ -102,6 +109,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
         is_part,
         "Zoom out of the time axis.",
     );
+    // The unit of time, if the frames have a time.
     if course.has_video_time {
         for (axis, says, tip) in [
             (TimeAxis::Video, "Video time", "Use the video's time."),
@@ -116,6 +124,8 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
             }
         }
     }
+    // The legend, from left to right in the remaining space; drafts and outliers only if there are
+    // any.
     ui.add_space(2.0 * theme::SPACE);
     ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
         ui.add_space(2.0 * theme::SPACE);
@@ -137,7 +147,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
     });
 }
 
-/// The three plots, one above the other, over the same span of time.
+/// The three plots, one above the other, over the same span of the time axis.
 struct Stack {
     plots: [Plot; 3],
     rulers: [Ruler; 3],
@@ -147,6 +157,8 @@ struct Stack {
 }
 
 impl Stack {
+    /// Allocates the space and chooses the scales. The vertical scales fit what is visible, not the
+    /// whole.
     fn new(ui: &mut Ui, course: &Course, span: [f64; 2]) -> Self {
         let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
         let size = vec2(ui.available_width(), 3.0 * (height + BETWEEN) + BELOW);
@@ -176,7 +188,7 @@ impl Stack {
         }
     }
 
-    /// Draws the plots and reads the pointer; the point under it is returned.
+    /// Draws the plots, reads the pointer and returns the point under it.
     fn show<'a>(
         &self,
         panel: &mut Panel<'_>,
@@ -198,11 +210,14 @@ impl Stack {
         under
     }
 
+    /// Draws the plots from back to front: levels, ends of shots, the shown frame, the curve,
+    /// rings, the point under the pointer.
     fn paint(&self, panel: &Panel<'_>, ui: &Ui, course: &Course, under: Option<&CoursePoint>) {
         let painter = ui.painter_at(self.rect);
         let shown = course
             .at_of(panel.app.session.frame)
             .filter(|at| (self.span[0]..=self.span[1]).contains(at));
+        // Each plot by itself; the vertical lines go through all three.
         for ((plot, ruler), quantity) in self.plots.iter().zip(&self.rulers).zip(Quantity::ALL) {
             painter.rect_filled(plot.area, CornerRadius::same(3), ui.palette().backdrop);
             plot.levels(&painter, ruler);
@@ -239,6 +254,7 @@ impl Stack {
             }
             plot.caption(&painter, quantity.label());
         }
+        // The numbers of the time axis, below the last plot only.
         let ticks = time_ticks(course.axis, self.span, f64::from(self.rect.width() / 110.0));
         self.plots[2].steps(
             &painter,
@@ -246,7 +262,8 @@ impl Stack {
         );
     }
 
-    /// The point nearest to the pointer, in the plot under the pointer.
+    /// The point nearest to the pointer on the screen, in the plot that the pointer is in. Only
+    /// points within [`REACH`] in time are candidates.
     fn nearest<'a>(&self, course: &'a Course, pointer: Pos2) -> Option<&'a CoursePoint> {
         let place = self
             .plots
@@ -262,8 +279,8 @@ impl Stack {
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
-    /// A click goes to the frame; Ctrl with the wheel or pinching zooms the time axis, dragging and
-    /// Shift with the wheel move it.
+    /// A click shows the frame. Ctrl with the wheel, or pinching, zooms the time axis around the
+    /// pointer; dragging, or Shift with the wheel, moves it.
     fn read_pointer(
         &self,
         panel: &mut Panel<'_>,
@@ -298,6 +315,7 @@ impl Stack {
             };
             ui.ctx().set_cursor_icon(icon);
         }
+        // If one frame of the window brings both, only the zoom counts.
         if moved != 0.0 && factor == 1.0 && is_part {
             let by = moved * per_point;
             let span = within_whole([self.span[0] - by, self.span[1] - by], whole);
@@ -306,7 +324,7 @@ impl Stack {
     }
 }
 
-/// What a screen reader says.
+/// The description for a screen reader.
 fn describe(course: &Course) -> String {
     let counts = PointKind::ALL
         .map(|kind| (kind, course.count(kind)))
@@ -322,7 +340,8 @@ fn describe(course: &Course) -> String {
     )
 }
 
-/// Pans continue beyond ±180° without a jump; their labels are wrapped.
+/// Wraps the labels of pans beyond ±180° to directions. The curve itself is unwrapped, so that it
+/// has no jump there.
 fn name_directions(ruler: &mut Ruler) {
     for (pan_deg, words) in ruler
         .ticks
@@ -339,7 +358,7 @@ fn name_directions(ruler: &mut Ruler) {
     }
 }
 
-/// From the smallest to the largest value within a span. Outliers are included as long as the other
+/// The range of values within a span, `[min, max]`. Outliers are included only as far as the other
 /// frames remain distinguishable.
 fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
     let over = |range: [f64; 2], value: f64| [range[0].min(value), range[1].max(value)];
@@ -365,8 +384,9 @@ fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// A line where a shot ends, unless the shots are too narrow.
+/// Draws a dashed line where a shot ends, unless the shots are too narrow.
 fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
+    // Cuts are sorted, so those in view are found by binary search.
     let from = course.cuts.partition_point(|at| *at < plot.x[0]);
     let upto = course.cuts.partition_point(|at| *at <= plot.x[1]);
     let inside = &course.cuts[from..upto.max(from)];
@@ -384,9 +404,11 @@ fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
     }
 }
 
-/// The points of a span: single points joined within a shot, or columns where there are many.
+/// Draws the points of a span: single points, joined within a shot, or columns from minimum to
+/// maximum where there are many.
 fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
     let at = |point: &CoursePoint| plot.at(point.at, point.value(quantity));
+    // The application decides between points and columns by the number of points in view.
     match drawn(
         points,
         quantity,
@@ -417,7 +439,7 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
     }
 }
 
-/// The description of the frame under the pointer; without one, how to use the plot.
+/// Shows the description of the frame under the pointer; without one, how to use the plots.
 fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&CoursePoint>) {
     let Some((point, frame)) =
         under.and_then(|point| Some((point, panel.app.open()?.frame(point.frame)?)))
@@ -442,7 +464,8 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
     ui.add(Label::new(RichText::new(text).small().color(colour)).truncate());
 }
 
-/// The description of a frame.
+/// The description of a frame: name, number, shot, time, camera, confidence, and how far it is out
+/// of line.
 fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
     let [pan_deg, tilt, focal] = point.values;
     let pan = Angle::from_degrees(pan_deg).wrapped();
@@ -460,6 +483,7 @@ fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String 
         .solution
         .as_ref()
         .and_then(|solution| solution.confidence);
+    // Parts that a frame may lack are empty.
     let right = confidence
         .map(|confidence| format!(", confidence {}", percent(confidence)))
         .unwrap_or_default();
@@ -473,12 +497,14 @@ fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String 
     )
 }
 
-/// The frames that disagree with their neighbours, by name, the farthest off first.
+/// Names the frames that are out of line with their neighbours, the farthest first, each as a
+/// button that shows it.
 fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
     if course.standing_out.is_empty() {
         return;
     }
     let app = panel.app;
+    // A few by name, each as a button, and the number of the others.
     let tip = format!(
         "Farther than {DISAGREES_PX:.0} px (at 1920 px width) off the line between the frames before and after, and farther off than these are apart."
     );

@@ -1,5 +1,5 @@
-//! Where references and suggestions look, over pan and tilt. A click goes to the frame that looks
-//! there.
+//! A map over pan and tilt of where references and suggestions look. A click shows the nearest
+//! frame.
 
 use super::{card, legend, nothing_yet};
 use crate::ui::coverage_map::{CoverageMap, label_next, missing, seen_by};
@@ -11,14 +11,14 @@ use touchline_application::app::where_to_label::whole_degrees;
 use touchline_application::app::{Action, Navigation};
 use touchline_calibration::proposals::Coverage;
 
-/// The map's height: at least, and as a share of its width, points.
+/// Height of the map: the minimum in points, and the share of its width above it.
 const HEIGHT: f32 = 120.0;
 const HEIGHT_SHARE: f32 = 0.3;
 
-/// Shown while there is no base.
+/// The text while there is no base.
 const NOTHING: &str = "This map of pan and tilt shows where references look, once the camera's base is known and a frame is accepted.";
 
-/// Shows the section.
+/// Shows the card: the map, what is missing in words, the legend.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let seen = panel.app.quality().seen.as_ref();
     card(
@@ -34,11 +34,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
             let map = CoverageMap::show(ui, &seen.references, height, Sense::click());
             map.dots(&seen.suggestions, ui.palette().caution);
+            // The map is of one camera: the shown frame is outlined only if it belongs to it.
             if let (Some(camera), Some(frame)) = (&panel.app.current().camera, panel.app.frame())
                 && panel.app.quality().camera.as_ref() == Some(&frame.camera)
             {
                 map.outline(camera, frame.image_size);
             }
+            // Where a label helps most.
             if let Some(pan_deg) = label_next(panel, &seen.references) {
                 map.pointer(pan_deg);
             }
@@ -57,14 +59,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
 }
 
-/// Shown while nothing is accepted: the whole field is missing.
+/// The text while nothing is accepted: then all of the field is missing.
 const NOTHING_ACCEPTED: &str = "No frame of this camera is accepted yet.";
 
+/// Whether no frame sees any direction.
 fn is_empty(coverage: &Coverage) -> bool {
     coverage.cells.iter().all(|cell| cell.references == 0)
 }
 
-/// What the colours mean.
+/// Shows the legend of the colours.
 fn keys(ui: &mut Ui, seen: &Seen) {
     let square = |colour: Color32, side: f32| {
         move |painter: &Painter, at: Pos2| {
@@ -82,8 +85,8 @@ fn keys(ui: &mut Ui, seen: &Seen) {
     });
 }
 
-/// The frames that look at the pointer's direction; a click goes to the frame whose centre is
-/// nearest.
+/// Describes the direction under the pointer, and which frame a click shows: the one that looks
+/// nearest to it. References and suggestions count, drafts do not.
 fn read_pointer(
     panel: &mut Panel<'_>,
     ui: &Ui,
@@ -96,6 +99,7 @@ fn read_pointer(
     };
     let app = panel.app;
     let on_map = |point: &CoursePoint| map.at(point.values[0], point.values[1]);
+    // The nearest reference or suggestion on the map; drafts do not count.
     let looking = app
         .quality()
         .course
@@ -112,6 +116,7 @@ fn read_pointer(
             .get(cell)
             .map_or(0, |cell| cell.references as usize)
     };
+    // How many frames see this direction, and which one a click shows.
     let seen = format!(
         "Pan {}, tilt {}: in sight of {} and {}.",
         whole_degrees(pan_deg),

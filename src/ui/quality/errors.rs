@@ -1,4 +1,7 @@
-//! Histograms of the errors of clicks and of check points. A click goes to the worst one of a bar.
+//! Histograms of the errors of clicks and of check points. A click on a bar shows its worst click.
+//!
+//! Errors are distances in px at 1920 px width between a click and where the frame's camera
+//! projects its landmark or line.
 
 use super::{card, legend, nothing_yet};
 use crate::ui::plot::Plot;
@@ -11,17 +14,18 @@ use touchline_application::app::quality::{ClickErrors, Histogram, Spread};
 use touchline_application::app::{Action, Navigation};
 use touchline_documents::report::figure::Ruler;
 
-/// The height of a histogram, points.
+/// Height of a histogram, points.
 const HEIGHT: f32 = 86.0;
-/// Room for numbers at the left and below, points.
+/// Room for the numbers to the left and below, points.
 const NUMBERS: f32 = 30.0;
 const BELOW: f32 = 16.0;
 
-/// Shown while no error is evidence.
+/// The text while no frame has enough clicks for its errors to be evidence.
 const NOTHING: &str = "The errors of clicks appear here. Two clicks alone can always be fitted: place a third one on some frames, \
                        or a check point (K).";
 
-/// Shows the section.
+/// Shows the card: the histogram of the clicks that cameras were fitted to, and that of the check
+/// points.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let errors = &panel.app.quality().errors;
     let unit = |_: &mut Panel<'_>, ui: &mut Ui| {
@@ -55,7 +59,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The frames that are not counted.
+/// Says how many frames are not counted.
 fn without_evidence(ui: &mut Ui, errors: &ClickErrors) {
     let text = match errors.without_evidence {
         0 => return,
@@ -67,7 +71,8 @@ fn without_evidence(ui: &mut Ui, errors: &ClickErrors) {
     nothing_yet(ui, &text);
 }
 
-/// The histogram of the clicks that were used, or of the check points.
+/// Shows one histogram: of the check points if `check`, else of the clicks that cameras were fitted
+/// to.
 fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool) {
     let (what, about) = if check {
         ("Check points", "Points that were not used to fit a camera.")
@@ -77,6 +82,7 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
             "Points that cameras were fitted to. Their errors are slightly smaller than those of other points.",
         )
     };
+    // Without check points, how to make one.
     let Some(spread) = spread else {
         if check {
             nothing_yet(ui, "No check points. K turns a point into one.");
@@ -102,6 +108,7 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
         WidgetInfo::labeled(Role::Canvas, true, format!("Histogram. {description}"))
     });
     let area = Rect::from_min_max(rect.min + vec2(NUMBERS, 4.0), rect.max - vec2(4.0, BELOW));
+    // The scale fits the expected histogram as well as the counted one.
     let highest = histogram
         .expected
         .iter()
@@ -118,6 +125,7 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
         painter.rect_filled(area, CornerRadius::same(3), ui.palette().backdrop);
         plot.levels(&painter, &ruler);
         bars(&painter, &plot, histogram);
+        // The median and the 90 % quantile as vertical lines.
         for (value, colour) in [
             (spread.median_px, ui.palette().strong),
             (spread.most_px, ui.palette().weak),
@@ -133,7 +141,8 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
     read_pointer(panel, ui, &plot, histogram, response);
 }
 
-/// The bars, and the steps expected of correct clicks.
+/// Draws the bars, and as a stepped line the histogram expected of correct clicks. The last bar
+/// counts all larger errors; it has its own colour and no expectation.
 fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
     let last = histogram.bins.len() - 1;
     for (place, bin) in histogram
@@ -174,7 +183,7 @@ fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
     painter.add(Shape::line(steps, Stroke::new(1.0, painter.palette().good)));
 }
 
-/// Numbers below the bars.
+/// Writes the numbers below the bars; the last bar is labelled "more".
 fn below(painter: &Painter, plot: &Plot, step_px: f64) {
     let last = plot.x[1] - 1.0;
     let ruler = Ruler::within([0.0, last * step_px], f64::from(plot.area.width() / 50.0));
@@ -190,6 +199,7 @@ fn below(painter: &Painter, plot: &Plot, step_px: f64) {
     );
 }
 
+/// Describes the bar under the pointer; a click shows its worst click.
 fn read_pointer(
     panel: &mut Panel<'_>,
     ui: &Ui,
@@ -203,6 +213,7 @@ fn read_pointer(
     let place = (plot.x_at(pointer.x).max(0.0) as usize).min(histogram.bins.len() - 1);
     let bin = histogram.bins[place];
     let from = place as f64 * histogram.step_px;
+    // The tooltip: range, count, and the count expected of correct clicks.
     let range = if place + 1 == histogram.bins.len() {
         format!("{} and more", px(from))
     } else {
@@ -234,6 +245,7 @@ fn read_pointer(
     response.on_hover_text_at_pointer(format!("{range}: {count}; {right}.{there}"));
 }
 
+/// An error in px. It is infinite where the camera does not see the landmark.
 fn px(value: f64) -> String {
     if value.is_finite() {
         format!("{} px", number(value))
@@ -242,6 +254,7 @@ fn px(value: f64) -> String {
     }
 }
 
+/// A number with one decimal below 10, without decimals above.
 fn number(value: f64) -> String {
     if value < 10.0 {
         format!("{value:.1}")

@@ -1,5 +1,7 @@
-//! The annotator's own click noise: gold frames clicked again blind, and what the clicks are
-//! weighted by.
+//! The annotator's own click noise, from gold frames that are clicked again blind, and whether it
+//! weights the clicks.
+//!
+//! Distances are px at 1920 px width.
 
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
@@ -11,16 +13,17 @@ use touchline_calibration::calibrate::OwnNoise;
 use touchline_core::geometry::counted;
 use touchline_documents::document::{ClickNoise, Target};
 
-/// More landmarks than this are not listed.
+/// Maximum number of landmarks in the list.
 const LANDMARKS_SHOWN: usize = 9;
-/// The width of the column beside the plot, points.
+/// Width of the column beside the plot, points.
 const COLUMN: f32 = 330.0;
 
-/// Shown before the first blind click.
+/// The text before the first blind click.
 const NOTHING: &str = "How precisely do you click? Mark accepted frames as gold, or let the program choose a few, and click their \
                        points again without seeing the labels. After 12 blind clicks your own click noise can weight your points.";
 
-/// Shows the section.
+/// Shows the card: a scatter plot of the blind clicks around their labels, the noise in words, σ by
+/// landmark.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     card(
         panel,
@@ -36,6 +39,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             ui.horizontal_top(|ui| {
                 let offsets: Vec<_> = own.offsets.iter().map(|repeat| repeat.offset_px).collect();
+                // Label and blind click are both noisy, so their offset has √2 times the σ of one
+                // click.
                 let sigma_px = own
                     .noise
                     .map(|noise| noise.sigma * std::f64::consts::SQRT_2);
@@ -75,7 +80,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
 }
 
-/// What can be done, from the right.
+/// Shows the commands and the number of gold frames, from right to left.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     let in_use = app
@@ -119,6 +124,8 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
 }
 
+/// Describes the annotator's click noise, with the numbers behind it, and which noise weights the
+/// clicks at present.
 fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let said = match &own.noise {
         Some(noise) => {
@@ -133,6 +140,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     ui.add(Label::new(RichText::new(said).color(ui.palette().strong)).wrap()).on_hover_text(
         "1-σ of a single click at 1920 px width. The rings are one and two σ of the distance between two clicks.",
     );
+    // Noise in each direction, and clicks that are too far off to be noise.
     let [right, down] = own
         .noise_by_axis
         .map(|noise| noise.map(|noise| format!("{:.2} px", noise.sigma)));
@@ -148,6 +156,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let frames = counted(own.frames, "frame");
     let text = format!("{} blind clicks in {frames}:{axes}{aside}", own.repeats).replace(":.", ".");
     ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(ui.palette().text)).wrap());
+    // Which noise weights the clicks at present, and how the own one compares with it.
     let used = panel
         .app
         .open()
@@ -173,12 +182,12 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         .on_hover_text(tip);
 }
 
-/// An annotator's click noise compared with the usual one, in a sentence.
+/// Compares an annotator's click noise with the usual one, in a sentence.
 fn compared(noise: &ClickNoise) -> String {
     format!("Yours is {:.0} % of the usual noise.", 100.0 * noise.factor)
 }
 
-/// Each landmark's sigma as a bar where it is known, the most often repeated first.
+/// Shows σ of each landmark as a bar, where it is known, the most often repeated first.
 fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let mut sorted: Vec<_> = own.landmarks.iter().collect();
     sorted.sort_by_key(|landmark| std::cmp::Reverse(landmark.repeats));
@@ -192,6 +201,7 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         let name = panel
             .app
             .label(&Target::Landmark(landmark.landmark.clone()));
+        // σ if it is known, otherwise the number of repetitions.
         let value = landmark.noise.map_or_else(
             || format!("{} ×", landmark.repeats),
             |noise| format!("{:.2} px", noise.sigma),

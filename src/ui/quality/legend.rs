@@ -1,4 +1,4 @@
-//! How the frames of each kind are marked on the page.
+//! Marks and colours of the three kinds of frames, for the plots of the page and their legends.
 
 use crate::ui::theme::{Palette, Themed as _};
 use egui::{
@@ -7,16 +7,17 @@ use egui::{
 };
 use touchline_application::app::quality::PointKind;
 
-/// The height of a line of the legend, and the room for a mark, points.
+/// Height of a legend entry, and the width that its mark takes, points.
 const ROW: f32 = 16.0;
 const MARK: f32 = 14.0;
 
-/// The colour of a kind.
+/// The colour of a kind of frame.
 pub const fn colour(palette: &Palette, kind: PointKind) -> Color32 {
     palette.status(kind.status())
 }
 
-/// Marks a frame: a disc for a reference, a diamond for a suggestion, a square for a draft.
+/// Draws the mark of a frame: a disc for a reference, a diamond for a suggestion, a square for a
+/// draft.
 pub fn mark(painter: &Painter, at: Pos2, kind: PointKind) {
     let stroke = Stroke::new(1.2, colour(painter.palette(), kind));
     match kind {
@@ -37,12 +38,13 @@ pub fn mark(painter: &Painter, at: Pos2, kind: PointKind) {
     }
 }
 
-/// Rings a frame that disagrees with its neighbours.
+/// Draws the ring around a frame that is out of line with its neighbours.
 pub fn ring(painter: &Painter, at: Pos2) {
     painter.circle_stroke(at, 5.5, Stroke::new(1.5, painter.palette().bad));
 }
 
-/// A mark with its text, kept together on one line.
+/// A mark with its text as one widget, so that a line break never separates them. `paint` receives
+/// the centre of the mark.
 pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Response {
     let font = TextStyle::Small.resolve(ui.style());
     let galley = ui
@@ -63,7 +65,7 @@ pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Re
     response
 }
 
-/// The name of a kind with its count.
+/// A count with the name of the kind in singular or plural.
 pub fn counted(kind: PointKind, count: usize) -> String {
     let (one, more) = match kind {
         PointKind::Reference => ("reference", "references"),

@@ -1,8 +1,17 @@
-//! The quality page: how good labels and proposals are. It takes the window; each section is a file
-//! and a card.
+//! The quality page: how good labels and proposals are. It takes the place of the picture.
 //!
-//! A section shows what [`touchline_application::app::quality`] derived. A click goes to the frame
-//! and closes the page.
+//! Each section is a card in a file of its own. It shows what
+//! [`touchline_application::app::quality`] has computed and computes nothing itself.
+//!
+//! | card | file |
+//! |---|---|
+//! | pan, tilt and focal length over time | `course.rs`, `time.rs` |
+//! | errors of clicks; by landmark and line | `errors.rs`, `targets.rs` |
+//! | where frames look | `coverage.rs` |
+//! | the annotator's own click noise | `gold.rs`, `scatter.rs` |
+//! | two annotators compared | `agreement.rs`, `scatter.rs` |
+//!
+//! A click on a mark shows its frame in the picture and closes the page.
 
 mod agreement;
 mod course;
@@ -25,9 +34,9 @@ use egui::{
 };
 use touchline_application::app::{Action, Command, Navigation, ViewAction};
 
-/// Between cards, points.
+/// Gap between two cards, points.
 const GAP: f32 = 8.0;
-/// The corners of a card.
+/// Rounding of a card's corners.
 const CORNER: CornerRadius = CornerRadius::same(6);
 
 /// Shows the page.
@@ -55,7 +64,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// The title, the camera that the page is about, and the close button.
+/// Shows the title, the camera that the page is about, frames that their paint contradicts, and the
+/// close button.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new()
         .inner_margin(Margin::symmetric(8, 6))
@@ -84,7 +94,7 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// Accepted frames that their paint contradicts: how many, and the way to the first.
+/// Shows how many accepted frames their paint contradicts; a click shows the first of them.
 fn off_paint(panel: &mut Panel<'_>, ui: &mut Ui) {
     let off = &panel.app.quality().off_paint;
     let Some(first) = off.first().copied() else {
@@ -106,7 +116,7 @@ fn off_paint(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Which camera, where there are several.
+/// Shows which camera the page is about, and lets the user choose another, if there are several.
 fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
     let (Some(open), Some(chosen)) = (panel.app.open(), &panel.app.quality().camera) else {
         return;
@@ -137,13 +147,15 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
         .on_hover_text("The camera that this page is about.");
 }
 
-/// Sections beside each other, all as high as the highest.
+/// Shows cards side by side, all as high as the highest.
 fn row<const N: usize>(
     panel: &mut Panel<'_>,
     ui: &mut Ui,
     sections: [fn(&mut Panel<'_>, &mut Ui); N],
 ) {
     ui.columns(N, |columns| {
+        // The background of a column comes before its contents but needs the final height. So a
+        // placeholder reserves its place in the drawing order and is filled in below.
         let grounds: Vec<ShapeIdx> = columns
             .iter()
             .map(|column| column.painter().add(Shape::Noop))
@@ -166,7 +178,8 @@ fn row<const N: usize>(
     });
 }
 
-/// A section of the page: its title with the section's controls at the right, and its contents.
+/// Shows a card: the title, the section's controls at the right (`beside`), the contents
+/// (`inside`).
 fn card(
     panel: &mut Panel<'_>,
     ui: &mut Ui,
@@ -189,7 +202,7 @@ fn card(
     });
 }
 
-/// The text of an empty section: what will appear, and what to do for it.
+/// The text of an empty card: what will appear, and how to get it.
 fn nothing_yet(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
 }

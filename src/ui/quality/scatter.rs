@@ -1,4 +1,4 @@
-//! Offsets between two clicks on the same spots, as dots around the centre. The nearest dot can be
+//! A scatter plot of the offsets between two clicks on the same point of the picture. A dot can be
 //! pointed at and clicked.
 
 use crate::ui::theme::Themed as _;
@@ -6,29 +6,30 @@ use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 use touchline_core::geometry::Vec2;
 use touchline_core::geometry::quantile;
 
-/// The side of the plot, points.
+/// Side of the plot, points.
 const SIDE: f32 = 190.0;
-/// A dot this near is pointed at, points.
+/// Distance within which the pointer picks a dot, points.
 const REACH: f32 = 10.0;
 
-/// A plot of offsets, px at 1920 px width.
+/// A scatter plot of offsets in px at 1920 px width, x to the right, y down.
 pub struct Scatter<'a> {
     /// Its accessible name.
     pub name: &'a str,
-    /// The offsets.
+    /// The offsets, one dot each.
     pub offsets: &'a [Vec2],
-    /// Rings at one and two of it, where it is known.
+    /// 1-σ of an offset in each direction, px, if known. Rings are drawn at one and two σ.
     pub sigma_px: Option<f64>,
 }
 
 impl Scatter<'_> {
-    /// Shows the plot: the dot under the pointer, and whether it was clicked.
+    /// Shows the plot. Returns the index of the dot under the pointer and whether it was clicked.
     pub fn show(&self, ui: &mut Ui) -> Option<(usize, bool)> {
         let (rect, response) = ui.allocate_exact_size(vec2(SIDE, SIDE), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, self.name));
         let reach_px = self.reach_px();
         let points_per_px = f64::from(SIDE / 2.0 - 6.0) / reach_px;
         let centre = rect.center();
+        // Offsets beyond the range are moved to its border, in their direction.
         let place = |offset: &Vec2| {
             let offset = if offset.norm() > reach_px {
                 offset * (reach_px / offset.norm())
@@ -41,6 +42,7 @@ impl Scatter<'_> {
                     (offset.y * points_per_px) as f32,
                 )
         };
+        // Axes, and rings at one and two σ.
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 4.0, ui.palette().panel);
         painter.hline(
@@ -59,6 +61,7 @@ impl Scatter<'_> {
                 painter.circle_stroke(centre, radius, Stroke::new(1.0, ui.palette().weak));
             }
         }
+        // The nearest dot within reach of the pointer.
         let dots: Vec<_> = self.offsets.iter().map(place).collect();
         let under = response.hover_pos().and_then(|at| {
             let near = dots
@@ -69,6 +72,7 @@ impl Scatter<'_> {
             near.min_by(|a, b| a.1.total_cmp(&b.1))
                 .map(|(index, _)| index)
         });
+        // The dots; those beyond the range have another colour.
         for (index, dot) in dots.iter().enumerate() {
             let pointed = under == Some(index);
             let (radius, colour) = if pointed {
@@ -87,6 +91,7 @@ impl Scatter<'_> {
                 },
             );
         }
+        // The range of the plot as a number in the corner.
         let corner = rect.right_bottom() - vec2(4.0, 2.0);
         let text = format!("±{reach_px:.1} px");
         painter.text(
@@ -102,8 +107,8 @@ impl Scatter<'_> {
         under.map(|index| (index, response.clicked()))
     }
 
-    /// The plot's range, px: nine of ten dots lie well inside; those beyond are drawn at the
-    /// border.
+    /// The plot's range, px: 1.4 times the 90 % quantile of the offsets and at least 2.4 σ, so that
+    /// the rings fit. Offsets beyond it are drawn at the border, in another colour.
     fn reach_px(&self) -> f64 {
         let mut sizes: Vec<f64> = self.offsets.iter().map(Vec2::norm).collect();
         sizes.sort_by(f64::total_cmp);

@@ -1,5 +1,7 @@
-//! Landmarks and lines by the errors of their clicks, the worst first. A click goes to the worst
-//! click on one.
+//! The errors of clicks by landmark and line, the worst first. A click shows the worst click on
+//! one.
+//!
+//! Errors are px at 1920 px width.
 
 use super::{card, nothing_yet};
 use crate::ui::bar::Bar;
@@ -9,14 +11,14 @@ use egui::{Button, Id, RichText, Ui};
 use touchline_application::app::quality::TargetErrors;
 use touchline_application::app::{Action, Navigation};
 
-/// More landmarks than this are shown when asked for.
+/// Number of landmarks that are shown before the list is expanded.
 const SHOWN: usize = 11;
 
-/// Shown while no error is evidence.
+/// The text while no frame has enough clicks for its errors to be evidence.
 const NOTHING: &str =
     "Errors by landmark and line appear here once some frames have three clicks or more.";
 
-/// Shows the section.
+/// Shows the card.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let targets = &panel.app.quality().targets;
     let legend = |_: &mut Panel<'_>, ui: &mut Ui| {
@@ -41,7 +43,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         } else {
             targets.len().min(SHOWN)
         };
-        // One outlier must not make all other bars invisible.
+        // The scale is set by the landmarks with enough clicks and by the expected medians; one
+        // outlier must not make all other bars invisible.
         let known = targets
             .iter()
             .filter(|errors| errors.is_known())
@@ -69,6 +72,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
+/// Shows one landmark or line: its median as a bar, with a stroke at the median expected of correct
+/// clicks. The worst click is named in the tooltip.
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f64) {
     let label = panel.app.label(&errors.target);
     let clicks = if errors.clicks == 1 {
@@ -76,6 +81,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
     } else {
         format!("{} clicks", errors.clicks)
     };
+    // Weak with too few clicks, emphasised if worse than expected.
     let colour = match (errors.is_known(), errors.is_bad()) {
         (true, true) => Some(ui.palette().caution),
         (true, false) => None,

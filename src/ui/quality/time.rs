@@ -1,11 +1,12 @@
-//! Tick marks of a time axis.
+//! Tick marks of a time axis, at numbers in which people count: whole frames, or steps of a clock.
 
 use touchline_application::app::quality::TimeAxis;
 use touchline_documents::report::figure::Ruler;
 
-/// Tick marks of a time axis, about `count` of them.
+/// About `wanted` tick marks within `span`, each with its label. Positions are in the unit of the
+/// axis: frame numbers or s.
 pub fn time_ticks(axis: TimeAxis, span: [f64; 2], wanted: f64) -> Vec<(f64, String)> {
-    /// Steps that a clock has, s.
+    /// Steps of a clock, s.
     const CLOCK_S: [f64; 13] = [
         1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0,
     ];
@@ -18,10 +19,12 @@ pub fn time_ticks(axis: TimeAxis, span: [f64; 2], wanted: f64) -> Vec<(f64, Stri
                 .filter(|at| (at - at.round()).abs() < 1e-9);
             whole.map(|at| (at, format!("{at:.0}"))).collect()
         }
+        // Less than a second for each tick: decimal steps, labelled in seconds.
         TimeAxis::Video if (span[1] - span[0]) / wanted < 1.0 => ruler()
             .into_iter()
             .map(|(at, words)| (at, format!("{words} s")))
             .collect(),
+        // The smallest step of a clock, or multiple of an hour, that gives at most `wanted` ticks.
         TimeAxis::Video => {
             let rough = (span[1] - span[0]) / wanted;
             let step = CLOCK_S
@@ -38,7 +41,7 @@ pub fn time_ticks(axis: TimeAxis, span: [f64; 2], wanted: f64) -> Vec<(f64, Stri
     }
 }
 
-/// Seconds as minutes and seconds.
+/// Seconds as minutes and seconds, `m:ss`.
 fn clock(at_s: f64) -> String {
     let whole = at_s.round() as i64;
     format!("{}:{:02}", whole / 60, whole % 60)

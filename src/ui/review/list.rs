@@ -1,6 +1,9 @@
-//! The list of suggestions: a thumbnail with the proposed lines, the confidence, the deviation from
-//! its neighbours. Only visible rows are laid out. While the pointer is over the list no row moves;
-//! otherwise the shown frame's row keeps its place.
+//! The list of suggestions: a thumbnail with the proposed lines, the confidence, and the distance
+//! from what the neighbours predict. Only rows in view become widgets.
+//!
+//! No row may move away from under the pointer. While the pointer is over the list, the application
+//! therefore keeps the order, and new suggestions come last. Otherwise the list scrolls so that the
+//! row of the shown frame keeps its place.
 
 use crate::ui::menu::{self, file_name};
 use crate::ui::{
@@ -16,16 +19,16 @@ use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
 use touchline_application::app::session::status_label;
 use touchline_application::app::{Action, Command, Navigation, ViewAction, sentence};
 
-/// The height of a row, points.
+/// Height of a row, points.
 const ROW: f32 = 44.0;
-/// A thumbnail's size, points.
+/// Size of a thumbnail, points.
 const PICTURE: egui::Vec2 = vec2(64.0, 36.0);
-/// The width of the bar that shows the confidence, points.
+/// Width of the bar that shows the confidence, points.
 const BAR: f32 = 64.0;
-/// The height of the separator above rows that arrived while the pointer was over the list, points.
+/// Height of the separator above rows that arrived while the pointer was over the list, points.
 const LATE: f32 = 22.0;
 
-/// What can be done with the suggestion of a row, which its menu shows first.
+/// The commands in the context menu of a row.
 const MENU: [Command; 8] = [
     Command::AcceptAndStay,
     Command::Reject,
@@ -57,6 +60,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         let top_of = |at: usize| ROW * at as f32 + if at >= on_time { late } else { 0.0 };
         let rect_of =
             |at: usize| Rect::from_min_size(origin + vec2(0.0, top_of(at)), vec2(width, ROW));
+        // Scrolling, according to what has changed since the last frame of the window.
         let in_view = match moved {
             Moved::Nothing => None,
             Moved::Row { by } => {
@@ -71,12 +75,14 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 None
             }
             Moved::Frame => place.map(|place| rect_of(place).expand2(vec2(0.0, ROW))),
-            // The beginning of an order is what it is chosen for.
+            // A user who chooses an order wants to see where it begins.
             Moved::Order => Some(rect_of(0)),
         };
         if let Some(rect) = in_view {
             ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
         }
+        // The rows in view. The separator shifts the late rows down, so one more row above may be
+        // in view.
         let first = ((viewport.top() - late) / ROW).floor().max(0.0) as usize;
         let last = ((viewport.bottom() / ROW).ceil() as usize).min(rows.len());
         for at in first..last {
@@ -91,6 +97,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         }
     });
+    // The application keeps the order while the pointer is over the list.
     let held = ui.rect_contains_pointer(shown.inner_rect);
     if held != panel.app.session.review.held {
         panel
@@ -99,20 +106,23 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// What changed since the list was last drawn.
+/// What has changed since the list was drawn last.
 enum Moved {
     Nothing,
-    /// The shown frame's row has moved by this many rows.
+    /// The row of the shown frame has moved by this many rows.
     Row {
         by: f32,
     },
+    /// Another frame is shown.
     Frame,
+    /// The user chose another order.
     Order,
 }
 
-/// What the list showed last: the frame, the order, the frame's row.
+/// What the list showed last: the frame, the order, and the row of the frame.
 type Shows = (usize, ReviewOrder, Option<usize>);
 
+/// Compares what the list shows now with what it showed in the last frame of the window.
 fn what_moved(ui: &Ui, now: Shows) -> Moved {
     let memory = Id::unique("review list shows");
     let before = ui.data_mut(|data| {
@@ -130,7 +140,7 @@ fn what_moved(ui: &Ui, now: Shows) -> Moved {
     }
 }
 
-/// The separator above rows that arrived while the pointer was over the list.
+/// Draws the separator above rows that arrived while the pointer was over the list.
 fn late_line(ui: &Ui, first: Rect, count: usize) {
     let line = Rect::from_min_max(first.left_top() - vec2(0.0, LATE), first.right_top());
     let text = format!("{count} new, sorted in when the pointer leaves");
@@ -151,7 +161,7 @@ fn late_line(ui: &Ui, first: Rect, count: usize) {
     );
 }
 
-/// The line that separates the rows above the threshold from the rest.
+/// Draws the line below the last row that passes the threshold.
 fn threshold_line(painter: &Painter, row: Rect, threshold: f64) {
     painter.hline(
         row.x_range(),
@@ -172,6 +182,8 @@ fn threshold_line(painter: &Painter, row: Rect, threshold: f64) {
     painter.galley(place.min, said, painter.palette().accent);
 }
 
+/// Shows a suggestion: thumbnail, number and name, confidence; below them why it is unlikely, or
+/// how far it is from its neighbours. A click shows the frame.
 fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let Some((open, frame)) = panel
         .app
@@ -183,13 +195,14 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let response = ui.interact(place, Id::unique(("review row", row.frame)), Sense::click());
     let current = row.frame == panel.app.session.frame;
     let name = file_name(&frame.name());
-    // Of a row that is no longer a suggestion only its outcome is shown.
+    // A row that is no longer a suggestion shows only what became of it.
     let confidence = match row.confidence {
         _ if row.gone => status_label(frame.status).to_lowercase(),
         Some(confidence) => percent(confidence),
         None => "not known".to_owned(),
     };
     let paint = panel.app.paint_says(row.frame).filter(|_| !row.gone);
+    // Exactly equal cameras of neighbours are suspicious, unless the picture stands still as well.
     let beside = |px| {
         if row.is_still() {
             "camera exactly still".to_owned()
@@ -219,6 +232,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         );
         WidgetInfo::selected(Role::Button, true, current, label)
     });
+    // Background, thumbnail with the proposed lines, line check.
     let painter = ui.painter();
     if current || response.hovered() {
         let ground = if current {
@@ -242,6 +256,8 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
             egui::StrokeKind::Inside,
         );
     }
+    // First line: number and name at the left, the confidence at the right. The name ends before
+    // the confidence.
     let left = picture.right() + 8.0;
     let right = place.right() - 14.0;
     let bar = Rect::from_min_size(pos2(right - BAR, place.top() + 27.0), vec2(BAR, 6.0));
@@ -268,6 +284,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     if !row.gone {
         confidence_bar(painter, bar, row.confidence);
     }
+    // Second line: why the camera is unlikely, or else the distance from its neighbours.
     if let Some(text) = unlikely.map(str::to_owned).or(neighbours.clone()) {
         let is_odd = unlikely.is_some() || row.disagrees() || row.is_still();
         let colour = if is_odd {
@@ -283,6 +300,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
             colour,
         );
     }
+    // The tooltip says the same in full.
     let neighbours = neighbours
         .map(|text| format!(", {text}"))
         .unwrap_or_default();
@@ -311,6 +329,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     response.on_hover_text(tip);
 }
 
+/// Draws the confidence as a bar.
 fn confidence_bar(painter: &Painter, track: Rect, confidence: Option<f64>) {
     painter.rect_filled(track, CornerRadius::same(2), painter.palette().line);
     let share = confidence.unwrap_or(0.0).clamp(0.0, 1.0) as f32;
@@ -318,7 +337,7 @@ fn confidence_bar(painter: &Painter, track: Rect, confidence: Option<f64>) {
     painter.rect_filled(filled, CornerRadius::same(2), painter.palette().accent);
 }
 
-/// A line of text that ends in an ellipsis where there is no more room.
+/// Writes one line of text; it ends in an ellipsis if it is longer than `width` points.
 fn text_within(
     painter: &Painter,
     left_centre: egui::Pos2,

@@ -1,5 +1,5 @@
-//! The review panel: the list of suggestions, accepting them together, and the frames without an
-//! answer.
+//! The review panel: the list of suggestions, accepting many of them together, and where a label
+//! would help most.
 
 mod list;
 
@@ -18,6 +18,7 @@ use touchline_application::app::{Action, Command, ViewAction};
 /// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
+    // The footer is laid out first; the list takes the rest.
     egui::Panel::bottom("review footer")
         .resizable(false)
         .frame(Frame::new().inner_margin(Margin::same(8)))
@@ -37,6 +38,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     list::show(panel, ui);
 }
 
+/// Shows the title, the number of suggestions, and the close button.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new()
         .inner_margin(Margin::symmetric(8, 6))
@@ -66,6 +68,7 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
+/// Shows the choice of the order, and whether only one suggestion of each shot is listed.
 fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new()
         .inner_margin(Margin::symmetric(8, 0))
@@ -101,8 +104,8 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.add_space(theme::SPACE);
 }
 
-/// Below the list: a row for the frames without a reliable answer, the bulk acceptance, and the
-/// shown frame's button.
+/// Shows below the list where to label next, accepting together, and the main button of the shown
+/// frame.
 fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
     label_next(panel, ui);
     if !panel.app.review().rows.is_empty() {
@@ -112,11 +115,13 @@ fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
     inspector::accept(panel, ui);
 }
 
+/// Shows where a label would help most; a click shows the next frame without an answer.
 fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
     let advice = panel.app.review().advice;
     let Some(text) = panel.app.where_to_label() else {
         return;
     };
+    // The text wraps, so it is laid out first to know the height of the row.
     let galley = egui::WidgetText::from(RichText::new(&text)).into_galley(
         ui,
         Some(egui::TextWrapMode::Wrap),
@@ -158,7 +163,8 @@ fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// The bulk acceptance: the threshold, and how many suggestions pass it.
+/// Shows the button that accepts all suggestions above a threshold, the threshold, and how many are
+/// left out because they disagree with their neighbours.
 fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let (taken, left_out, lowest) = panel.app.review().bulk_size(&panel.app.session.review);

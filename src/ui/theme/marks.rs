@@ -1,4 +1,5 @@
-//! Marks that are drawn: the bar of a status, and what the painted lines say.
+//! Drawn marks: letter and bar of a frame's status, and the result of the line check. Status and
+//! result differ in shape as well as in colour.
 
 use super::palette::Themed as _;
 use egui::{CornerRadius, Painter, Pos2, Rect, Stroke, Vec2, pos2};
@@ -16,8 +17,8 @@ pub const fn status_letter(status: FrameStatus) -> char {
     }
 }
 
-/// Paints the bar of a status: empty, half, dashed, full or crossed out. The bar of a suggestion is
-/// filled up to its confidence.
+/// Draws the bar of a status: empty for new, half for a draft, dashes for a suggestion (filled up
+/// to its confidence), full for a reference, hatched for a rejected frame.
 pub fn paint_status_bar(
     painter: &Painter,
     bar: Rect,
@@ -52,6 +53,7 @@ pub fn paint_status_bar(
         }
         FrameStatus::Suggested => {
             let certain = confidence.unwrap_or(1.0).clamp(0.0, 1.0) as f32;
+            // Five dashes, filled up to the confidence.
             for dash in 0..5 {
                 let (from, to) = (dash as f32 * 0.21, dash as f32 * 0.21 + 0.15);
                 let outline = Rect::from_x_y_ranges(
@@ -71,6 +73,7 @@ pub fn paint_status_bar(
         }
         FrameStatus::Reference => fill(0.0, 1.0),
         FrameStatus::Rejected => {
+            // Hatching.
             let step = 2.0 * bar.height();
             let mut x = bar.left();
             while x + bar.height() <= bar.right() {
@@ -84,8 +87,8 @@ pub fn paint_status_bar(
     }
 }
 
-/// The mark of what the painted lines say about a camera: a disc where they support it, a cross
-/// where they contradict it, a ring where they do not decide.
+/// Draws the result of the line check: a disc if the paint supports the camera, a cross if it
+/// contradicts it, a ring if it does not decide.
 pub fn paint_line_mark(painter: &Painter, centre: Pos2, verdict: LineVerdict) {
     let palette = painter.palette();
     painter.circle_filled(centre, 6.0, palette.backdrop);

@@ -1,4 +1,4 @@
-//! Spacing, type and colours of the window. Everything is aligned to a grid of 4 points.
+//! Spacing, type and colours of the window. Spacing follows a grid of 4 points.
 
 mod marks;
 mod palette;
@@ -12,10 +12,10 @@ use egui::{
 };
 use touchline_application::app::settings::ThemeChoice;
 
-/// The grid, points.
+/// Spacing of the grid, points.
 pub const SPACE: f32 = 4.0;
 
-/// The size of the verdict's word.
+/// Size of the verdict's word, points.
 pub const VERDICT: f32 = 20.0;
 
 /// A small title above a group.
@@ -28,8 +28,8 @@ pub fn title(ui: &mut egui::Ui, text: &str) {
     );
 }
 
-/// What is painted below marks in the colours that they have over pictures: nothing where the
-/// ground is dark already.
+/// The ground for marks in colours that are made for pictures, which are dark: transparent in the
+/// dark theme, a dark colour in the light one.
 pub fn under_colours_of_pictures(ui: &egui::Ui) -> Color32 {
     if ui.visuals().dark_mode {
         Color32::TRANSPARENT
@@ -38,7 +38,7 @@ pub fn under_colours_of_pictures(ui: &egui::Ui) -> Color32 {
     }
 }
 
-/// Gives both themes to a window.
+/// Installs both themes in a window.
 pub fn apply(ctx: &egui::Context) {
     follow(ctx, ThemeChoice::default());
     for theme in [Theme::Dark, Theme::Light] {
@@ -49,7 +49,7 @@ pub fn apply(ctx: &egui::Context) {
     }
 }
 
-/// Shows the theme that the user chose.
+/// Switches to the theme that the user chose.
 pub fn follow(ctx: &egui::Context, choice: ThemeChoice) {
     let wanted = match choice {
         ThemeChoice::Dark => ThemePreference::Dark,
@@ -61,7 +61,7 @@ pub fn follow(ctx: &egui::Context, choice: ThemeChoice) {
     }
 }
 
-/// Sizes and behaviour, the same in both themes.
+/// Sizes and behaviour, which are the same in both themes.
 fn give(style: &mut egui::Style) {
     style.text_styles = [
         (TextStyle::Small, 11.0, FontFamily::Proportional),
@@ -82,6 +82,7 @@ fn give(style: &mut egui::Style) {
     space(&mut style.spacing);
 }
 
+/// Margins and sizes of widgets.
 fn space(spacing: &mut egui::Spacing) {
     spacing.item_spacing = vec2(2.0 * SPACE, SPACE);
     spacing.button_padding = vec2(2.0 * SPACE, 2.0);
@@ -97,6 +98,7 @@ fn space(spacing: &mut egui::Spacing) {
     spacing.scroll = egui::style::ScrollStyle::thin();
 }
 
+/// The colours of a theme.
 fn colour(visuals: &mut egui::Visuals, theme: Theme) {
     *visuals = theme.default_visuals();
     let palette = Palette::of(theme);
@@ -129,6 +131,7 @@ fn colour(visuals: &mut egui::Visuals, theme: Theme) {
     };
     visuals.slider_trailing_fill = true;
     visuals.disabled_alpha = 0.45;
+    // Each state of a widget: ground, border and text.
     let widgets = &mut visuals.widgets;
     for (widget, ground, border, text) in [
         (
@@ -171,8 +174,8 @@ fn colour(visuals: &mut egui::Visuals, theme: Theme) {
     }
 }
 
-/// The height of a row of the lists.
+/// Height of a row in lists, points.
 pub const LIST_ROW: f32 = 22.0;
 
-/// The size of a button that is only a symbol.
+/// Size of a button that is only a symbol, points.
 pub const SYMBOL: Vec2 = vec2(20.0, 20.0);

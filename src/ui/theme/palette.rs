@@ -1,4 +1,4 @@
-//! The colours of the window, dark and light, and how whatever draws gets at them.
+//! The colours of the window in the dark and the light theme, and how drawing code finds them.
 
 use egui::{Color32, Context, Painter, Theme, Ui};
 use touchline_core::solve::Verdict;
@@ -6,54 +6,54 @@ use touchline_documents::document::FrameStatus;
 
 /// The colours of one theme.
 ///
-/// One accent. A status or a verdict is never shown by colour alone: each has a letter or a word
-/// and, on the filmstrip, its own pattern; the hues are distinguishable for colour-blind users
-/// (Okabe and Ito's set, lighter on dark, darker on light).
+/// There is one accent colour. A status or a verdict is never shown by colour alone: each has a
+/// letter or a word and, on the filmstrip, its own pattern. The hues are those of Okabe and Ito,
+/// which colour-blind users can distinguish, lighter on dark and darker on light grounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Palette {
-    /// Behind the picture, and of plots.
+    /// Ground of the picture and of plots.
     pub backdrop: Color32,
-    /// The panels.
+    /// Ground of panels.
     pub panel: Color32,
-    /// What lies on a panel: cards, fields.
+    /// Ground of what is on a panel: cards, fields.
     pub raised: Color32,
-    /// Windows and menus.
+    /// Ground of windows and menus.
     pub window: Color32,
-    /// The border of windows.
+    /// Border of windows.
     pub window_line: Color32,
-    /// A control.
+    /// Ground of a control.
     pub control: Color32,
-    /// A control under the pointer.
+    /// Ground of a control under the pointer.
     pub hovered: Color32,
-    /// The border of a control under the pointer.
+    /// Border of a control under the pointer.
     pub hovered_line: Color32,
-    /// Lines between things.
+    /// Lines that separate.
     pub line: Color32,
     /// Ordinary text.
     pub text: Color32,
     /// Titles and values.
     pub strong: Color32,
-    /// Secondary text; at least 4.5 to 1 on every ground.
+    /// Secondary text. Its contrast is at least 4.5 to 1 on every ground.
     pub weak: Color32,
     /// The accent: what is selected, and the main action.
     pub accent: Color32,
     /// The accent under the pointer.
     pub accent_hovered: Color32,
-    /// The accent as a background.
+    /// The accent as a ground.
     pub accent_ground: Color32,
     /// Letters on the accent and on the colours of verdicts.
     pub on_accent: Color32,
-    /// Good.
+    /// A good verdict.
     pub good: Color32,
-    /// To be checked.
+    /// A verdict that asks for a look.
     pub caution: Color32,
-    /// Wrong.
+    /// A wrong result.
     pub bad: Color32,
-    /// The parts of the field that nothing sees, on maps.
+    /// On maps: directions of the field that no frame sees.
     pub missing: Color32,
-    /// Outside of the field and of what anything sees, on maps.
+    /// On maps: directions outside the field that no frame sees.
     pub outside: Color32,
-    /// Frames that nobody has looked at.
+    /// Frames without any work.
     new: Color32,
     /// Frames with points.
     draft: Color32,
@@ -61,7 +61,7 @@ pub struct Palette {
     rejected: Color32,
 }
 
-/// Light on dark.
+/// Light text on dark grounds.
 pub const DARK: Palette = Palette {
     backdrop: Color32::from_rgb(13, 15, 17),
     panel: Color32::from_rgb(24, 26, 29),
@@ -89,7 +89,7 @@ pub const DARK: Palette = Palette {
     rejected: Color32::from_rgb(214, 134, 178),
 };
 
-/// Dark on light.
+/// Dark text on light grounds.
 pub const LIGHT: Palette = Palette {
     backdrop: Color32::from_rgb(250, 251, 252),
     panel: Color32::from_rgb(240, 242, 244),
@@ -117,7 +117,7 @@ pub const LIGHT: Palette = Palette {
     rejected: Color32::from_rgb(147, 52, 106),
 };
 
-/// What lies over a picture stands on dark plates in either theme.
+/// The colours over a picture. Texts there are on dark plates in both themes.
 pub const ON_PICTURE: &Palette = &DARK;
 
 impl Palette {
@@ -130,7 +130,7 @@ impl Palette {
         }
     }
 
-    /// The colour of a status; its letter is always shown with it.
+    /// The colour of a status. Show the status's letter with it.
     #[must_use]
     pub const fn status(&self, status: FrameStatus) -> Color32 {
         match status {
@@ -142,7 +142,7 @@ impl Palette {
         }
     }
 
-    /// The colour of a verdict; its word is always shown with it.
+    /// The colour of a verdict. Show the verdict's word with it.
     #[must_use]
     pub const fn verdict(&self, verdict: Verdict) -> Color32 {
         match verdict {
@@ -153,9 +153,9 @@ impl Palette {
     }
 }
 
-/// What knows the theme that it draws with.
+/// What draws, and therefore knows its theme.
 pub trait Themed {
-    /// The colours to draw with.
+    /// The colours of that theme.
     fn palette(&self) -> &'static Palette;
 }
 
@@ -185,7 +185,7 @@ impl Themed for Painter {
 mod tests {
     use super::*;
 
-    /// The contrast of WCAG 2.2: from 1 to 21.
+    /// The contrast ratio of WCAG 2.2, from 1 to 21.
     fn contrast(one: Color32, other: Color32) -> f64 {
         let luminance = |colour: Color32| {
             let linear = |value: u8| {

@@ -1,5 +1,8 @@
-//! All frames of the document on one line: a click or a drag goes there, the handle of a cut moves
-//! it.
+//! The bar of the timeline: all frames of the document on one horizontal line. A click or a drag
+//! shows a frame; a cut is moved by its handle.
+//!
+//! A long video has more frames than the bar has pixels. [`Timeline`] therefore summarises the
+//! frames in parts of one point each.
 
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{
@@ -16,25 +19,27 @@ use touchline_application::app::{
 use touchline_application::scene::timeline::{Timeline, TimelineCut, TimelineSource};
 use touchline_documents::document::{FrameStatus, ShotKind};
 
-/// How near to its line a cut is taken hold of, points.
+/// Distance within which the pointer grabs the handle of a cut, points.
 const HOLD: f32 = 5.0;
-/// The height of the row with the handles of the cuts, points.
+/// Height of the row with the handles of the cuts, points.
 const HANDLES: f32 = 7.0;
-/// The height of the row of what is decoded, points.
+/// Height of the row that shows which frames are decoded, points.
 const DECODED: f32 = 2.0;
-/// The greatest height of the band of doubt, points.
+/// Height of the band of doubt at its greatest, points.
 const DOUBT: f32 = 8.0;
 
-/// The line as it was summed up last, and of what.
+/// The last summary, with the inputs that it was computed from.
 #[derive(Clone)]
 struct Known {
+    /// Document, video and number of parts.
     of: (PathBuf, String, usize),
+    /// Version of the document.
     version: u64,
     source: TimelineSource,
     timeline: Arc<Timeline>,
 }
 
-/// Shows the line.
+/// Shows the bar.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(open) = panel.app.open() else { return };
     let size = vec2(ui.available_width(), ui.available_height() - 6.0);
@@ -51,7 +56,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     tooltip(panel.app, open, response, &bar);
 }
 
-/// The line of the open document; only what has changed is summed up again.
+/// The summary of the open document. If only a few frames have changed, only their parts are
+/// computed again.
 fn summed_up(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<Timeline> {
     let video = app
         .frame()
@@ -66,6 +72,7 @@ fn summed_up(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<
     if let Some(known) = known.as_ref().filter(|known| known.version == version) {
         return Arc::clone(&known.timeline);
     }
+    // Only what has changed is computed again, if the same video is shown in as many parts.
     let followed = known.and_then(|known| known.timeline.followed(&open.document, &known.source));
     let timeline = Arc::new(followed.unwrap_or_else(|| Timeline::of(&open.document, &of.1, parts)));
     let source = TimelineSource::of(&open.document);
@@ -83,14 +90,15 @@ fn summed_up(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<
     timeline
 }
 
-/// A cut that the pointer holds, and the frame that it is over.
+/// A cut that the pointer drags, and the frame below the pointer.
 #[derive(Clone, Copy)]
 struct Held {
     cut: TimelineCut,
     over: usize,
 }
 
-/// Reads the pointer: a cut that it holds is moved when it lets go, anything else is shown at once.
+/// Reads the pointer. A dragged cut is moved when the button goes up; a press anywhere else shows
+/// the frame at once.
 fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> Option<Held> {
     let memory = Id::unique("held cut");
     let at = response
@@ -100,6 +108,7 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
     if near.is_some() {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
     }
+    // The handle is looked up where the button went down: by now the pointer has moved on.
     if response.drag_started() {
         let origin = ui.input(|input| input.pointer.press_origin());
         let taken = origin.and_then(|origin| bar.cut_near(origin));
@@ -113,7 +122,8 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
     let cut = ui.data(|data| data.get_temp::<TimelineCut>(memory));
     let over = at.map(|at| bar.frame_at(at))?;
     let Some(cut) = cut else {
-        // A quick click is over before the button is seen down.
+        // A quick click goes down and up within one frame of the window, so it never appears as
+        // down.
         let pressed = response.is_pointer_button_down_on() || response.clicked();
         if pressed && near.is_none() && over != panel.app.session.frame {
             panel.actions.extend([
@@ -123,8 +133,10 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
         }
         return None;
     };
+    // The button goes up: the cut moves to the frame below the pointer.
     if response.drag_stopped() {
         ui.data_mut(|data| data.remove::<TimelineCut>(memory));
+        // Cuts are stored by frame numbers of the video, not by positions in the document.
         let number = |position: usize| {
             panel
                 .app
@@ -146,6 +158,7 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
     Some(Held { cut, over })
 }
 
+/// The context menu with the commands about cuts.
 fn menu(panel: &mut Panel<'_>, response: &Response) {
     response.context_menu(|ui| {
         for command in [
@@ -169,6 +182,7 @@ fn menu(panel: &mut Panel<'_>, response: &Response) {
     });
 }
 
+/// Describes the frame below the pointer, and the cut if it is on a handle.
 fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
     let Some(at) = response.hover_pos() else {
         return;
@@ -211,6 +225,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
     });
 }
 
+/// What a kind of cut means for the user.
 const fn described(kind: ShotKind) -> &'static str {
     match kind {
         ShotKind::Cut => "A cut. Drag its handle to move it.",
@@ -219,25 +234,28 @@ const fn described(kind: ShotKind) -> &'static str {
     }
 }
 
-/// The line in its place.
+/// The bar in its place on the screen.
 struct Bar<'a> {
     area: Rect,
     timeline: &'a Timeline,
 }
 
 impl Bar<'_> {
+    /// The x of a share (0 to 1) of the timeline, points.
     fn x(&self, share: f64) -> f32 {
         self.area.left() + share as f32 * self.area.width()
     }
 
+    /// The position in the document of the frame at a place on the screen.
     fn frame_at(&self, at: Pos2) -> usize {
         self.timeline.frame_at(f64::from(
             (at.x - self.area.left()) / self.area.width().max(1.0),
         ))
     }
 
-    /// The cut whose handle is at a place.
+    /// The cut with its handle at a place on the screen.
     fn cut_near(&self, at: Pos2) -> Option<TimelineCut> {
+        // Only the row of handles: below it a press shows a frame.
         if !self.area.contains(at) || at.y > self.area.top() + HANDLES {
             return None;
         }
@@ -251,6 +269,8 @@ impl Bar<'_> {
         nearest.filter(|cut| distance(cut) <= HOLD).copied()
     }
 
+    /// Draws, from back to front: shots, frames by status, decoded frames, cuts, the cut that is
+    /// dragged, the shown frame.
     fn paint(&self, panel: &Panel<'_>, ui: &Ui, held: Option<Held>) {
         let painter = ui.painter_at(self.area.expand2(vec2(4.0, 0.0)));
         let line = Rect::from_min_max(self.area.min + vec2(0.0, HANDLES), self.area.max);
@@ -298,7 +318,7 @@ impl Bar<'_> {
         ));
     }
 
-    /// Every other shot on a lighter ground.
+    /// Draws every other shot on a lighter ground.
     fn paint_shots(&self, painter: &Painter, line: Rect) {
         let starts = self
             .timeline
@@ -317,6 +337,8 @@ impl Bar<'_> {
         }
     }
 
+    /// Draws the status of the frames, the references last so that a single one is never hidden.
+    /// The band of doubt at the bottom is higher where suggestions are less certain.
     fn paint_frames(&self, painter: &Painter, line: Rect) {
         let colour = |status| painter.palette().status(status);
         let marks = |top: f32, bottom: f32| line.top() + top..=line.bottom() - bottom;
@@ -357,7 +379,7 @@ impl Bar<'_> {
         }
     }
 
-    /// A line with a handle; dashed for a fade, whose place is unsure.
+    /// Draws a cut with its handle. A fade is dashed, because its position is uncertain.
     fn paint_cut(&self, painter: &Painter, position: usize, kind: ShotKind, colour: Color32) {
         let x = self.x(self.timeline.beginning_of(position));
         let (top, bottom) = (pos2(x, self.area.top() + 2.0), pos2(x, self.area.bottom()));

@@ -1,5 +1,5 @@
-//! The timeline of a video, under the picture: play and pause, the time, and all frames on one
-//! line.
+//! The timeline of a video below the picture: play and pause, speed, time, and all frames on one
+//! bar.
 
 mod bar;
 mod playback;
@@ -15,15 +15,15 @@ use touchline_application::app::playing::SPEEDS;
 use touchline_application::app::video::PlaySpeed;
 use touchline_application::app::{Action, App, Command, ViewAction};
 
-/// The height of the timeline, points.
+/// Height of the timeline, points.
 pub const HEIGHT: f32 = 36.0;
 
-/// Whether the shown frame is one of a video: only that has a time.
+/// Whether the timeline is shown: the frame is one of a video, and no blind round is going on.
 pub fn is_wanted(app: &App) -> bool {
     app.frame().is_some_and(|frame| frame.video.is_some()) && app.round().is_none()
 }
 
-/// Shows the timeline, and lets the video play.
+/// Shows the timeline, and advances the video while it plays.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     playback::go_on(panel, ui.ctx());
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -33,6 +33,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
+/// Shows the play button, the speed, and the time with the number of the frame; a click on these
+/// goes to another.
 fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     let playing = panel.app.session.video.playing;
     let (symbol, name) = if playing {
@@ -48,6 +50,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     {
         panel.actions.push(Action::Command(Command::PlayPause));
     }
+    // The speed.
     let chosen = panel.app.session.video.speed.0;
     let label = |speed: f64| format!("{speed}×");
     let combo = ComboBox::from_id_salt("speed")
@@ -66,6 +69,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
         .response
         .accessible_name("Speed")
         .on_hover_text("How fast the video is played, as a multiple of its own speed.");
+    // Time and number of the frame.
     let (Some(frame), Some(open)) = (panel.app.frame(), panel.app.open()) else {
         return;
     };
@@ -75,7 +79,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
         .and_then(|video| video.pts_s)
         .map_or_else(|| "–".to_owned(), time_code);
     let last = open.document.frames.len().saturating_sub(1);
-    // The width does not change from frame to frame.
+    // Padded to the width of the largest number, so that the bar does not move from frame to frame.
     let digits = open.frame_number(last).to_string().len();
     let here = panel.app.session.frame;
     let text = format!("{time:>8}  {:>digits$}", open.frame_number(here));

@@ -1,4 +1,4 @@
-//! The video plays: the frame that is due is shown, with everything that lies over it.
+//! Playing a video: the frame that is due is shown as if the user had gone there, with its overlay.
 
 use crate::ui::Panel;
 use egui::{Context, Id};
@@ -8,7 +8,7 @@ use touchline_application::app::playing::PlayClock;
 use touchline_application::app::session::Mode;
 use touchline_application::app::{Action, Navigation, ViewAction};
 
-/// How soon it is looked again whether a frame has been decoded.
+/// Interval at which a frame that is not decoded yet is looked for again.
 const LOOK_AGAIN: Duration = Duration::from_millis(20);
 
 /// Shows the frame that is due, if the video plays.
@@ -20,11 +20,13 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
         return;
     };
     let last = open.document.frames.len().saturating_sub(1);
+    // Playing ends with the last frame, or when the user begins something else.
     if session.mode != Mode::Idle || session.dialog.is_some() || session.frame >= last {
         panel.actions.push(Action::View(ViewAction::Pause));
         return;
     }
     let (shown, speed) = (session.frame, session.video.speed.0);
+    // If the user has gone to another frame or changed the speed, the clock starts again from here.
     let before = ctx
         .data(|data| data.get_temp::<PlayClock>(memory))
         .filter(|clock| clock.follows(shown, speed));
@@ -34,6 +36,7 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
     if due != shown {
         panel.actions.push(Action::Navigate(Navigation::GoTo(due)));
     }
+    // Drawn again when the next frame is due, or soon, if it is still to be decoded.
     let wait = if decoded.contains(&(due + 1)) {
         clock.until_next_s(now_s, open)
     } else {

@@ -1,4 +1,4 @@
-//! The forest's accuracy, tested on references that were left out of the training.
+//! The accuracy of the forest, measured on references that were left out of its training.
 
 use super::place_and_name;
 use crate::ui::{
@@ -10,10 +10,10 @@ use touchline_application::app::where_to_label::whole_degrees;
 use touchline_application::app::{Action, Navigation};
 use touchline_calibration::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
 
-/// How many of the worst are listed.
+/// Number of the worst results that are listed.
 const SHOWN: usize = 6;
 
-/// Shows the accuracy and the worst results.
+/// Shows the accuracy, and the references with the largest errors.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, quality: &Quality) {
     ui.add(Label::new(summary(quality)).wrap()).on_hover_text(
         "A forest is trained without these references and tested on them. Errors are those of the worst point of the overlay, px at 1920 px width.",
@@ -25,7 +25,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, quality: &Quality) {
     }
 }
 
-/// The accuracy in two sentences.
+/// The accuracy in words: what was left out, how many references were found, median error, how many
+/// are wrong.
 fn summary(quality: &Quality) -> String {
     let without = match quality.left_out_by {
         LeftOutBy::Shot => "other references of the shot",
@@ -49,11 +50,13 @@ fn summary(quality: &Quality) -> String {
     )
 }
 
-/// The error; infinite if not found.
+/// The error at the worst point of the overlay, px at 1920 px width; infinite if the forest did not
+/// find the frame.
 fn error_px(asked: &LeftOut) -> f64 {
     asked.found.map_or(f64::INFINITY, |found| found.error_px)
 }
 
+/// Shows a reference with its error; a click shows the frame.
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     let Some((place, name)) = place_and_name(panel, &asked.frame) else {
         return;
@@ -75,6 +78,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     if response.hovered() || response.has_focus() || panel.app.session.frame == place {
         ui.painter().rect_filled(rect, 4.0, ui.palette().raised);
     }
+    // The number at the right keeps its room; name and pan are cut to the rest.
     let write = |text: &str, colour: Color32, width: f32| {
         egui::WidgetText::from(RichText::new(text).color(colour)).into_galley(
             ui,

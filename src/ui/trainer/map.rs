@@ -1,4 +1,4 @@
-//! The map of pan and tilt: where references look, which of them the forest finds again, and where
+//! A map over pan and tilt: where references look, which of them the forest finds again, and where
 //! a label helps most.
 
 use crate::ui::coverage_map::{CoverageMap, label_next, missing};
@@ -6,17 +6,17 @@ use crate::ui::{Panel, theme::Themed as _};
 use egui::{Label, Sense, Stroke, Ui};
 use touchline_calibration::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
 
-/// The map's height, points.
+/// Height of the map, points.
 const HEIGHT: f32 = 84.0;
 
-/// The map of the shown frame's camera; none where it has no reference.
+/// The map of the shown frame's camera; `None` if that camera has no reference.
 pub fn of_shown<'a>(panel: &Panel<'_>, maps: &'a [Coverage]) -> Option<&'a Coverage> {
     let frame = panel.app.frame()?;
     maps.iter().find(|map| map.camera == frame.camera)
 }
 
-/// Shows the map, the references that were left out and asked for as dots, the shown frame as an
-/// outline, and where a label helps most as a pointer from above.
+/// Shows the map. Dots are references that were left out of the training; an outline is the shown
+/// frame; a pointer at the top shows where a label helps most.
 pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option<&Quality>) {
     let map = CoverageMap::show(ui, coverage, HEIGHT, Sense::hover());
     let app = panel.app;
@@ -37,6 +37,8 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
     ui.add(Label::new(missing(coverage)).wrap());
 }
 
+/// Draws a reference that was left out: filled if found, in another colour if found in a wrong
+/// place, a ring if not found.
 fn dot(map: &CoverageMap<'_>, asked: &LeftOut) {
     let at = map.at(asked.pan_deg, asked.tilt_deg);
     match asked.found {

@@ -1,5 +1,5 @@
-//! The background trainer: its progress, its references, the forest's accuracy, and where
-//! references are missing.
+//! The panel of the background trainer: what it is doing, its references, the forest with its
+//! accuracy, the proposals, and where references are missing.
 
 mod accuracy;
 mod map;
@@ -22,10 +22,10 @@ use touchline_calibration::proposals::Suspect;
 use touchline_core::geometry::thousands;
 use touchline_documents::document::{FrameId, FrameStatus};
 
-/// The most unusable references that are listed.
+/// Maximum number of unusable references in the list.
 const FAILED_SHOWN: usize = 5;
 
-/// Shows the panel.
+/// Shows the panel; the reason, if there is no trainer.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
     let inside = Frame::new().inner_margin(Margin {
@@ -40,6 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
         return;
     }
+    // A copy, because the parts below borrow the panel mutably.
     let status = panel.app.session.trainer.status.clone();
     ScrollArea::vertical().id_salt("trainer panel").auto_shrink(false).show(ui, |ui| {
         inside.show(ui, |ui| {
@@ -66,6 +67,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
+/// Shows the title and the close button.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new()
         .inner_margin(Margin::symmetric(8, 6))
@@ -92,7 +94,7 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// The current work, its progress, and the pause button.
+/// Shows the present work with its progress, the pause button, and problems.
 fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let said = match status.doing {
         Doing::Nothing if status.references == 0 => "Waiting for the first reference.".to_owned(),
@@ -120,6 +122,7 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     {
         panel.actions.push(Action::Command(Command::PauseTrainer));
     }
+    // Problems of the training, and of storing its result.
     if let Some(trouble) = &status.trouble {
         let palette = ui.palette();
         remark(ui, Symbol::Warning, palette.caution, trouble);
@@ -131,7 +134,8 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
 }
 
-/// The references, and which of them are used for training.
+/// Shows how many references the forest is trained on, why others are not, and which of them
+/// contradict each other or cannot be used.
 fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "TRAINED ON");
     let count = |count: usize, one: &str, more: &str| {
@@ -146,6 +150,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         "reference used for training.",
         "references used for training.",
     ));
+    // References that are not used for training: they wait for a base, or they were withheld.
     let waiting = status
         .references
         .saturating_sub(status.training_frames + status.withheld);
@@ -168,6 +173,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
              verdict is Wrong. The switch of a frame overrides this.",
         );
     }
+    // The switch for the shown frame.
     let shown = panel.app.session.frame;
     let reference = panel
         .app
@@ -188,6 +194,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
                 }));
         }
     }
+    // References that contradict others, and those that cannot be used.
     for suspect in status.suspects.iter().take(FAILED_SHOWN) {
         contradicting(panel, ui, suspect);
     }
@@ -218,7 +225,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
 }
 
-/// A reference whose label contradicts others.
+/// Shows a reference with a label that contradicts those of others.
 fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: &Suspect) {
     let Some((place, name)) = place_and_name(panel, &suspect.frame) else {
         return;
@@ -241,13 +248,15 @@ fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: &Suspect) {
     }
 }
 
-/// Where a frame stands in the document, and its file's name; none where it is no longer there.
+/// The position of a frame in the document and the name of its file; `None` if it is no longer
+/// there.
 fn place_and_name(panel: &Panel<'_>, id: &FrameId) -> Option<(usize, String)> {
     let open = panel.app.open()?;
     let place = open.document.frames.position_of(id)?;
     Some((place, file_name(&open.frame(place)?.name())))
 }
 
+/// Shows the size of the forest.
 fn forest(ui: &mut Ui, facts: ForestFacts) {
     section(ui, "FOREST");
     let took = facts.took.map_or_else(
@@ -276,6 +285,7 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
         });
 }
 
+/// Shows how many proposals there are, whether they are snapped, and where to label next.
 fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "PROPOSALS");
     let cameras = if status.answered == 1 {
@@ -283,6 +293,7 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     } else {
         format!("{} cameras", thousands(status.answered))
     };
+    // Cameras that the forest proposed, and those that were tracked from frame to frame.
     let carried = panel.app.open().map_or(0, |open| open.counts().carried);
     ui.horizontal_wrapped(|ui| {
         ui.label(match carried {
@@ -329,6 +340,7 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
 }
 
+/// A text with a symbol.
 fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
     ui.add_space(theme::SPACE);
     ui.horizontal_top(|ui| {
@@ -337,11 +349,12 @@ fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
     });
 }
 
+/// A weak text that wraps.
 fn weak(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
 }
 
-/// A title with room above it.
+/// A title with space above it.
 fn section(ui: &mut Ui, text: &str) {
     ui.add_space(2.0 * theme::SPACE);
     theme::title(ui, text);

@@ -1,5 +1,8 @@
-//! The picture during a blind round: it shows only the dragged click and the name of the landmark
-//! to click.
+//! The picture during a blind round, in which the annotator clicks the landmarks of a gold frame
+//! again.
+//!
+//! It shows the picture, the name of the landmark to click and the dragged click. Labels and the
+//! field's lines stay hidden, because they would show where the first click was.
 
 use super::hints::{PLATE, beside};
 use super::pointer::Hold;
@@ -13,10 +16,11 @@ use touchline_application::scene::overlay::CLICK;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::Target;
 
-/// The crosshair of the dragged click: the length of its arms and the gap in its middle, points.
+/// The crosshair of the dragged click: inner and outer end of its arms, points from the centre.
 const ARM: [f32; 2] = [4.0, 11.0];
 
-/// Shows the picture.
+/// Shows the picture, the instruction, the crosshair with the loupe, and sets the shape of the
+/// pointer.
 pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold, picture: &Layer) {
     let Some(round) = panel.app.round() else {
         return;
@@ -41,6 +45,8 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
         &text,
         PlateStyle::new(FontId::proportional(15.0), labels::colour(CLICK), PLATE),
     );
+    // While a click is dragged: crosshair and loupe. Otherwise the landmark's name follows the
+    // pointer.
     if let Some(held) = round.held {
         cross(&painter, placement, held);
         loupe::show(
@@ -60,11 +66,13 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
             beside(&painter, rect, pointer, &label, "");
         }
     }
+    // The shape of the pointer.
     let icon = match hold {
         Hold::Picture(_) => CursorIcon::Grabbing,
         Hold::Click { moving: true, .. } => CursorIcon::None,
         _ => CursorIcon::Crosshair,
     };
+    // Only over the picture: a menu or a dialog on top sets its own pointer shape.
     let free = |at: &egui::Pos2| {
         rect.contains(*at)
             && ui
@@ -81,6 +89,7 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
     }
 }
 
+/// Draws a crosshair with an open centre: bright arms on wider dark ones, visible on any ground.
 fn cross(painter: &Painter, placement: &Placement, at: ImagePoint) {
     let centre = placement.screen_from_image(at);
     for (width, colour) in [

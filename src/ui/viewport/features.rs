@@ -1,4 +1,4 @@
-//! The features of the shown frame, and how the forest used them.
+//! The image features of the shown frame, coloured by how the forest used them.
 
 use crate::ui::labels::{PlateStyle, plate};
 use crate::ui::placement::Placement;
@@ -7,10 +7,11 @@ use egui::{Align2, Color32, FontId, Painter, Stroke, vec2};
 use touchline_application::app::App;
 use touchline_calibration::proposals::{FeatureUse, UsedFeatures};
 
-/// How large a feature is drawn, points.
+/// Radius of a drawn feature, points.
 const RADIUS: f32 = 2.5;
 
-/// Draws them if they are switched on and known.
+/// Draws the features, if they are switched on, and a legend. The features of another frame are not
+/// drawn: the result of a background job may arrive after the user has gone on.
 pub fn show(app: &App, painter: &Painter, placement: &Placement) {
     let trainer = &app.session.trainer;
     if !trainer.show_features {
@@ -37,7 +38,7 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
             FeatureUse::Agrees => painter.circle_filled(at, RADIUS, theme::ON_PICTURE.good),
         };
     }
-    // Notices stand below.
+    // The upper left corner: messages about the picture are below it.
     let at = visible.left_top() + vec2(10.0, 16.0);
     let behind = Color32::from_black_alpha(170);
     plate(
@@ -49,6 +50,8 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
     );
 }
 
+/// The legend, with the number of features of each kind. A kind includes the next one: a feature
+/// that agrees was also matched and kept.
 fn legend(used: Option<&UsedFeatures>) -> String {
     let Some(used) = used else {
         return "Looking for features…".to_owned();

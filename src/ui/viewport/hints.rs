@@ -1,4 +1,4 @@
-//! Texts on the picture: names of points, what the next click places, why there is no picture.
+//! Texts on the picture: names of points, what the next click places, and why there is no picture.
 
 use super::scene::waits_for_name;
 use crate::ui::labels::{PlateStyle, colour, plate};
@@ -10,14 +10,14 @@ use touchline_application::app::session::{Mode, reason_label};
 use touchline_application::scene::overlay::{CLICK, UNNAMED};
 use touchline_documents::document::FrameStatus;
 
-/// The plate behind a text.
+/// Colour of the plate behind a text.
 pub const PLATE: Color32 = Color32::from_black_alpha(200);
-/// How long a name that was chosen automatically is shown, s.
+/// How long a name or a note about a point stays, s.
 const NAME_SHOWN_S: f64 = 4.0;
-/// From a point to the text about it, points.
+/// Offset from a point to the text about it, points.
 const BESIDE: Vec2 = vec2(20.0, 16.0);
 
-/// All texts over a picture.
+/// Draws all texts over the picture.
 pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placement) {
     let painter = ui.painter_at(placement.rect);
     pulse(panel, ui, placement, &painter);
@@ -37,7 +37,7 @@ pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placem
     }
 }
 
-/// The text about the whole picture.
+/// The text about the whole picture, if any; the first case that applies.
 fn banner(panel: &Panel<'_>) -> Option<String> {
     let session = &panel.app.session;
     let frame = panel.app.frame()?;
@@ -83,11 +83,12 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     })
 }
 
+/// Whether an estimated base is shown that is not applied yet.
 fn has_proposal(panel: &Panel<'_>) -> bool {
     panel.app.current().proposal.is_some()
 }
 
-/// Highlights points without a name.
+/// Draws a pulsing ring around each point without a name.
 fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     if panel.app.session.picture.held.hide_overlay {
         return;
@@ -102,6 +103,7 @@ fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
         .enumerate()
         .filter(|(index, _)| waits_for_name(panel.app, *index))
     {
+        // Neighbouring points pulse out of phase.
         let phase = (ui.input(|input| input.time) * 2.5 + index as f64).sin() as f32;
         let ring = colour(UNNAMED).gamma_multiply(0.55 + 0.25 * phase);
         let radius = 15.0 + 1.5 * phase;
@@ -114,7 +116,8 @@ fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
     }
 }
 
-/// The name of the held point, and what the next click places.
+/// Draws the name of the point that was just placed or named, or of the landmark that the next
+/// click places.
 fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     let session = &panel.app.session;
     let (click, hint) = match &session.mode {
@@ -122,6 +125,8 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
             click,
             placed: true,
         } => (*click, String::new()),
+        // Idle: the point that was named automatically, for a few seconds, or for as long as its
+        // name can be typed over.
         Mode::Idle => {
             just_snapped(panel, ui, placement, painter);
             let names = typing::names_placed(ui.ctx());
@@ -153,6 +158,7 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
         }
         _ => return,
     };
+    // The name beside the click.
     let Some(click) = panel.app.frame().and_then(|frame| frame.clicks.get(click)) else {
         return;
     };
@@ -162,7 +168,7 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
     }
 }
 
-/// That points were just moved onto the paint, above each.
+/// Notes above each point that it was just snapped to the paint.
 fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     let session = &panel.app.session;
     let clicks = panel
@@ -186,8 +192,11 @@ fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter
     }
 }
 
-/// A name and a weaker hint below and right of a point, or left of it at the right border.
+/// Draws a name and a weaker hint beside `at`: below and to the right, or on the other side at the
+/// right or lower border of `bounds`.
 pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
+    // The width is estimated from the number of bytes; the exact one is known only after the
+    // layout.
     let width = 8.0 * name.len().max(hint.len()) as f32;
     let fits = at.x + BESIDE.x + width < bounds.right();
     let (side, align) = if fits {
@@ -201,6 +210,7 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
         -1.0
     };
     let first = at + vec2(side * BESIDE.x, down * BESIDE.y);
+    // The hint comes after the name, away from the point.
     let written = plate(
         painter,
         first,
@@ -220,7 +230,10 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
     }
 }
 
-/// Whether something was done to this click a moment ago; requests a repaint for when that is over.
+/// Whether `click` became the subject of `done` less than [`NAME_SHOWN_S`] ago.
+///
+/// `done` is the key under which click and time are remembered. Requests a repaint for the moment
+/// when the time is over.
 fn recently(ui: &egui::Ui, done: &str, click: Option<usize>) -> bool {
     let now = ui.input(|input| input.time);
     let id = super::id().with(done);
@@ -238,7 +251,7 @@ fn recently(ui: &egui::Ui, done: &str, click: Option<usize>) -> bool {
     known.is_some() && left > 0.0
 }
 
-/// Shows why there is no picture, in its place.
+/// Shows in place of the picture why there is none.
 pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
     let wrap = (rect.width() - 80.0).clamp(120.0, 560.0);
     let lay_out = |text: &str, size, colour| {
@@ -257,7 +270,7 @@ pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
     painter.galley(below, text, Color32::WHITE);
 }
 
-/// A project without frames.
+/// Says that a project has no frames.
 pub fn no_frames(painter: &Painter, rect: Rect) {
     let text = "This project has no frames.";
     painter.text(

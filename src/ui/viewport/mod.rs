@@ -1,7 +1,14 @@
-//! The picture of the shown frame, with everything that lies over it.
+//! The picture of the shown frame, with everything that is drawn over it.
 //!
-//! [`read`] turns the pointer into actions before anything is drawn, so that the overlay follows a dragged point in the
-//! same frame of the window; [`show`] draws.
+//! A frame of the window has two steps. [`read`] makes actions of the pointer before anything is
+//! drawn, so that the overlay follows a dragged point without a delay of one frame. [`show`] then
+//! draws, from back to front: picture, uncertainty, field and clicks (`scene.rs`), names
+//! (`labels.rs`), proposed landmarks (`trust.rs`), image features (`features.rs`), texts
+//! (`hints.rs`), masks, the loupe, and the list of names for a new click (`naming.rs`). In a blind
+//! round `blind.rs` draws in its place.
+//!
+//! Positions are px of the picture ([`ImagePoint`]) or points of the screen; [`Placement`] converts
+//! between them.
 
 mod blind;
 mod features;
@@ -24,20 +31,21 @@ use touchline_vision::media;
 
 pub use wheel::Gesture;
 
-/// A picture that arrives within this time needs no waiting indicator, s.
+/// Waiting time after which the previous picture is dimmed and a spinner appears, s. A shorter wait
+/// would only flicker.
 const PATIENCE_S: f64 = 0.15;
-/// The brightness of the previous picture while the next one is loading.
+/// Brightness of the previous picture while the next one is loading.
 const DIMMED: f32 = 0.4;
-/// How bright the picture is below masks.
+/// Brightness of the picture below masks.
 const BELOW_MASKS: f32 = 0.75;
 
-/// What the viewport remembers from one frame of the window to the next.
+/// What the viewport remembers between two frames of the window.
 #[derive(Clone, Debug, Default)]
 struct Remembered {
     pointer: Pointer,
-    /// The picture that was shown last.
+    /// Key and pixels of the picture that was shown last.
     last: Option<(u64, media::Picture)>,
-    /// Since when the shown frame's picture is waited for, s.
+    /// When the wait for the shown frame's picture began, s; `None` while there is a picture.
     waiting_since: Option<f64>,
 }
 
@@ -45,11 +53,15 @@ fn id() -> Id {
     Id::NULL.with("viewport")
 }
 
+/// Reads or changes what the viewport remembers. Do not use the context within `change`: it is
+/// locked.
 fn remembered<T>(ctx: &egui::Context, change: impl FnOnce(&mut Remembered) -> T) -> T {
     ctx.data_mut(|data| change(data.get_temp_mut_or_default::<Remembered>(id())))
 }
 
-/// Reads the pointer.
+/// Reads the pointer events of this frame of the window and makes actions of them.
+///
+/// The rectangle is that of the previous frame of the window, because this one is not laid out yet.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     let Some(before) = ctx.read_response(id()) else {
         return;
@@ -64,13 +76,14 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         frame.image_size,
         session.picture.view,
     );
+    // A position counts only if no menu or dialog covers it.
     let layer = before.layer_id;
     let is_free = |at| {
         before.rect.contains(at)
             && before.enabled()
             && ctx.layer_id_at(at).is_none_or(|on_top| on_top == layer)
     };
-    // A hidden label cannot be dragged either.
+    // A blind round hides the labels, so they cannot be dragged either.
     let hidden = panel.app.round().is_some();
     let clicks: Vec<ImagePoint> = frame
         .clicks
@@ -88,6 +101,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         space: ctx.input(|input| input.key_down(Key::Space)) && !ctx.text_edit_focused(),
         is_free: &is_free,
     };
+    // The pointer's state is kept by egui between two frames of the window.
     let (events, modifiers) = ctx.input(|input| (input.events.clone(), input.modifiers));
     let mut pointer = remembered(ctx, |remembered| remembered.pointer);
     panel
@@ -96,7 +110,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     remembered(ctx, |remembered| remembered.pointer = pointer);
 }
 
-/// The shown frame's picture if points can be placed on it, or why not.
+/// The shown frame's picture, if points can be placed on it; otherwise the reason.
 fn shown_picture(panel: &Panel<'_>, expected: ImageSize) -> Result<(u64, media::Picture), Missing> {
     match panel.pictures.current() {
         PictureState::Ready(_, picture) if picture.size() != expected => {
@@ -115,13 +129,13 @@ fn shown_picture(panel: &Panel<'_>, expected: ImageSize) -> Result<(u64, media::
 
 /// Why there is no picture.
 enum Missing {
-    /// It is loading.
+    /// It is still loading.
     Yet,
-    /// It failed, and why.
+    /// It cannot be shown; the reason, for the user.
     Never(String),
 }
 
-/// Shows the picture and what lies over it.
+/// Shows the picture and everything over it.
 pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let pixels_per_point = ui.pixels_per_point();
     let rect = egui::emath::GuiRounding::round_to_pixels(
@@ -144,6 +158,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
         expected,
         panel.app.session.picture.view,
     );
+    // Zoom commands need the scale at which the whole picture fits. The layout alone knows it.
     if panel.app.session.picture.fit_scale != placement.fit_scale {
         panel
             .actions
@@ -163,8 +178,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     }
 }
 
-/// The decoded picture of the nearest frame, or else the previous picture, dimmed once the frame's
-/// own takes longer.
+/// Shows another picture until the frame's own arrives: the decoded picture of the nearest frame,
+/// or else the one shown before.
+///
+/// It is dimmed after [`PATIENCE_S`]. A picture of another size is not shown, because the view
+/// would place it elsewhere.
 fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let (now, rect) = (ui.input(|input| input.time), placement.rect);
     let (last, since) = remembered(ui.ctx(), |remembered| {
@@ -174,6 +192,7 @@ fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
         )
     });
     let last = panel.pictures.nearest(panel.app.session.frame).or(last);
+    // Short waits show the picture as it was; after that it is dimmed, with a spinner.
     let slow = now - since >= PATIENCE_S;
     if let Some((key, pixels)) = last
         && pixels.size() == placement.image_size
@@ -207,6 +226,7 @@ fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     }
 }
 
+/// Shows the picture with its layers, or the blind round.
 fn show_frame(
     panel: &mut Panel<'_>,
     ui: &mut egui::Ui,
@@ -216,6 +236,7 @@ fn show_frame(
     pixels: media::Picture,
 ) {
     let rect = placement.rect;
+    // A blind round hides everything else.
     if panel.app.round().is_some() {
         let picture = Layer::Picture(PictureLayer {
             key: PictureKey(key),
@@ -225,6 +246,7 @@ fn show_frame(
         blind::show(panel, ui, placement, hold, &picture);
         return;
     }
+    // What is drawn on the graphics card, from back to front.
     let overlay = Overlay::new(panel.app, hold, placement.scale);
     let look = panel
         .app
@@ -253,6 +275,7 @@ fn show_frame(
         placement.render_view(),
         layers,
     );
+    // What egui draws over it.
     labels::paint(&painter, placement, overlay.labels());
     trust::propose(panel, ui, &painter, placement);
     features::show(panel.app, &painter, placement);
@@ -260,6 +283,8 @@ fn show_frame(
     trust::legend(panel, &painter, placement);
     cursor(panel, ui, placement, hold);
     masks::show(panel, ui, placement);
+    // The loupe shows the same picture, with the overlay at the loupe's zoom and without the marker
+    // of the dragged click.
     if let Mode::Dragging { click, .. } = panel.app.session.mode {
         if let Some(held) = panel.app.frame().and_then(|frame| frame.clicks.get(click)) {
             let look = panel.app.settings.loupe;
@@ -273,13 +298,14 @@ fn show_frame(
     naming::show(panel, ui, placement);
 }
 
-/// Sets the pointer's shape to what a press would do.
+/// Sets the pointer's shape according to what a press would do here.
 fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) {
     let icon = match hold {
         Hold::Picture(_) => CursorIcon::Grabbing,
         Hold::Click { moving: true, .. } => CursorIcon::None,
         Hold::Click { .. } | Hold::Mask { .. } => CursorIcon::Crosshair,
         Hold::Nothing => {
+            // Only over the picture: a menu or a dialog on top sets its own shape.
             let free = |at: &egui::Pos2| {
                 placement.rect.contains(*at)
                     && ui

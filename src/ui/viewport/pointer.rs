@@ -1,7 +1,8 @@
-//! From the pointer to actions: placing and dragging points, zooming, panning, drawing masks.
+//! From pointer events to actions: place and drag clicks, zoom, pan, draw masks.
 //!
 //! Events are read one by one, so that a press and its release within one frame of the window are
-//! both seen.
+//! both seen. What the pointer holds is state of the window ([`Hold`]); the clicks themselves
+//! belong to the application and change only by [`PointerAction`]s.
 
 use super::wheel::Gesture;
 use crate::ui::placement::Placement;
@@ -10,11 +11,12 @@ use touchline_application::app::session::{Mode, PictureView};
 use touchline_application::app::{Action, EditAction, PointerAction, ViewAction};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
-/// The distance within which a press grabs a click, points.
+/// Distance within which a press grabs a click, points.
 pub const REACH_PT: f32 = 8.0;
-/// A press that moves less than this is not a drag, points.
+/// A press that moves less than this is a click and no drag, points. Otherwise the tremor of a hand
+/// would move points.
 const SLACK_PT: f32 = 2.0;
-/// The factor on the pointer's speed while Shift is held.
+/// Factor on the pointer's movement while Shift is down.
 const FINE: f64 = 0.1;
 
 /// What the pointer holds.
@@ -23,30 +25,30 @@ pub enum Hold {
     /// Nothing.
     #[default]
     Nothing,
-    /// A click of the frame.
+    /// A click of the frame, existing or new.
     Click {
-        /// Where the click is; it keeps its distance from the pointer.
+        /// Where the click is, px of the picture. It keeps its offset from the pointer.
         at: ImagePoint,
-        /// Where the pointer went down, and whether it has left that place.
+        /// Where the pointer went down.
         pressed: Pos2,
-        /// The pointer has moved far enough to be a drag.
+        /// Whether the pointer has moved far enough for a drag.
         moving: bool,
     },
-    /// The picture.
+    /// The picture, by this button.
     Picture(PointerButton),
-    /// A corner of a mask that is being drawn.
+    /// A mask that is being drawn.
     Mask {
-        /// The corner where it began.
+        /// The corner where it began, px of the picture.
         from: ImagePoint,
-        /// The corner under the pointer.
+        /// The corner under the pointer, px of the picture.
         to: ImagePoint,
-        /// For every frame of the camera.
+        /// Whether the mask is for every frame of the camera.
         of_camera: bool,
     },
 }
 
 impl Hold {
-    /// The mask that is being drawn.
+    /// The mask that is being drawn, and whether it is for every frame of the camera.
     pub fn mask(&self) -> Option<(bool, PixelBox)> {
         let Self::Mask {
             from,
@@ -69,23 +71,23 @@ impl Hold {
     }
 }
 
-/// The state that the pointer depends on.
+/// The state on which the meaning of an event depends.
 pub struct Surroundings<'a> {
-    /// Where the picture lies.
+    /// Where the picture is on the screen.
     pub placement: Placement,
-    /// Where the frame's clicks are.
+    /// The frame's clicks, px of the picture; none in a blind round.
     pub clicks: &'a [ImagePoint],
     /// The mode of the application.
     pub mode: &'a Mode,
-    /// The pointer's position as the application has it, px of the picture.
+    /// The pointer's position as the application knows it, px of the picture.
     pub hover: Option<ImagePoint>,
     /// Whether there is a picture on which points can be placed.
     pub ready: bool,
     /// Whether masks are drawn instead of points.
     pub masks: bool,
-    /// Whether the space bar is down: dragging moves the picture.
+    /// Whether the space bar is down: then dragging moves the picture.
     pub space: bool,
-    /// Whether a screen position belongs to the picture and nothing covers it.
+    /// Whether a screen position is over the picture and not covered.
     pub is_free: &'a dyn Fn(Pos2) -> bool,
 }
 
@@ -94,11 +96,12 @@ pub struct Surroundings<'a> {
 pub struct Pointer {
     /// What it holds.
     pub hold: Hold,
+    /// Its last position on the screen, also outside the picture.
     at: Option<Pos2>,
 }
 
 impl Pointer {
-    /// Reads the events of one frame of the window.
+    /// The actions of the events of one frame of the window, in their order.
     pub fn read(
         &mut self,
         events: &[Event],
@@ -111,6 +114,8 @@ impl Pointer {
             placement: around.placement,
             actions: Vec::new(),
         };
+        // The application may have ended the drag (Escape, another frame). Then the pointer lets
+        // go, too, or the next movement would drag a click that is no longer there.
         let is_held = match around.mode {
             Mode::Dragging { .. } => true,
             Mode::ClickingAgain(round) => round.held.is_some(),
@@ -127,7 +132,7 @@ impl Pointer {
     }
 }
 
-/// The nearest click within reach of a screen position.
+/// Index of the nearest click within [`REACH_PT`] of a screen position.
 pub fn click_at(placement: &Placement, clicks: &[ImagePoint], at: Pos2) -> Option<usize> {
     clicks
         .iter()
@@ -138,15 +143,17 @@ pub fn click_at(placement: &Placement, clicks: &[ImagePoint], at: Pos2) -> Optio
         .map(|(index, _)| index)
 }
 
+/// The reading of one frame's events.
 struct Reading<'a> {
     pointer: &'a mut Pointer,
     around: &'a Surroundings<'a>,
-    /// The state while events are read.
+    /// Where the picture is. Zooming and panning change it between two events.
     placement: Placement,
     actions: Vec<Action>,
 }
 
 impl Reading<'_> {
+    /// Reads one event.
     fn event(&mut self, event: &Event, modifiers: Modifiers) {
         match event {
             Event::PointerMoved(to) => self.moved(*to, modifiers),
@@ -163,9 +170,10 @@ impl Reading<'_> {
                     self.released(*button, *modifiers);
                 }
             }
-            // A drag continues when the pointer comes back.
+            // A drag continues when the pointer comes back, so its position is kept.
             Event::PointerGone if self.pointer.hold == Hold::Nothing => self.pointer.at = None,
-            // There is no event if the button goes up over another window.
+            // If the button goes up over another window, no event arrives. So the loss of the focus
+            // ends a drag.
             Event::WindowFocused(false) => self.let_go(Modifiers::NONE),
             _ => {
                 if let Some(gesture) = Gesture::from_event(event) {
@@ -175,6 +183,7 @@ impl Reading<'_> {
         }
     }
 
+    /// Decides what a press grabs: the picture, a corner of a new mask, or a click.
     fn pressed(&mut self, at: Pos2, button: PointerButton, modifiers: Modifiers) {
         if self.pointer.hold != Hold::Nothing || !(self.around.is_free)(at) {
             return;
@@ -195,7 +204,7 @@ impl Reading<'_> {
                     };
                     return;
                 }
-                // Once a name is chosen the next click places it, however near another point lies.
+                // Once a name is chosen, the next click places it, even near another point.
                 let on = match self.around.mode {
                     Mode::Placing(_) => None,
                     _ => click_at(&self.placement, self.around.clicks, at),
@@ -216,6 +225,7 @@ impl Reading<'_> {
         }
     }
 
+    /// Moves what the pointer holds.
     fn moved(&mut self, to: Pos2, modifiers: Modifiers) {
         let from = self.pointer.at.replace(to).unwrap_or(to);
         match self.pointer.hold {
@@ -225,6 +235,8 @@ impl Reading<'_> {
                 pressed,
                 moving,
             } => {
+                // A drag begins when the pointer leaves the slack. Its first step is measured from
+                // where the button went down, so that the click does not lag behind.
                 let began = !moving && to.distance(pressed) > SLACK_PT;
                 if !moving && !began {
                     return;
@@ -238,7 +250,7 @@ impl Reading<'_> {
                     pressed,
                     moving: true,
                 };
-                // Only the last position within a frame counts.
+                // Only the last position of a frame of the window counts.
                 if let Some(Action::Pointer(PointerAction::Drag(_))) = self.actions.last() {
                     self.actions.pop();
                 }
@@ -258,6 +270,7 @@ impl Reading<'_> {
         }
     }
 
+    /// Lets go if this is the button that grabbed.
     fn released(&mut self, button: PointerButton, modifiers: Modifiers) {
         let ends = match self.pointer.hold {
             Hold::Nothing => false,
@@ -269,6 +282,7 @@ impl Reading<'_> {
         }
     }
 
+    /// Lets go. Alt at that moment keeps the click where it is, without snapping.
     fn let_go(&mut self, modifiers: Modifiers) {
         let held = std::mem::take(&mut self.pointer.hold);
         if let Hold::Click { .. } = held {
@@ -284,6 +298,7 @@ impl Reading<'_> {
         }
     }
 
+    /// Zooms around the pointer, or pans.
     fn gesture(&mut self, gesture: Gesture) {
         let Some(at) = self.pointer.at.filter(|at| (self.around.is_free)(*at)) else {
             return;
@@ -294,11 +309,15 @@ impl Reading<'_> {
         });
     }
 
+    /// Changes the view, at once for the events that follow in this frame of the window.
     fn show(&mut self, view: PictureView) {
         self.placement = self.placement.showing(view);
         self.actions.push(Action::View(ViewAction::Picture(view)));
     }
 
+    /// Reports the position under the pointer, in px of the picture, if it has changed. Outside the
+    /// picture, or where something covers it, there is none; during a drag the cover does not
+    /// count.
     fn hover(&mut self) {
         let free = |at: &Pos2| self.pointer.hold != Hold::Nothing || (self.around.is_free)(*at);
         let hovered = self
@@ -313,6 +332,7 @@ impl Reading<'_> {
         }
     }
 
+    /// The nearest position within the picture.
     fn within_picture(&self, at: ImagePoint) -> ImagePoint {
         let size = self.placement.image_size;
         ImagePoint::new(

@@ -1,4 +1,4 @@
-//! The overlay: the field, the clicks, the camera of a highlighted name, masks.
+//! The overlay on the picture: the field, the clicks, a second camera to compare with, masks.
 
 use super::pointer::Hold;
 use crate::ui::masks;
@@ -11,28 +11,33 @@ use touchline_application::scene::overlay::{
 };
 use touchline_documents::document::FrameStatus;
 
-/// The opacity of a camera that is only previewed.
+/// Opacity of a camera that is only previewed.
 const PREVIEW_OPACITY: f32 = 0.75;
-/// The opacity of the frame's own camera while another one is previewed.
+/// Opacity of the frame's own camera while another one is previewed.
 const BEHIND_PREVIEW: f32 = 0.35;
 
 impl Overlay {
-    /// The overlay of the shown frame at a zoom (physical px per px of the picture).
+    /// The overlay of the shown frame. `zoom` is in physical px per px of the picture.
     pub fn new(app: &App, hold: &Hold, zoom: f64) -> Self {
         Self::without(app, None, hold, zoom)
     }
 
-    /// The same around a click that the pointer holds, without its marker.
+    /// The overlay for the loupe around a dragged click, without the marker of that click, which
+    /// would hide what is below it.
     pub fn around(app: &App, click: usize, zoom: f64) -> Self {
         Self::without(app, Some(click), &Hold::Nothing, zoom)
     }
 
+    /// The overlay, without the marker of one click if given. Drawings are in the order from back
+    /// to front.
     fn without(app: &App, left_out: Option<usize>, hold: &Hold, zoom: f64) -> Self {
         let mut drawings = Vec::new();
         if app.session.picture.held.hide_overlay {
             return Self::default();
         }
         if let (Some(frame), Some(field)) = (app.frame(), app.current().field()) {
+            // The camera of the lines: an estimated base that is not applied yet, the camera before
+            // snapping while its key is down, or the frame's own.
             let proposal = app
                 .current()
                 .proposal
@@ -46,6 +51,8 @@ impl Overlay {
                 }
                 None => app.current().camera,
             };
+            // A second camera beside it: the other solution while its key is down, or the one that
+            // a highlighted name would give.
             let compared = app
                 .current()
                 .alternative()
@@ -90,12 +97,14 @@ impl Overlay {
                 };
                 drawings.push(field_overlay(&tried));
             }
+            // Masks: those to be confirmed, the stored ones if shown, and the one being drawn.
             let mut boxes = app.asked_masks();
             boxes.extend(masks::shown(app).into_iter().map(|mask| mask.pixel_box));
             boxes.extend(hold.mask().map(|(_, mask)| mask));
             if !boxes.is_empty() {
                 drawings.push(mask_overlay(&boxes));
             }
+            // Clicks come last, above everything else.
             let mut clicks = click_overlay(&scene);
             if let Some(held) = left_out.and_then(|click| frame.clicks.get(click)) {
                 let at = [held.image.x as f32, held.image.y as f32];
@@ -109,7 +118,7 @@ impl Overlay {
     }
 }
 
-/// Whether a click of the frame has no name and is not being named.
+/// Whether a click of the frame has no name and is neither being named nor dragged.
 pub fn waits_for_name(app: &App, click: usize) -> bool {
     let busy = match &app.session.mode {
         Mode::Naming(naming) => naming.click == click,

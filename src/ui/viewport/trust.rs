@@ -1,5 +1,8 @@
-//! The uncertainty of the lines over the picture: band or heat map with its legend, and where to
-//! click next.
+//! The uncertainty of the projected lines over the picture: a band or a heat map with its legend,
+//! and the landmarks to click next.
+//!
+//! All values are 1-σ of the overlay in px of the picture, from the covariance of the frame's
+//! solution.
 
 use crate::ui::labels::colour;
 use crate::ui::placement::Placement;
@@ -18,18 +21,19 @@ use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX};
 use touchline_documents::document::FrameStatus;
 
-/// The opacity of the heat map.
+/// Opacity of the heat map.
 const HEAT_OPACITY: f32 = 0.45;
-/// The number of landmarks that are proposed in the picture.
+/// Maximum number of landmarks that are proposed in the picture.
 const PROPOSED: usize = 3;
-/// Proposals nearer to each other than this are merged, points.
+/// Minimum distance between two proposed landmarks, points. Of nearer ones only the better is
+/// shown.
 const CROWDED: f32 = 90.0;
-/// How long they pulse, s.
+/// How long the rings pulse, s.
 const PULSING_S: f64 = 5.0;
-/// The legend's size, points.
+/// Size of the legend, points.
 const LEGEND: egui::Vec2 = vec2(284.0, 52.0);
 
-/// The layer that shows the uncertainty below the lines, if it is switched on and known.
+/// The band or heat map of the shown frame, if it is switched on and the frame is solved.
 pub fn layer(app: &App) -> Option<Layer> {
     let (solved, camera) = known(app)?;
     let image_size = app.frame()?.image_size;
@@ -53,6 +57,8 @@ pub fn layer(app: &App) -> Option<Layer> {
     }
 }
 
+/// Solution and camera of the shown frame, unless the overlay is hidden or belongs to an estimated
+/// base that is not applied yet.
 fn known(app: &App) -> Option<(&FrameSolution, &PtzCamera)> {
     if app.session.picture.held.hide_overlay || app.current().proposal.is_some() {
         return None;
@@ -60,7 +66,8 @@ fn known(app: &App) -> Option<(&FrameSolution, &PtzCamera)> {
     Some((app.current().solved()?, app.current().camera.as_ref()?))
 }
 
-/// The legend in the picture's lower right.
+/// Draws the legend in the picture's lower right corner, with 1-σ at the pointer, or else at the
+/// worst corner of the picture.
 pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     let app = panel.app;
     if app.session.picture.uncertainty == UncertaintyView::Off
@@ -84,6 +91,7 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
         );
         return;
     };
+    // 1-σ at the pointer, if it is over the picture.
     let sigma_at = |at: ImagePoint| solved.uncertainty.overlay_sigma_px(camera, at);
     let here = app
         .session
@@ -121,7 +129,7 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     }
 }
 
-/// The colour scale.
+/// Draws the colour scale of the heat map: a bar with one tick for each colour stop.
 fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
     let bar = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + 8.0));
     let steps = (HEAT_STOPS.len() - 1) as f32;
@@ -144,6 +152,7 @@ fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
             last if last + 1 == HEAT_STOPS.len() => Align2::RIGHT_BOTTOM,
             _ => Align2::CENTER_BOTTOM,
         };
+        // Two significant digits; the unit only at the first tick.
         let text = if px < 9.95 {
             format!("{px:.1}")
         } else {
@@ -166,7 +175,8 @@ fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
     painter.add(Shape::mesh(mesh));
 }
 
-/// The best landmarks that are not too close to each other.
+/// The best landmarks that are at least [`CROWDED`] points apart on the screen, at most
+/// [`PROPOSED`]. `ranked` is in order of gain.
 fn apart<'a>(ranked: &'a [NextClick], placement: &Placement) -> Vec<&'a NextClick> {
     let mut found: Vec<&NextClick> = Vec::new();
     for next in ranked {
@@ -182,7 +192,8 @@ fn apart<'a>(ranked: &'a [NextClick], placement: &Placement) -> Vec<&'a NextClic
     found
 }
 
-/// The proposed landmarks, and since when they are shown.
+/// For which state of the frame the proposals began to pulse, and when. Each new click starts
+/// again.
 #[derive(Clone, Default)]
 struct Proposing {
     frame: usize,
@@ -190,17 +201,20 @@ struct Proposing {
     since: f64,
 }
 
-/// The landmarks that would reduce the uncertainty most, as rings that pulse for a while.
+/// Draws rings at the landmarks that would reduce the uncertainty most, if the frame is still too
+/// uncertain and waits for a click. They pulse at first, to be noticed, and then stay still.
 pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placement) {
     let app = panel.app;
     let Some(frame) = app.frame() else { return };
     let limit_px = GOOD_CORNER_SIGMA_PX * frame.image_size.scale_from_1920();
+    // Only a frame that is uncertain and waits for a click needs proposals.
     let unsure = known(app).is_some_and(|(solved, _)| solved.worst_corner_sigma_px > limit_px);
     let waits = app.session.mode == Mode::Idle
         && !matches!(frame.status, FrameStatus::Rejected | FrameStatus::Reference);
     if !unsure || !waits {
         return;
     }
+    // Each new frame or click starts the pulsing again.
     let now = ui.input(|input| input.time);
     let memory = Id::NULL.with("proposed landmarks");
     let (index, clicks) = (app.session.frame, frame.clicks.len());
@@ -220,6 +234,7 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
         .into_iter()
         .enumerate()
     {
+        // The rings pulse one after the other, in order of gain.
         let phase = if pulsing {
             ((now - since) * 3.0 - rank as f64 * 0.7).sin() as f32
         } else {

@@ -1,26 +1,28 @@
-//! The gestures of a wheel or of two fingers on a touch pad.
+//! Gestures of a mouse wheel or of two fingers on a touch pad.
 
 use egui::{Event, MouseWheelSource, MouseWheelUnit, Vec2};
 
-/// One notch of the wheel.
+/// Zoom factor of one notch of the wheel.
 const ZOOM_PER_LINE: f64 = 1.2;
-/// Zooming with two fingers and Ctrl: points per factor e.
+/// Distance by which two fingers with Ctrl zoom by a factor of e, points.
 const ZOOM_POINTS: f64 = 200.0;
-/// One line of a wheel, points.
+/// Length of one line of a wheel, points.
 const POINTS_PER_LINE: f32 = 40.0;
 
-/// The gesture.
+/// What a gesture does to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gesture {
-    /// Enlarge by a factor.
+    /// Enlarge by this factor.
     Zoom(f64),
-    /// Move what is shown, points.
+    /// Move by this vector, points.
     Pan(Vec2),
 }
 
 impl Gesture {
-    /// A wheel zooms, two fingers move; Ctrl and pinching always zoom; Shift with a wheel moves
-    /// sideways.
+    /// The gesture of an event, if it is one.
+    ///
+    /// A wheel zooms, two fingers pan. With Ctrl both zoom, pinching always does, and a wheel with
+    /// Shift pans sideways.
     pub fn from_event(event: &Event) -> Option<Self> {
         match event {
             Event::Zoom(factor) => Some(Self::Zoom(f64::from(*factor))),
@@ -31,6 +33,7 @@ impl Gesture {
                 modifiers,
                 ..
             } => {
+                // Where the platform does not report the device, points mean a touch pad.
                 let is_wheel = match source {
                     MouseWheelSource::Wheel => true,
                     MouseWheelSource::Trackpad | MouseWheelSource::Momentum => false,
@@ -43,6 +46,7 @@ impl Gesture {
                         Vec2::new(delta.x.signum(), delta.y.signum()) * POINTS_PER_LINE
                     }
                 };
+                // Zoom factors multiply: half a notch is the square root of a notch.
                 let lines = f64::from(points.y / POINTS_PER_LINE);
                 if modifiers.command || modifiers.ctrl {
                     let by_fingers = (f64::from(points.y) / ZOOM_POINTS).exp();
@@ -64,6 +68,7 @@ impl Gesture {
         .filter(|gesture| gesture.is_finite())
     }
 
+    /// Whether its numbers are finite, and a zoom factor positive.
     fn is_finite(self) -> bool {
         match self {
             Self::Zoom(factor) => factor.is_finite() && factor > 0.0,

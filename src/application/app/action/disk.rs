@@ -1,27 +1,27 @@
-//! What comes back from the disk.
+//! Reports from the disk.
 
 use std::path::PathBuf;
 use touchline_core::field::{FieldError, Template};
 use touchline_documents::document::Camera;
 use touchline_documents::store::{Orphan, OrphanEdits, Outside};
 
-/// What was asked of the disk has come to an end there, or says how far it is.
+/// The result of a request to the disk, or its progress.
 #[derive(Debug, PartialEq)]
 pub enum DiskReport {
-    /// How far the opening has come, in words.
+    /// Progress of opening a document, as text.
     Progress(String),
     /// This window has the document open already.
     AlreadyOpen(PathBuf),
-    /// A field template of the user's own was read, or cannot be.
+    /// One of the user's own field templates was read, or could not be.
     TemplateRead {
         /// The file of the document that names it.
         of: PathBuf,
-        /// Its path as the document writes it.
+        /// The template's path as the document writes it.
         name: String,
-        /// What it says.
+        /// The template, or the error.
         template: Result<Box<Template>, FieldError>,
     },
-    /// Something that was asked for could not be done: one line.
+    /// A request failed; the error in one line.
     Failed(String),
     /// A camera base was read from another document.
     CameraLoaded(Box<Camera>),
@@ -31,38 +31,38 @@ pub enum DiskReport {
         revision: u64,
         /// The local time, "12:03:41".
         at: String,
-        /// The document itself was written, not only the journal: the last
-        /// [`Effect::Save`](crate::app::Effect::Save) before that.
+        /// The number of the last [`Effect::Save`](crate::app::Effect::Save) that this write
+        /// answers, if the document itself was written and not only the journal.
         document: Option<u64>,
     },
-    /// Edits are only in memory.
+    /// Writing failed: some edits exist only in memory.
     SaveFailed(String),
     /// Another program changed the document.
     ChangedOutside {
-        /// Its file.
+        /// The document's file.
         path: PathBuf,
-        /// What this window holds, as it was kept beside, if it holds anything of its own.
+        /// The window's version, which was set aside, if it has edits of its own.
         own: Option<Orphan>,
     },
-    /// What another program made of the document.
+    /// The version that another program wrote.
     Outside(Box<Outside>),
-    /// They were read.
+    /// Edits that were set aside were read.
     OrphanRead {
         /// Their file.
         orphan: PathBuf,
-        /// What it holds.
+        /// The edits.
         edits: Box<OrphanEdits>,
     },
-    /// They were.
+    /// Edits that were set aside were saved as a separate document.
     OrphanSaved {
-        /// The document.
+        /// The new document's file.
         document: PathBuf,
     },
-    /// Edits that were set aside are in the document now; their file has another name.
+    /// Edits that were set aside are merged into the document, and their file was renamed.
     OrphanPutAway {
-        /// Their file.
+        /// Their former file.
         orphan: PathBuf,
-        /// What it is called now.
+        /// The new name.
         renamed: PathBuf,
     },
     /// A copy was written.

@@ -1,4 +1,4 @@
-//! What changes the document.
+//! Actions that change the document.
 
 use crate::app::choices::{CameraChoice, MaskList, MaskScope, Scope};
 use touchline_core::camera::Ptz;
@@ -6,116 +6,117 @@ use touchline_core::field::Symmetry;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Camera, FieldSpec, RejectReason, Target};
 
-/// What changes the document.
+/// An action that changes the document.
 #[derive(Debug, PartialEq)]
 pub enum EditAction {
-    /// The selected click moves by px of the picture.
+    /// Move the selected click, px of the picture.
     Nudge {
-        /// To the right.
+        /// To the right, px.
         dx_px: f64,
-        /// Downwards.
+        /// Downwards, px.
         dy_px: f64,
-        /// The key is held down: this belongs to the nudge before.
+        /// Whether the key is held down; then the movement belongs to the same step as the one
+        /// before.
         held: bool,
     },
-    /// A candidate on offer is taken.
+    /// Give the click that waits for a name the candidate at an index in the list.
     TakeName(usize),
-    /// A landmark or line was picked on the field map or in a list.
+    /// Use a landmark or line that was picked on the field map or in a list.
     Pick(Target),
-    /// A click gets a name.
+    /// Name a click.
     Name {
-        /// Which click.
+        /// The index of the click.
         click: usize,
-        /// Its name.
+        /// The name.
         target: Target,
     },
-    /// A click is removed.
+    /// Remove a click, by its index.
     DeleteClick(usize),
-    /// A click is held out of the solve, or takes part again.
+    /// Hold a click out of the solve, or use it again.
     SetCheck {
-        /// Which click.
+        /// The index of the click.
         click: usize,
-        /// Held out.
+        /// Whether it is held out.
         check: bool,
     },
-    /// Frames are assigned to a camera.
+    /// Assign frames to a camera.
     AssignToCamera {
-        /// Which frames.
+        /// The frames.
         scope: Scope,
-        /// Which camera.
+        /// The camera.
         camera: CameraChoice,
     },
-    /// The frame (or its shot) is not calibratable.
+    /// Reject the shown frame, or its shot if the question was about that.
     RejectAs(RejectReason),
-    /// The frame's comment; empty: none.
+    /// Set the comment of the shown frame; an empty text removes it.
     SetComment(String),
-    /// A mask is drawn: for the camera, or for this frame only.
+    /// Add a mask.
     AddMask {
-        /// Of every frame of the camera.
+        /// Whether it is for every frame of the camera, or for the shown frame only.
         of_camera: bool,
         /// The box, px.
         mask: PixelBox,
     },
-    /// A mask is to cover other frames.
+    /// Change the frames that a mask covers.
     ScopeMask {
-        /// The list that it is in so far.
+        /// The list that contains the mask.
         list: MaskList,
-        /// Which, from 0.
+        /// The index in that list.
         index: usize,
-        /// Which frames.
+        /// The frames to cover.
         scope: MaskScope,
     },
-    /// A mask is removed.
+    /// Remove a mask.
     RemoveMask {
-        /// The list that it is in.
+        /// The list that contains the mask.
         list: MaskList,
-        /// Which, from 0.
+        /// The index in that list.
         index: usize,
     },
-    /// A number begins to change; the name is the undo step's.
+    /// Start a series of edits of numbers; the name is that of the step of undo.
     Begin(&'static str),
-    /// Pan, tilt and focal length by hand.
+    /// Set pan, tilt and focal length.
     Ptz(Ptz),
-    /// The frame's camera by hand.
+    /// Change the shown frame's camera.
     Camera(Box<Camera>),
-    /// The field by hand.
+    /// Change the shown frame's field.
     Field(FieldSpec),
-    /// The field is another template's.
+    /// Replace the field by another template's.
     ChooseSport(String),
-    /// The number is as wanted.
+    /// End the series of edits.
     End,
-    /// The number goes back to what it was.
+    /// Abort the series of edits: the numbers return to what they were.
     Abort,
-    /// The frame's clicks decide again, instead of numbers by hand.
+    /// Solve the shown frame from its clicks again, in place of numbers set by hand.
     SolveAgain,
-    /// The suggestions that the preview speaks of are accepted together.
+    /// Accept the suggestions on the sheet *Accept all*.
     AcceptAll,
-    /// The forest is trained with a reference, or not.
+    /// Use a reference for training, or not.
     SetUseForTraining {
-        /// Which frame.
+        /// The index of the frame.
         frame: usize,
-        /// Whether it is.
+        /// Whether it is used.
         used: bool,
     },
-    /// A frame takes part in the estimation of its camera's base, or is left out.
+    /// Use a frame for the estimation of its camera's base, or not.
     UseForBase {
-        /// Which frame.
+        /// The index of the frame.
         frame: usize,
-        /// It takes part.
+        /// Whether it is used.
         used: bool,
     },
-    /// The names of a frame's clicks are mirrored.
+    /// Mirror the names of a frame's clicks.
     MirrorNames {
-        /// Which frame.
+        /// The index of the frame.
         frame: usize,
-        /// Left for right, near for far, or both.
+        /// Left and right, near and far, or both.
         symmetry: Symmetry,
     },
-    /// A cut of the shown frame's video is moved.
+    /// Move a cut of the shown frame's video.
     MoveCut {
-        /// The first frame of the shot that begins there, as the video counts.
+        /// The present first frame of the shot after the cut, as the video counts.
         cut: u64,
-        /// The first frame of that shot from now on.
+        /// The new first frame of that shot.
         to: u64,
     },
 }

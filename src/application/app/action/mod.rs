@@ -1,7 +1,7 @@
-//! Actions, which change state.
+//! Actions: everything that changes the state of the application.
 //!
-//! They are nested by what they may do: an [`EditAction`] changes the document, a [`ViewAction`]
-//! nothing of it. What is allowed while something else is under way follows from that.
+//! They are grouped by what they may change: an [`EditAction`] changes the document, a
+//! [`ViewAction`] does not. The group decides what is allowed during a blind round.
 
 mod disk;
 mod edit;
@@ -25,61 +25,62 @@ use super::trainer::TrainerReport;
 use super::transfer::TransferAction;
 use std::path::PathBuf;
 
-/// What changes state; sent by the window, the jobs and the tests.
+/// An action. It is sent by the window, by `jobs` or by a test.
 #[derive(Debug, PartialEq)]
 pub enum Action {
-    /// A command by menu, key or palette.
+    /// Carry out a command of the menu, the keys or the palette.
     Command(Command),
-    /// A key of a command that acts while it is held went down or up.
+    /// The key of a command that acts while its key is down was pressed (true) or released.
     Hold(Command, bool),
 
-    /// The pointer over the picture.
+    /// The pointer over the picture was used.
     Pointer(PointerAction),
-    /// How something is shown.
+    /// Change how something is displayed.
     View(ViewAction),
-    /// Another frame or click, or more of the label.
+    /// Show another frame or click, or change the list of names.
     Navigate(Navigation),
-    /// The document changes.
+    /// Change the document.
     Edit(EditAction),
-    /// What belongs to the user changes.
+    /// Change a setting of the user.
     Settings(SettingsAction),
 
-    /// An operation reports how far it has come, or what came of it.
+    /// An operation reports progress or its result.
     Report(Report),
-    /// What is to be exported or imported.
+    /// A choice in the dialog of exports and imports.
     Transfer(TransferAction),
-    /// The open document is compared with another annotator's.
+    /// Compare the open document with another annotator's, in this file.
     Compare(PathBuf),
-    /// What the background trainer reports.
+    /// The background trainer reports.
     Trainer(TrainerReport),
-    /// The shown frame's picture is on its way, or is there.
+    /// The picture of the shown frame is still being decoded (true), or is displayed.
     PictureAwaited(bool),
 
-    /// The path that was asked for.
+    /// The user chose a path for this question.
     Answer(Question, PathBuf),
-    /// A document, folder or video is to be opened.
+    /// Open a document, a folder or a video.
     Open(PathBuf),
-    /// It is open.
+    /// A document was read.
     Opened(Box<Opened>),
-    /// What comes back from the disk.
+    /// The disk reports.
     Disk(DiskReport),
-    /// The question what to do with another program's version is asked again.
+    /// Ask again what to do with another program's version.
     AskOutside,
-    /// What becomes of another program's version.
+    /// Merge with, replace or open another program's version.
     ResolveOutside(OutsideChoice),
-    /// Edits that were set aside are joined with the document.
+    /// Merge edits that were set aside into the document.
     MergeOrphan(PathBuf),
-    /// Edits that were set aside are written as a document of their own.
+    /// Save edits that were set aside as a separate document.
     SaveOrphan(PathBuf),
-    /// The window closes, or another document is opened, although edits are only in memory.
+    /// Close the window or open another document although edits exist only in memory.
     LeaveUnsaved,
-    /// The window asked to close.
+    /// The user wants to close the window.
     CloseRequested,
 }
 
 impl Action {
-    /// Whether it is allowed during a blind round: it changes and shows no label and does not leave
-    /// the round. For a command its own kind decides.
+    /// Whether the action is allowed during a blind round, because it neither changes nor shows
+    /// labels, nor leaves the round. For commands,
+    /// [`CommandKind::is_blind`](super::CommandKind::is_blind) decides in addition.
     #[must_use]
     pub const fn is_blind(&self) -> bool {
         !matches!(

@@ -1,41 +1,41 @@
-//! Another frame or click, or more of the label.
+//! Actions that show another frame or click, or change the list of names.
 
 use crate::app::choices::{Scope, Selecting};
 use crate::app::place::Place;
 
-/// Another frame or click is shown, or more of the label.
+/// An action that shows another frame or click, or changes the list of names.
 #[derive(Debug, PartialEq)]
 pub enum Navigation {
-    /// A click was selected, or none.
+    /// Select a click by its index, or none.
     Select(Option<usize>),
-    /// Another frame.
+    /// Show the frame at an index.
     GoTo(usize),
-    /// A frame of the filmstrip is added to the selection, or taken out.
+    /// Change the selection on the filmstrip.
     SelectFrame {
-        /// Its place.
+        /// The index of the clicked frame.
         frame: usize,
-        /// How.
+        /// Whether a range is selected or the frame toggled.
         how: Selecting,
     },
-    /// The dialog that assigns frames is about another scope.
+    /// Ask to which camera the frames of a scope belong.
     AskCamera(Scope),
-    /// The quality page makes way for a frame and one of its clicks.
+    /// Close the quality page, and show a frame and optionally one of its clicks.
     LookAt {
-        /// Which frame.
+        /// The index of the frame.
         frame: usize,
-        /// Which of its clicks, if one.
+        /// The index of the click.
         click: Option<usize>,
     },
-    /// What is typed while a point waits for its name.
+    /// Filter the list of names by a text.
     TypeName(String),
-    /// What is typed right after a point was named by itself: other names for it are offered.
+    /// Show other names for a point that was just named automatically, filtered by a text.
     RefineName(String),
-    /// The name that a point was given by itself is right.
+    /// Confirm the name that a point was given automatically.
     ConfirmName,
-    /// A candidate on offer is under the pointer.
+    /// Highlight the candidate at an index in the list.
     HighlightName(usize),
-    /// Landmarks or lines are offered.
+    /// List lines (true) or landmarks.
     OfferLines(bool),
-    /// The frame or the time that was typed is shown.
+    /// Show the frame with a number or at a time.
     GoToPlace(Place),
 }

@@ -1,23 +1,24 @@
-//! The pointer over the picture.
+//! Actions of the pointer over the picture.
 
 use touchline_core::geometry::ImagePoint;
 
-/// What the pointer does over the picture: what has been begun decides what it means.
+/// An action of the pointer over the picture. Its effect depends on the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointerAction {
-    /// The pointer is over the picture, or left it.
+    /// The pointer moved to a point, px of the picture, or left the picture.
     Hover(Option<ImagePoint>),
-    /// The primary button went down on the picture.
+    /// The primary button was pressed on the picture.
     Press {
-        /// Where, px of the picture.
+        /// The point, px of the picture.
         at: ImagePoint,
-        /// The click under the pointer, if any.
+        /// The index of the click under the pointer, if any.
         on: Option<usize>,
     },
     /// The pointer moved with the button down.
     Drag(ImagePoint),
-    /// The button went up.
+    /// The button was released.
     Release,
-    /// The button went up with Alt held: the point stays where it is, whatever is painted near by.
+    /// The button was released with Alt down: the point stays where it is, even if its landmark is
+    /// painted nearby.
     ReleaseExactly,
 }

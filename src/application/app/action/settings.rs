@@ -1,38 +1,37 @@
-//! What belongs to the user and not to the document.
+//! Changes of the user's settings.
 
 use crate::app::settings::{Loupe, ThemeChoice};
 use crate::app::{Chord, Command};
 use crate::scene::{OverlayStyle, PictureLook, Sport};
 
-/// What belongs to the user and not to the document.
+/// A change of the user's settings.
 #[derive(Debug, PartialEq)]
 pub enum SettingsAction {
-    /// The overlay's style.
+    /// The style of the overlay.
     OverlayStyle(OverlayStyle),
     /// Dark or light.
     Theme(ThemeChoice),
-    /// The lines of a sport have this colour.
+    /// The colour of a sport's lines.
     LineColour(&'static Sport, [u8; 3]),
-    /// The loupe's look.
+    /// The loupe.
     Loupe(Loupe),
     /// The memory for decoded frames, MiB.
     PictureMemory(u32),
-    /// How bright the picture is shown.
+    /// Brightness, contrast and gamma of the displayed picture.
     PictureLook(PictureLook),
-    /// How large texts and controls are; 1 is the system's.
+    /// The size of texts and controls; 1 is the system's.
     TextSize(f32),
-    /// The side panel or the filmstrip was made larger or smaller, points; none: by the window's
-    /// size.
+    /// The sizes of the side panel and the filmstrip, points; none: derived from the window's size.
     PanelSizes {
         /// The side panel's width.
         side: Option<f32>,
         /// The filmstrip's height.
         filmstrip: Option<f32>,
     },
-    /// A command gets a key.
+    /// Assign a key to a command.
     AssignKey(Command, Chord),
-    /// Every key goes back to its default.
+    /// Reset all keys to their defaults.
     ResetKeys,
-    /// The inspector's details unfold or fold.
+    /// Whether the details in the inspector are unfolded.
     Details(bool),
 }

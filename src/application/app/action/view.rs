@@ -1,4 +1,4 @@
-//! How something is shown, nothing of a label.
+//! Actions that change how something is displayed.
 
 use crate::app::choices::TimeAxis;
 use crate::app::guide::GuidePage;
@@ -7,54 +7,55 @@ use crate::app::session::{Filter, Level, PictureView, Question};
 use crate::app::video::PlaySpeed;
 use touchline_documents::document::CameraId;
 
-/// How something is shown: nothing of a label is changed, and no more of it is seen.
+/// An action that changes how something is displayed. It neither changes a label nor shows more of
+/// it.
 #[derive(Debug, PartialEq)]
 pub enum ViewAction {
-    /// The view of the picture changes.
+    /// Show another part of the picture.
     Picture(PictureView),
     /// The scale at which the picture fits its canvas changed.
     FitScale(f64),
-    /// No frames are selected.
+    /// Clear the selection on the filmstrip.
     SelectNoFrames,
-    /// The filmstrip shows other frames.
+    /// Set the filter of the filmstrip.
     SetFilter(Filter),
-    /// The pointer is over the review panel's list, or has left it: see [`crate::app::review`].
+    /// The pointer entered (true) or left the list in the review panel; see [`crate::app::review`].
     HoldReview(bool),
-    /// The order of the review panel's list.
+    /// Set the order of the list in the review panel.
     SetReviewOrder(ReviewOrder),
-    /// Suggestions of at least this probability are accepted together.
+    /// Set the minimum confidence of suggestions that are accepted together.
     SetReviewThreshold(f64),
-    /// Also those that disagree with their neighbours.
+    /// Set whether suggestions that disagree with their neighbours are accepted, too.
     SetWithDisagreeing(bool),
-    /// A suggestion is accepted together with the others, or taken out of them.
+    /// Include a suggestion in the common acceptance, or exclude it.
     TickSuggestion {
-        /// Its place.
+        /// The index of the frame.
         frame: usize,
-        /// It is accepted with the others.
+        /// Whether it is included.
         ticked: bool,
     },
-    /// The review panel's list has one suggestion a shot.
+    /// Set whether the list in the review panel shows one suggestion per shot.
     SetOnePerShot(bool),
-    /// The quality page is about this camera.
+    /// Select the camera of the quality page.
     SetQualityCamera(CameraId),
-    /// What the quality page counts time in.
+    /// Select the unit of time on the quality page.
     SetTimeAxis(TimeAxis),
-    /// The part of the time that the quality page shows; none: all of it.
+    /// Show a part of the time on the quality page, or all of it.
     ShowSpan(Option<[f64; 2]>),
     /// Read the field templates again that could not be read.
     ReadFailedTemplatesAgain,
-    /// The dialog closes.
+    /// Close the dialog.
     CloseDialog,
-    /// The guide shows another page.
+    /// Show another page of the guide.
     ShowGuidePage(GuidePage),
-    /// A message goes away.
+    /// Remove a message by its id.
     DismissNotice(u64),
-    /// A message from outside.
+    /// Show a message from outside of the application.
     Notify(Level, String),
-    /// A path has to be typed, for want of a file dialog.
+    /// Ask for a typed path, because the system has no file dialog.
     TypePath(Question),
-    /// The video is played at this speed.
+    /// Set the speed of the video.
     SetSpeed(PlaySpeed),
-    /// The end is reached, or something else is done: the video stands.
+    /// Pause the video, at its end or because the user does something else.
     Pause,
 }

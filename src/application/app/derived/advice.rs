@@ -1,4 +1,4 @@
-//! Where a person labels next.
+//! Advice where to label next.
 
 use super::memo::{Follows, Memo};
 use crate::app::Versioned;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use touchline_calibration::proposals::{Coverage, LabelAdvice, LabelNeeds};
 use touchline_documents::document::Document;
 
-/// The advice, and what it was given for.
+/// The advice, and the inputs from which it was computed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Advice {
     needs: Memo<LabelNeeds>,
@@ -16,11 +16,11 @@ pub(super) struct Advice {
 
 #[derive(Clone, Debug)]
 struct GivenFor {
-    /// The journalled edits.
+    /// The number of journalled edits.
     revision: u64,
-    /// The edition of the needs.
+    /// The edition of the needs; it grows with every change of them.
     edition: u64,
-    /// Where references look.
+    /// The coverage by references.
     coverage: Arc<[Coverage]>,
 }
 
@@ -31,8 +31,8 @@ impl Follows for LabelNeeds {
 }
 
 impl Advice {
-    /// The advice for a document after its journalled edit `revision`. During a drag it stays as it
-    /// is: the drag is journalled as one edit at its end.
+    /// The advice for a document after its journalled edit `revision`. It does not change during a
+    /// drag, which is journalled as one edit at its end.
     pub(super) fn at(
         &mut self,
         document: &Versioned<Document>,

@@ -1,4 +1,4 @@
-//! The fields that a document names, each built once.
+//! The fields that a document names; each is built once.
 
 use super::field_specs;
 use super::memo::Follows;
@@ -7,12 +7,12 @@ use std::sync::Arc;
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_documents::document::{ClickNoise, Document, FieldSpec, Fields};
 
-/// The fields that were asked for, with the click noise that the document uses.
+/// The fields that were requested, with the document's click noise.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FieldModels {
     click_noise: Option<ClickNoise>,
     models: Vec<(FieldSpec, Result<Arc<FieldModel>, FieldError>)>,
-    /// All of them together, and what the document named then.
+    /// The fields of all cameras, and the specifications from which they were built.
     all: Option<(Vec<FieldSpec>, Arc<Fields>)>,
 }
 
@@ -31,7 +31,7 @@ impl Follows for FieldModels {
 }
 
 impl FieldModels {
-    /// One field, with its parameters filled in.
+    /// One field, with its parameters. A field whose template is still being read is not kept.
     pub(super) fn model(
         &mut self,
         document: &Document,

@@ -1,4 +1,4 @@
-//! How many frames there are of each kind.
+//! Counts of frames by kind, updated from the frames that change.
 
 use super::memo::Follows;
 use crate::app::filter::{Filter, is_to_do};
@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use touchline_calibration::proposals::is_uncertain;
 use touchline_documents::document::{CameraId, Document, Frame, FrameChanges, FrameStatus, Frames};
 
-/// How many frames there are of each kind, and which are of the rare ones.
+/// The number of frames of each kind, and the indices of the frames that were clicked again.
 #[derive(Clone, Debug, Default)]
 pub struct FrameCounts {
     frames: Frames,
@@ -14,19 +14,19 @@ pub struct FrameCounts {
     by_camera: BTreeMap<CameraId, usize>,
     /// Frames that are neither accepted nor rejected.
     pub to_do: usize,
-    /// Frames that the forest was asked for in vain.
+    /// Frames for which the forest gave no answer.
     pub unanswered: usize,
-    /// Suggestions that the forest is not sure of.
+    /// Suggestions of which the forest is uncertain.
     pub uncertain: usize,
-    /// Suggestions that were carried from other frames.
+    /// Suggestions that were tracked from other frames.
     pub carried: usize,
-    /// Frames that the forest learns from.
+    /// Frames on which the forest is trained.
     pub used_for_training: usize,
     /// Gold frames.
     pub gold: usize,
     /// Gold frames that are references.
     pub gold_references: usize,
-    /// Frames that could be gold and are not.
+    /// Frames that qualify as gold frames but are none.
     pub could_be_gold: usize,
     with_repeats: BTreeSet<usize>,
     repeats_edition: u64,
@@ -34,19 +34,19 @@ pub struct FrameCounts {
 }
 
 impl FrameCounts {
-    /// How many frames have a status.
+    /// The number of frames with a status.
     #[must_use]
     pub fn of_status(&self, status: FrameStatus) -> usize {
         self.by_status.get(&status).copied().unwrap_or_default()
     }
 
-    /// How many frames a camera has.
+    /// The number of frames of a camera.
     #[must_use]
     pub fn of_camera(&self, camera: &CameraId) -> usize {
         self.by_camera.get(camera).copied().unwrap_or_default()
     }
 
-    /// How many frames a filter shows.
+    /// The number of frames that a filter shows.
     #[must_use]
     pub fn shown_by(&self, filter: Filter) -> usize {
         match filter {
@@ -57,8 +57,8 @@ impl FrameCounts {
         }
     }
 
-    /// What is to do, by its reason: "12 to review, 3 drafts, 8 without an answer, 2 new"; none
-    /// where nothing is.
+    /// The frames to do, by reason, such as "12 to review, 3 drafts, 8 without an answer, 2 new".
+    /// None if there are none.
     #[must_use]
     pub fn describe_to_do(&self) -> Option<String> {
         let drafts = self.of_status(FrameStatus::Draft);
@@ -79,23 +79,24 @@ impl FrameCounts {
         (!said.is_empty()).then(|| said.join(", "))
     }
 
-    /// The places of the frames that were clicked again, ascending.
+    /// The indices of the frames that were clicked again, ascending.
     pub fn with_repeats(&self) -> impl Iterator<Item = usize> + '_ {
         self.with_repeats.iter().copied()
     }
 
-    /// Grows whenever a frame that was clicked again has changed.
+    /// A counter that grows whenever a frame that was clicked again changes.
     #[must_use]
     pub const fn repeats_edition(&self) -> u64 {
         self.repeats_edition
     }
 
-    /// Grows whenever a suggested frame has changed, come or gone.
+    /// A counter that grows whenever a suggested frame changes, appears or disappears.
     #[must_use]
     pub const fn suggestions_edition(&self) -> u64 {
         self.suggestions_edition
     }
 
+    /// Counts all frames.
     fn of(frames: &Frames, editions: (u64, u64)) -> Self {
         let (repeats_edition, suggestions_edition) = editions;
         let mut counts = Self {
@@ -122,7 +123,7 @@ impl FrameCounts {
         self.count(frame, |count| *count -= 1);
     }
 
-    /// Changes every count that a frame is among.
+    /// Applies `change` to every count that includes the frame.
     fn count(&mut self, frame: &Frame, change: fn(&mut usize)) {
         change(self.by_status.entry(frame.status).or_default());
         change(self.by_camera.entry(frame.camera.clone()).or_default());
@@ -187,7 +188,7 @@ mod tests {
         document
     }
 
-    /// Everything that it says, without the editions.
+    /// All values except the editions.
     fn said(counts: &FrameCounts) -> (Vec<usize>, Vec<usize>, [usize; 6], Vec<usize>) {
         let filters = Filter::ALL.map(|filter| counts.shown_by(filter)).to_vec();
         let cameras = ["main", "other"]

@@ -1,4 +1,4 @@
-//! What gold frames and their repeats say.
+//! Values about gold frames and their repeats.
 
 use super::templates::Templates;
 use super::{FrameCounts, field_specs};
@@ -7,33 +7,33 @@ use touchline_calibration::calibrate::{OwnNoise, can_choose_gold};
 use touchline_core::field::FieldError;
 use touchline_documents::document::{Document, FieldSpec, Fields};
 
-/// What gold frames and their repeats say: derived, never stored.
+/// Values about gold frames and their repeats: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GoldWork {
-    /// Gold references.
+    /// Number of gold frames that are references.
     pub frames: usize,
-    /// The program could make more references gold.
+    /// Whether the program could choose more references as gold frames.
     pub can_choose: bool,
-    /// What the repeats say of the annotator's click noise.
+    /// The annotator's click noise, measured from the repeats.
     pub own: OwnNoise,
 }
 
-/// The same, and what the click noise was derived from.
+/// The values, and the inputs of the click noise.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gold {
     pub(super) work: GoldWork,
-    /// The edition of the repeats, and the fields that they were clicked on.
+    /// The edition of the repeats, and the fields on which they were clicked.
     measured: Option<(u64, Vec<FieldSpec>)>,
 }
 
 impl Gold {
-    /// The fields may be others than they were.
+    /// Makes the next update measure the click noise again, because fields may have changed.
     pub(super) fn forget(&mut self) {
         self.measured = None;
     }
 
-    /// Brings it up to date with a document, whose counts these are. The repeats are looked at only
-    /// where they have changed.
+    /// Updates the values for a document with the given counts. The click noise is measured again
+    /// only if repeats or fields have changed.
     pub(super) fn update(
         &mut self,
         document: &Document,
@@ -46,7 +46,7 @@ impl Gold {
         if self.measured.as_ref() != Some(&of) {
             let fields = Fields::with(document, |spec| templates.stated(spec).map(Arc::new));
             self.measured = (!matches!(fields, Err(FieldError::BeingRead { .. }))).then_some(of);
-            // A field that is not valid is told of elsewhere.
+            // The error of an invalid field is shown elsewhere.
             let own = |fields| OwnNoise::of_frames(document, &fields, counts.with_repeats());
             self.work.own = fields.map(own).unwrap_or_default();
         }

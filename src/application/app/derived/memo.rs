@@ -1,17 +1,16 @@
-//! A value that is derived from the document when it is asked for, and not again before the
-//! document changes.
+//! A value derived from the document on request, and again only after the document has changed.
 
 use crate::app::Versioned;
 use touchline_documents::document::Document;
 
-/// A value that follows from a document.
+/// A value that can be computed from a document.
 pub(super) trait Follows: Default {
-    /// Makes it what follows from `document`. It starts as the default; later it knows the document
-    /// that it was updated with last.
+    /// Updates the value for `document`. The value starts as the default; later it is the value for
+    /// the document of the previous update, so that only the differences need work.
     fn update(&mut self, document: &Document);
 }
 
-/// A value and the version of the document that it follows from.
+/// A value and the version of the document for which it was computed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Memo<T> {
     value: T,
@@ -19,12 +18,12 @@ pub(super) struct Memo<T> {
 }
 
 impl<T: Follows> Memo<T> {
-    /// The value for a document as it is now.
+    /// The value for the present document.
     pub(super) fn at(&mut self, document: &Versioned<Document>) -> &T {
         self.at_mut(document)
     }
 
-    /// The same, for a value that keeps what it is asked for.
+    /// The same with write access, for a value that extends itself on request.
     pub(super) fn at_mut(&mut self, document: &Versioned<Document>) -> &mut T {
         let version = Some(document.version());
         if self.version != version {
@@ -34,7 +33,7 @@ impl<T: Follows> Memo<T> {
         &mut self.value
     }
 
-    /// The value as it was asked for last.
+    /// The value at the last request.
     pub(super) const fn last(&self) -> &T {
         &self.value
     }

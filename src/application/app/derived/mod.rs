@@ -1,10 +1,10 @@
-//! What follows from the document: derived when somebody asks for it, once for each version of the
-//! document at most.
+//! Values derived from the document: computed on request, at most once for each version of the
+//! document.
 //!
-//! There is one memo with one key, the document's version. What is derived from all frames is
-//! brought up to date from the frames that changed since it was asked for last, so that an edit in
-//! a document of 100,000 frames costs what one frame costs.
-//! [`Current`](super::Current), the review list and the quality page follow from these values and from what a person chose.
+//! Most values have a [`Memo`], whose key is the document's version. Values that depend on all
+//! frames are updated from the frames that changed since the last request, so that an edit in a
+//! document of 100,000 frames costs what one frame costs. [`Current`](super::Current), the review
+//! list and the quality page depend on these values and on the user's choices.
 
 mod advice;
 mod field_models;
@@ -28,7 +28,7 @@ use touchline_calibration::proposals::{Coverage, LabelAdvice};
 use touchline_core::field::{FieldError, FieldModel, Template};
 use touchline_documents::document::{Document, FieldSpec, Fields, Frame};
 
-/// What follows from a document.
+/// The values derived from a document.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Derived {
     lookup: Memo<FrameLookup>,
@@ -53,27 +53,27 @@ impl Follows for Disagreements {
 }
 
 impl Derived {
-    /// What calibrating looks up.
+    /// Index of the frames for the calibration.
     pub(super) fn lookup(&mut self, document: &Versioned<Document>) -> &FrameLookup {
         self.lookup.at(document)
     }
 
-    /// How many frames there are of each kind.
+    /// The counts of frames by kind.
     pub(super) fn counts(&mut self, document: &Versioned<Document>) -> &FrameCounts {
         self.counts.at(document)
     }
 
-    /// The counts of the version that they were asked for last.
+    /// The counts at their last request.
     pub(super) const fn last_counts(&self) -> &FrameCounts {
         self.counts.last()
     }
 
-    /// How solved frames lie to their neighbours.
+    /// The disagreements of solved frames with their neighbours.
     pub(super) fn disagreements(&mut self, document: &Versioned<Document>) -> &Disagreements {
         self.disagreements.at(document)
     }
 
-    /// A field of the document with the click noise that it uses.
+    /// A field of the document, with the click noise that the document uses.
     pub(super) fn field(
         &mut self,
         document: &Versioned<Document>,
@@ -94,7 +94,7 @@ impl Derived {
             .all(document, &mut self.templates)
     }
 
-    /// The field of a frame in a document as it might become.
+    /// The field of a frame in a document that differs from the open one.
     pub(super) fn field_in(
         &mut self,
         document: &Document,
@@ -103,13 +103,13 @@ impl Derived {
         self.templates.weighted(document, document.field_of(frame))
     }
 
-    /// The templates that have to be read before a field can be built, each told once.
+    /// The templates that must be read before a field can be built. Each is returned once.
     pub(super) fn take_wanted_templates(&mut self) -> Vec<String> {
         self.templates.take_wanted()
     }
 
-    /// A template was read, or cannot be; what follows from it follows with the document's next
-    /// version.
+    /// Stores a template that was read, or the error. Fields that use it are built with the
+    /// document's next version.
     pub(super) fn template_read(
         &mut self,
         name: &str,
@@ -118,15 +118,16 @@ impl Derived {
         self.templates.put(name, template);
     }
 
-    /// Templates that could not be read are to be read again: their files may have been mended.
+    /// Requests the templates that could not be read once more, because their files may have been
+    /// corrected.
     pub(super) fn want_failed_templates_again(&mut self) {
         self.templates.want_failed_again();
         self.fields = Memo::default();
         self.gold.forget();
     }
 
-    /// Where to label next after a journalled edit; `coverage` has where references look. Where
-    /// nothing lacks an answer no frame is looked at.
+    /// Advice where to label next, for the document after its journalled edit `revision`.
+    /// `coverage` says where references look. If no frame lacks an answer, nothing is computed.
     pub(super) fn label_advice(
         &mut self,
         document: &Versioned<Document>,
@@ -140,20 +141,20 @@ impl Derived {
         self.advice.at(document, revision, coverage)
     }
 
-    /// What gold frames and their repeats say.
+    /// The values about gold frames and their repeats.
     pub(super) fn gold(&mut self, document: &Versioned<Document>) -> &GoldWork {
         let counts = self.counts.at(document);
         self.gold.update(document, counts, &mut self.templates);
         &self.gold.work
     }
 
-    /// What gold frames said when it was asked for last.
+    /// The values about gold frames at their last request.
     pub(super) const fn last_gold(&self) -> &GoldWork {
         &self.gold.work
     }
 }
 
-/// Every field that a document names, its own last; the same one may be there more than once.
+/// All fields that a document names: the cameras' own, then the document's. May contain duplicates.
 fn field_specs(document: &Document) -> Vec<FieldSpec> {
     let own = document
         .cameras

@@ -1,21 +1,22 @@
-//! Field templates of the user's own. They are read in the background: a network drive may not
-//! answer.
+//! The user's own field templates. They are read in the background, because a network drive may
+//! take long to answer.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_core::field::{FieldError, FieldModel, Template};
 use touchline_documents::document::{Document, FieldSpec};
 
-/// What became of a template.
+/// The state of a template.
 #[derive(Clone, Debug)]
 enum Reading {
-    /// Nobody was asked to read it yet.
+    /// Needed, but not requested yet.
     Wanted,
     Asked,
     Done(Result<Box<Template>, FieldError>),
 }
 
-/// The templates that a document's fields name, by their paths as the document writes them.
+/// The templates that a document's fields name. The keys are their paths as the document writes
+/// them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Templates(BTreeMap<String, Reading>);
 
@@ -48,7 +49,7 @@ impl Templates {
         Ok(field)
     }
 
-    /// Those that somebody has to be asked to read, each told once.
+    /// The templates to be read; each is returned once.
     pub(super) fn take_wanted(&mut self) -> Vec<String> {
         let wanted = self
             .0
@@ -62,7 +63,7 @@ impl Templates {
             .collect()
     }
 
-    /// Those that could not be read are to be read again.
+    /// Requests the templates that could not be read once more.
     pub(super) fn want_failed_again(&mut self) {
         for reading in self
             .0
@@ -73,7 +74,7 @@ impl Templates {
         }
     }
 
-    /// One was read, or cannot be.
+    /// Stores a template that was read, or the error.
     pub(super) fn put(&mut self, name: &str, template: Result<Box<Template>, FieldError>) {
         self.0.insert(name.to_owned(), Reading::Done(template));
     }

@@ -1,4 +1,4 @@
-//! A request as `jobs` sees it, and what its work is given.
+//! A request as `jobs` runs it, and the context that its work receives.
 
 use super::{Breakdown, Cancellation, Failure, Operation, Report, RequestId, Running};
 use std::any::Any;
@@ -9,7 +9,8 @@ use std::sync::Arc;
 use touchline_core::progress::Progress;
 use touchline_vision::media::ReadFrames;
 
-/// A request that is to be run on a thread of its own. Which operation it is stays inside.
+/// A request to be run on a thread of its own. The type of its operation is erased, so that `jobs`
+/// depends on no operation.
 #[derive(Clone)]
 pub struct Job {
     id: RequestId,
@@ -23,7 +24,8 @@ pub struct Job {
 type RunJob = dyn Fn(&dyn Decoders, &(dyn Fn(Report) + Sync)) -> Report + Send + Sync;
 
 impl Job {
-    /// A request, as the application keeps it and as `jobs` runs it.
+    /// Wraps an operation into the half that the application keeps and the half that `jobs` runs.
+    /// Both share the operation and the cancellation flag.
     pub(in crate::app) fn new<O: Operation>(id: RequestId, operation: O) -> (Running<O>, Self) {
         let (operation, cancellation) = (Arc::new(operation), Cancellation::default());
         let running = Running::new(id, Arc::clone(&operation), cancellation.clone());
@@ -58,49 +60,49 @@ impl Job {
         self.id
     }
 
-    /// The name of its operation.
+    /// The name of the operation; also the name of its thread.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         self.name
     }
 
-    /// What is to be done, where that is of this kind: for tests, which look at what was started.
+    /// The operation, if it is an `O`. For tests, which check what was started.
     #[must_use]
     pub fn operation<O: Operation>(&self) -> Option<&O> {
         self.operation.downcast_ref()
     }
 
-    /// Whether nobody waits for it any more.
+    /// Whether the application has dropped the request.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancellation.is_cancelled()
     }
 
-    /// Ends it early, as when the window closes.
+    /// Cancels the request, for instance when the window closes.
     pub fn cancel(&self) {
         self.cancellation.cancel();
     }
 
-    /// Does the work here and now. How far it has come goes to `send`; what came of it is returned.
+    /// Does the work on the calling thread. Passes progress to `send` and returns the result.
     #[must_use]
     pub fn run(&self, decoders: &dyn Decoders, send: &(dyn Fn(Report) + Sync)) -> Report {
         (self.run)(decoders, send)
     }
 
-    /// The report in place of a result where the work panicked.
+    /// The report to return if the work panicked.
     #[must_use]
     pub fn panicked(&self, message: String) -> Report {
         (self.fail)(self.id, Breakdown::Panicked(message))
     }
 
-    /// The report in place of a result where the system gave no thread.
+    /// The report to return if the system could not start a thread.
     #[must_use]
     pub fn not_started(&self, error: &io::Error) -> Report {
         (self.fail)(self.id, Breakdown::NotStarted(error.to_string()))
     }
 }
 
-/// Requests are numbered: two jobs of one number are one.
+/// Request numbers are unique, so two jobs with one number are the same request.
 impl PartialEq for Job {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id
@@ -113,18 +115,19 @@ impl fmt::Debug for Job {
     }
 }
 
-/// Where the work gets its pictures from; `jobs` lends them.
+/// Where the work gets its pictures from; implemented by `jobs`.
 pub trait Decoders: Sync {
-    /// A reader with a decoder of its own. It takes frames that the window has decoded already and
-    /// offers the window its own.
+    /// Opens a reader with a decoder of its own. The reader shares a cache with the window: it uses
+    /// frames that the window has decoded, and offers its own.
     fn open_reader(&self) -> Box<dyn ReadFrames>;
 
-    /// Pauses for a moment while the window waits for the picture that it shows: both would take
-    /// the same processor.
+    /// Pauses briefly while the window waits for the picture that it shows, because both need the
+    /// same processor.
     fn give_way_to_window(&self);
 }
 
-/// What the work of one request is given of the world outside. Any thread of the work may use it.
+/// What the work of one request may use: pictures, progress, cancellation. It may be shared between
+/// threads of the work.
 pub struct Context<'a, P> {
     decoders: &'a dyn Decoders,
     cancellation: &'a Cancellation,
@@ -132,32 +135,32 @@ pub struct Context<'a, P> {
 }
 
 impl<P> Context<'_, P> {
-    /// A reader of the document's frames. Its decoder is the work's own: opening one costs a seek,
-    /// so open one and keep it.
+    /// Opens a reader of the document's frames, with a decoder of its own. Opening one costs a
+    /// seek, so keep it.
     #[must_use]
     pub fn open_reader(&self) -> Box<dyn ReadFrames> {
         self.decoders.open_reader()
     }
 
-    /// Pauses for a moment while the window waits for the picture that it shows.
+    /// Pauses briefly while the window waits for the picture that it shows.
     pub fn give_way_to_window(&self) {
         self.decoders.give_way_to_window();
     }
 
-    /// Reports how far the work has come, and says whether to go on. A report may be lost where
-    /// others still wait to be taken.
+    /// Reports progress, and returns `Break` if the request has been cancelled. Reports may be
+    /// dropped while earlier ones are still queued.
     pub fn report(&self, progress: P) -> ControlFlow<()> {
         (self.send)(progress);
         self.check()
     }
 
-    /// The progress of the work, for the functions that do it.
+    /// [`Self::report`] in the form that the library's functions take.
     #[must_use]
     pub fn progress(&self) -> Progress<'_, P> {
         Progress::new(|progress| self.report(progress))
     }
 
-    /// Whether to go on: a break once the request has been cancelled.
+    /// Returns `Break` if the request has been cancelled.
     pub fn check(&self) -> ControlFlow<()> {
         if self.cancellation.is_cancelled() {
             ControlFlow::Break(())

@@ -1,19 +1,19 @@
-//! Slow work beside the window: how an operation is described, started, followed, cancelled and
-//! taken over.
+//! Slow work beside the window: how an operation is described, started, observed, cancelled, and
+//! how its result enters the application.
 //!
-//! An operation is a value that holds all that its work needs. Its way through the program:
+//! An operation is a value that holds all inputs of its work. Its way through the program:
 //!
 //! 1. `App::start` gives it a [`RequestId`], keeps it in the [`Slot`] of its kind and returns it to
 //!    the shell as a [`Job`].
 //! 2. `jobs` runs the job on a thread of its own. It does not know which operation that is.
-//! 3. What the work has to say comes back as [`Report`]s. A report carries its own types, so that
-//!    it reaches [`Operation::take_over`] without a cast and without a list of all operations.
+//! 3. Progress and result come back as [`Report`]s. A report carries its own types, so it reaches
+//!    [`Operation::take_over`] without a cast and without a list of all operations.
 //! 4. A report whose request is no longer in its slot is dropped. No operation compares request ids
 //!    itself.
 //!
-//! A request is cancelled by dropping it from its slot. Whatever makes the application forget a
-//! request (the user stops it, a newer one of the same kind replaces it, another document is
-//! opened) therefore also ends its work; nobody has to remember to.
+//! A request is cancelled by dropping it from its slot. Whatever removes the request (the user
+//! stops it, a newer one of the same kind replaces it, another document is opened) therefore also
+//! ends its work, without further code.
 
 mod job;
 #[cfg(test)]
@@ -32,70 +32,70 @@ use super::session::Level;
 use std::fmt::{Debug, Display};
 use thiserror::Error;
 
-/// One kind of slow work. The value is the input: what the work needs of the document is copied
-/// into it (documents share their parts, so that a copy is cheap), because the document goes on
-/// changing while the work runs.
+/// One kind of slow work. The value is the input: a copy of what the work needs of the document,
+/// because the document may change while the work runs. Documents share their parts, so a copy is
+/// cheap.
 ///
-/// Everything about an operation stands in its own file below `app/operations/`; `Operations` there
-/// has a field for its state.
+/// All code of an operation is in its own file in `app/operations/`; `Operations` there has a field
+/// for its state.
 pub trait Operation: Sized + Send + Sync + 'static {
-    /// How far the work has come. [`std::convert::Infallible`] where it does not say.
+    /// Progress of the work. [`std::convert::Infallible`] if it reports none.
     type Progress: Debug + Send + 'static;
-    /// What the work gives.
+    /// The result of the work.
     type Output: Send + 'static;
-    /// Why the work gives nothing. Its text completes a sentence that the operation begins.
+    /// Why the work failed. Its text completes a sentence that the operation begins.
     type Error: Display + Send + 'static;
 
     /// The name of the thread, for debuggers and bug reports.
     const NAME: &'static str;
 
-    /// Does the work, on a thread of its own. It asks `context` often enough whether it is
-    /// cancelled; what it returns then is dropped.
+    /// Does the work, on a thread of its own. It checks `context` regularly for cancellation; the
+    /// result of a cancelled request is dropped.
     ///
     /// # Errors
-    /// Whatever the operation says.
+    /// Any error of the operation's own.
     fn run(&self, context: &Context<'_, Self::Progress>) -> Result<Self::Output, Self::Error>;
 
-    /// Where the request is kept while it runs. One slot holds one request: starting another
-    /// cancels the first.
+    /// The slot that holds the request while it runs. A slot holds one request: starting another
+    /// one cancels the first.
     fn slot(app: &mut App) -> &mut Slot<Self>;
 
-    /// Whether the result has to wait, as for the end of a drag. Asked again after each action;
-    /// meanwhile the request stays in its slot and can still be cancelled.
+    /// Whether the result must wait, for instance for the end of a drag. Evaluated again after each
+    /// action. Meanwhile the request stays in its slot and can still be cancelled.
     fn must_wait(_app: &App) -> bool {
         false
     }
 
-    /// Takes the result into the application. By now the slot is empty, so that the operation may
-    /// be started again.
+    /// Puts the result into the application. The slot is empty by then, so the operation may be
+    /// started again from here.
     fn take_over(&self, app: &mut App, result: Result<Self::Output, Failure<Self::Error>>);
 }
 
-/// Why a request has no output.
+/// Why a request has no result.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Failure<E> {
-    /// The work ended with an error of its own.
+    /// The work returned an error.
     #[error("{0}")]
     Failed(E),
-    /// The work broke down.
+    /// The work did not run to its end.
     #[error(transparent)]
     Broken(Breakdown),
 }
 
-/// How work can break down, whichever it is.
+/// Failures that can happen to any operation.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Breakdown {
-    /// It panicked with this message.
+    /// The work panicked with this message.
     #[error("internal error (please report it): {0}")]
     Panicked(String),
-    /// The system gave no thread, for this reason.
+    /// The system could not start a thread, for this reason.
     #[error("the system could not start a thread: {0}")]
     NotStarted(String),
 }
 
 impl<E> Failure<E> {
-    /// How loudly the user is told: an error of the work itself is a warning, since it usually says
-    /// what to do instead.
+    /// The severity of the message to the user. An error of the work itself is a warning, since its
+    /// text usually says what to do.
     #[must_use]
     pub const fn level(&self) -> Level {
         match self {

@@ -1,11 +1,11 @@
-//! An operation for tests, which does what the test tells it.
+//! An operation for tests: a channel dictates what it does.
 
 use super::{Context, Failure, Operation, Slot};
 use crate::app::{App, Effect};
 use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// What the work is to do next.
+/// The next thing that the work does.
 pub enum Step {
     Report(u32),
     Return(u32),
@@ -15,7 +15,7 @@ pub enum Step {
 
 pub struct Probe(Mutex<Receiver<Step>>);
 
-/// What a test sees of it in the application.
+/// The probe's state in the application, for tests to inspect.
 #[derive(Debug, Default)]
 pub struct ProbeState {
     pub slot: Slot<Probe>,
@@ -24,7 +24,7 @@ pub struct ProbeState {
 }
 
 impl Probe {
-    /// A probe, and what tells it its steps.
+    /// A probe, and the channel that dictates its steps.
     pub fn new() -> (Self, Sender<Step>) {
         let (sender, steps) = channel();
         (Self(Mutex::new(steps)), sender)

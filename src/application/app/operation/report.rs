@@ -1,23 +1,22 @@
-//! What the work of an operation reports.
+//! Reports: how progress and results travel from the thread of an operation to the application.
 
 use super::{Failure, Operation, RequestId};
 use crate::app::App;
 use std::fmt;
 
-/// What a request has to say: how far it has come, or what came of it. It holds the values with
-/// their types and knows what becomes of them, so that nothing on the way from the thread to the
-/// application has to know the operation.
+/// Progress or result of a request. It holds the value with its type and a function that applies
+/// it, so nothing between the thread and the application needs to know the operation.
 pub struct Report {
     id: RequestId,
     name: &'static str,
     apply: Box<Apply>,
 }
 
-/// Takes a report into the application, or returns it where it has to wait.
+/// Applies a report to the application, or returns it if it must wait.
 type Apply = dyn FnOnce(&mut App) -> Option<Report> + Send;
 
 impl Report {
-    /// A request has come this far.
+    /// A report of progress.
     #[must_use]
     pub fn of_progress<O: Operation>(id: RequestId, progress: O::Progress) -> Self {
         let apply = move |app: &mut App| {
@@ -31,7 +30,7 @@ impl Report {
         }
     }
 
-    /// A request has ended.
+    /// A report of the result.
     #[must_use]
     pub fn of_end<O: Operation>(
         id: RequestId,
@@ -41,8 +40,8 @@ impl Report {
             if O::slot(app).is_running_as(id) && O::must_wait(app) {
                 return Some(Self::of_end::<O>(id, result));
             }
-            // Nothing where it was cancelled or replaced, or belongs to a document that has been
-            // closed.
+            // The slot no longer holds this request if it was cancelled or replaced, or if its
+            // document was closed. Then the result is dropped.
             if let Some(operation) = O::slot(app).finish(id) {
                 operation.take_over(app, result);
             }
@@ -55,7 +54,7 @@ impl Report {
         }
     }
 
-    /// Takes the report into the application. One that has to wait comes back.
+    /// Applies the report, or returns it if it must wait.
     pub(in crate::app) fn apply(self, app: &mut App) -> Option<Self> {
         (self.apply)(app)
     }
@@ -67,7 +66,7 @@ impl fmt::Debug for Report {
     }
 }
 
-/// Actions are compared in tests of the window, which sends no reports: a report equals only
+/// Needed to compare actions in tests of the window, which send no reports: a report equals only
 /// itself.
 impl PartialEq for Report {
     fn eq(&self, other: &Self) -> bool {

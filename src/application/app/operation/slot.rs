@@ -1,31 +1,31 @@
-//! Where the application keeps a request while it runs, its number, and how it is cancelled.
+//! The slot that holds a request while it runs, the number of a request, and its cancellation.
 
 use super::Operation;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The number of a request. The application counts all of its requests with one counter, so that
-/// none repeats, whatever is opened or closed in between.
+/// The number of a request. One counter serves the whole run of the program, so numbers never
+/// repeat, even after another document is opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RequestId(u64);
 
 impl RequestId {
-    /// Counts one up and returns the new number.
+    /// Increments the number and returns it.
     pub(in crate::app) const fn advance(&mut self) -> Self {
         self.0 += 1;
         *self
     }
 }
 
-/// Whether a request has been cancelled: shared by the application, which cancels, and the thread,
-/// which asks.
+/// Whether a request has been cancelled. Shared by the application, which sets it, and the thread,
+/// which reads it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cancellation(Arc<AtomicBool>);
 
 impl Cancellation {
     pub(super) fn cancel(&self) {
-        // Nothing else is published with the flag: the thread only has to see it soon.
+        // Relaxed: the flag publishes no other data, and the thread only has to see it soon.
         self.0.store(true, Ordering::Relaxed);
     }
 
@@ -34,12 +34,11 @@ impl Cancellation {
     }
 }
 
-/// The request of one kind of operation that is running, if any. Replacing or dropping it cancels
-/// it.
+/// The running request of one kind of operation, if any. Replacing or dropping it cancels it.
 pub struct Slot<O: Operation>(Option<Running<O>>);
 
-/// A request that has been started and not yet taken over. It cannot be copied: dropping it cancels
-/// it.
+/// A request that was started and whose result has not been taken over. Not `Clone`, because
+/// dropping it cancels the work.
 pub struct Running<O: Operation> {
     id: RequestId,
     operation: Arc<O>,
@@ -69,13 +68,13 @@ impl<O: Operation> Running<O> {
         self.id
     }
 
-    /// What is being done.
+    /// The operation, with its inputs.
     #[must_use]
     pub fn operation(&self) -> &O {
         &self.operation
     }
 
-    /// How far it has come; none before it says so.
+    /// The last reported progress; none before the first report.
     #[must_use]
     pub const fn progress(&self) -> Option<&O::Progress> {
         self.progress.as_ref()
@@ -83,42 +82,42 @@ impl<O: Operation> Running<O> {
 }
 
 impl<O: Operation> Slot<O> {
-    /// The request that is running.
+    /// The running request, if any.
     #[must_use]
     pub const fn running(&self) -> Option<&Running<O>> {
         self.0.as_ref()
     }
 
-    /// Whether one is.
+    /// Whether a request is running.
     #[must_use]
     pub const fn is_running(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Cancels what is running; whether anything was.
+    /// Cancels the running request. Returns whether there was one.
     pub(in crate::app) fn cancel(&mut self) -> bool {
         self.0.take().is_some()
     }
 
-    /// Keeps a request that has been started; the one before is cancelled.
+    /// Keeps a request that was just started, and cancels the previous one.
     pub(in crate::app) fn replace(&mut self, running: Running<O>) {
         self.0 = Some(running);
     }
 
-    /// Notes how far the request of this number has come; nothing where it is no longer running.
+    /// Stores the progress of the request `id`. Does nothing if that request no longer runs.
     pub(super) fn set_progress(&mut self, id: RequestId, progress: O::Progress) {
         if let Some(running) = self.0.as_mut().filter(|running| running.id == id) {
             running.progress = Some(progress);
         }
     }
 
-    /// Whether the request of this number is running.
+    /// Whether the request `id` is running.
     pub(super) fn is_running_as(&self, id: RequestId) -> bool {
         self.0.as_ref().is_some_and(|running| running.id == id)
     }
 
-    /// Empties the slot and returns the operation of the request of this number; none where it is
-    /// no longer running.
+    /// Empties the slot and returns the operation of the request `id`. None if that request no
+    /// longer runs.
     pub(super) fn finish(&mut self, id: RequestId) -> Option<Arc<O>> {
         Some(Arc::clone(
             &self.0.take_if(|running| running.id == id)?.operation,

@@ -1,5 +1,6 @@
-//! The base of a camera, estimated from the clicks of its frames and the paint in their pictures:
-//! on request, shown as a proposal, taken over as one step of undo.
+//! Estimates a camera's base from the clicks of its frames and, if the user wants it, from the
+//! painted lines of their pictures. The result is shown as a proposal; using it is one step of
+//! undo.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
@@ -18,60 +19,60 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, BaseProgress};
 use touchline_documents::document::{CameraId, Document, Frame, Step};
 
-/// The base of a camera is to be estimated.
+/// Estimates the base of a camera.
 #[derive(Debug)]
 pub struct BaseEstimate {
     document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     folder: PathBuf,
     camera: CameraId,
-    /// The field's size is fitted as well.
+    /// Whether the size of the field is fitted as well.
     with_size: bool,
-    /// The painted lines of the pictures take part.
+    /// Whether the painted lines of the pictures are used as well.
     with_paint: bool,
-    /// From what, in words.
+    /// The data used, as text.
     pub from: String,
 }
 
-/// How far an estimation has come.
+/// The progress of an estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EstimateProgress {
     /// Adjustments to points, or to points and paint.
     Adjusting(BaseProgress),
-    /// Pictures whose painted lines were looked at.
+    /// Pictures examined for painted lines.
     Looking {
-        /// So far.
+        /// Their number so far.
         pictures: usize,
     },
 }
 
-/// Why there is no base.
+/// Why no base was found.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BaseEstimateError {
-    /// The frames give none.
+    /// The clicks do not determine one.
     #[error(transparent)]
     Impossible(#[from] BaseEstimationError),
-    /// The frames and their painted lines give none.
+    /// The clicks and painted lines do not determine one.
     #[error(transparent)]
     OnPaint(#[from] BaseOnPaintError),
 }
 
-/// The estimation under way, and what the last one found.
+/// The running estimation, and the last result.
 #[derive(Debug, Default)]
 pub struct BaseEstimateState {
     slot: Slot<BaseEstimate>,
     last: LastEstimate,
 }
 
-/// What has become of the last base that was estimated.
+/// The state of the last result.
 #[derive(Debug, Default)]
 enum LastEstimate {
-    /// There is none, or it was discarded.
+    /// There is none, or the user dismissed it.
     #[default]
     Nothing,
-    /// It is shown, but not taken over.
+    /// It is shown and waits for the user's decision.
     Proposed(Arc<EstimatedBase>),
-    /// It was taken over; its tables stay to be worked with.
+    /// The user accepted it. Its tables remain available.
     Applied(Arc<EstimatedBase>),
 }
 
@@ -90,7 +91,8 @@ impl Operation for BaseEstimate {
     ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
         let reported = Mutex::new(None);
         let progress = Progress::new(|progress: EstimateProgress| {
-            // Adjustments are made by several threads, whose counts overtake each other on the way.
+            // Several threads adjust, so their counts may arrive out of order. Only later ones are
+            // reported.
             let mut reported = reported.lock().unwrap_or_else(PoisonError::into_inner);
             if reported.is_some_and(|before| !progress.is_later_than(before)) {
                 return context.check();
@@ -129,7 +131,7 @@ impl Operation for BaseEstimate {
 }
 
 impl BaseEstimate {
-    /// The base from clicks alone.
+    /// Estimates the base from clicks alone.
     fn estimate(
         &self,
         progress: &Progress<'_, EstimateProgress>,
@@ -145,7 +147,7 @@ impl BaseEstimate {
         Ok(Box::new(found?))
     }
 
-    /// The base from clicks and painted lines.
+    /// Estimates the base from clicks and painted lines.
     fn estimate_on_paint(
         &self,
         context: &Context<'_, EstimateProgress>,
@@ -156,7 +158,7 @@ impl BaseEstimate {
         let mut count = 0;
         let mut pictures = |frame: &Frame| {
             count += 1;
-            // Without further pictures the estimation ends soon.
+            // After a cancellation no further pictures are read, and the estimation ends soon.
             let goes_on = progress
                 .report(EstimateProgress::Looking { pictures: count })
                 .is_continue();
@@ -180,13 +182,13 @@ impl BaseEstimate {
 // ---- In the application ----
 
 impl BaseEstimateState {
-    /// The estimation that is under way.
+    /// The running estimation.
     #[must_use]
     pub const fn running(&self) -> Option<&Running<BaseEstimate>> {
         self.slot.running()
     }
 
-    /// What was found and waits for a decision.
+    /// The result that waits for the user's decision.
     #[must_use]
     pub const fn proposed(&self) -> Option<&Arc<EstimatedBase>> {
         match &self.last {
@@ -195,7 +197,7 @@ impl BaseEstimateState {
         }
     }
 
-    /// What was taken over.
+    /// The result that the user accepted.
     #[must_use]
     pub const fn applied(&self) -> Option<&Arc<EstimatedBase>> {
         match &self.last {
@@ -204,7 +206,7 @@ impl BaseEstimateState {
         }
     }
 
-    /// What was found last, taken over or not.
+    /// The last result, accepted or not.
     #[must_use]
     pub fn found(&self) -> Option<&EstimatedBase> {
         self.proposed()
@@ -212,7 +214,7 @@ impl BaseEstimateState {
             .map(|found| &**found)
     }
 
-    /// Something is being estimated or waits for a decision.
+    /// Whether an estimation is running or a result waits for a decision.
     #[must_use]
     pub const fn is_open(&self) -> bool {
         self.slot.is_running() || self.proposed().is_some()
@@ -220,7 +222,7 @@ impl BaseEstimateState {
 }
 
 impl App {
-    /// Why a command of the estimation is not available; none if it is.
+    /// Why a command of the estimation is not available. None if it is.
     pub(in crate::app) fn why_not_base_estimate(&self, command: Command) -> Option<&'static str> {
         let state = &self.operations.base_estimate;
         match command {
@@ -246,7 +248,7 @@ impl App {
         }
     }
 
-    /// Has the base estimated in the background, and the field's size with it.
+    /// Starts an estimation of the base, and of the field's size `with_size`.
     fn estimate_base(&mut self, with_size: bool) {
         let ready = self.base_readiness();
         let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
@@ -279,7 +281,7 @@ impl App {
         self.session.panel = SidePanel::Camera;
     }
 
-    /// Gives up what is being estimated or what was found.
+    /// Stops the running estimation and dismisses a result that waits for a decision.
     pub(in crate::app) fn drop_estimated_base(&mut self) {
         let state = &mut self.operations.base_estimate;
         state.slot.cancel();
@@ -288,7 +290,7 @@ impl App {
         }
     }
 
-    /// Takes over what was found: one step of undo.
+    /// Writes the proposed base into the document; one step of undo.
     fn use_estimated_base(&mut self) {
         if let Some(found) = self.operations.base_estimate.proposed() {
             let change = BulkChange::Base(Arc::clone(found));
@@ -300,7 +302,8 @@ impl App {
         }
     }
 
-    /// The names of a frame's clicks are right now: it is no longer listed as mirrored.
+    /// Removes a frame from the list of frames with mirrored names, because the user has corrected
+    /// it.
     pub(in crate::app) fn forget_mirrored(&mut self, frame: usize) {
         let last = &mut self.operations.base_estimate.last;
         if let LastEstimate::Proposed(found) | LastEstimate::Applied(found) = last {
@@ -311,7 +314,7 @@ impl App {
         }
     }
 
-    /// What follows in the window from a base that was taken over.
+    /// Updates the application after a proposed base was written into the document.
     fn tell_base_used(&mut self, change: &BulkChange) {
         let BulkChange::Base(found) = change else {
             return;
@@ -326,7 +329,7 @@ impl App {
 // ---- Words ----
 
 impl EstimateProgress {
-    /// Whether this was reported later than another.
+    /// Whether this progress is later than the other. A change of the kind counts as later.
     const fn is_later_than(self, other: Self) -> bool {
         match (self, other) {
             (Self::Adjusting(this), Self::Adjusting(other)) => this.done > other.done,
@@ -335,7 +338,7 @@ impl EstimateProgress {
         }
     }
 
-    /// In a few words: "12 of 40 adjustments".
+    /// The progress, such as "12 of 40 adjustments".
     #[must_use]
     pub fn describe(self) -> String {
         match self {
@@ -347,7 +350,7 @@ impl EstimateProgress {
         }
     }
 
-    /// The share that is done, where it is known.
+    /// The share that is done, 0 to 1; none if the total is unknown.
     #[must_use]
     pub fn share(self) -> Option<f32> {
         match self {
@@ -360,7 +363,7 @@ impl EstimateProgress {
 }
 
 impl BaseEstimateState {
-    /// The estimation under way, with how far it has come.
+    /// The running estimation with its progress, for the status row.
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         let running = self.slot.running()?;
@@ -381,7 +384,7 @@ impl BaseEstimateState {
     }
 }
 
-/// The outcome in one sentence, with what it was before.
+/// The result in one sentence, with the error of the previous base.
 fn describe(found: &EstimatedBase) -> String {
     let estimate = &found.estimate;
     let frames = estimate.frames.iter().flatten().count();

@@ -1,9 +1,9 @@
-//! The base refined on the shot of the shown frame: cameras are tracked through it, the painted
-//! lines of all its frames correct the base, and that is repeated until it moves no more. One
-//! clicked frame is enough.
+//! Refines the base on the clip of the shown frame. One clicked frame is enough: cameras are
+//! tracked through the clip, the painted lines of all its frames correct the base, and both are
+//! repeated until the base no longer changes.
 //!
-//! What it gives is the base alone, one step of undo. The shot is then tracked with it as any shot
-//! is, from the points that were followed already.
+//! Only the base and the field's size are taken over, as one step of undo. Then the clip is tracked
+//! with them as usual; the points that were followed for the refinement are reused.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
@@ -21,45 +21,46 @@ use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, CameraId, Document, Step};
 
-/// The base of a shot's camera is to be refined.
+/// Refines the base of a clip's camera.
 pub struct BaseRefinement {
     document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     folder: PathBuf,
-    /// The index of a frame of the shot.
+    /// The index of one frame of the clip.
     frame: usize,
 }
 
-/// A base that was refined on a shot.
+/// A base that was refined on a clip.
 pub struct RefinedBase {
-    /// The document with it.
+    /// The document with the refined base.
     found: Document,
-    /// How far the lines lay beside paint held out, before the first round and after the last, px;
-    /// none where no base was better.
+    /// Median distance between the lines and paint that was held out of the fit, before the first
+    /// round and after the last, px. None if no round of paint improved the base; if it changed all
+    /// the same, it was estimated from the points.
     off_px: Option<(f64, f64)>,
-    /// What the pictures of the shot say.
+    /// Points tracked through the pictures of the clip, and the paint found in them.
     evidence: ClipEvidence,
 }
 
-/// How far it has come.
+/// The progress of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefinementProgress {
-    /// The shot is tracked.
+    /// The clip is being tracked.
     Tracking(ClipProgress),
-    /// The base is adjusted to the painted lines.
+    /// The base is being adjusted to the painted lines.
     Adjusting,
 }
 
 /// Why no base was refined.
 #[derive(Debug, Error)]
 pub enum BaseRefinementError {
-    /// The frame shows nothing.
+    /// The frame has no picture.
     #[error("the frame has no picture")]
     NoPicture,
-    /// The field of its camera is not valid.
+    /// The field of the camera is invalid.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// The shot could not be tracked.
+    /// The clip could not be tracked.
     #[error("{0}")]
     Track(String),
     /// The user stopped it.
@@ -67,7 +68,8 @@ pub enum BaseRefinementError {
     Stopped,
 }
 
-/// A base being refined, and what the pictures of its shot say.
+/// The running refinement. `evidence` belongs to a refined base that is being written into the
+/// document; the tracking that follows uses it.
 #[derive(Debug, Default)]
 pub(in crate::app) struct BaseRefinementState {
     slot: Slot<BaseRefinement>,
@@ -76,16 +78,17 @@ pub(in crate::app) struct BaseRefinementState {
 
 // ---- The work ----
 
-/// What the rounds of a refinement came to.
+/// What the events of a refinement amount to.
 #[derive(Default)]
 struct RoundsOutcome {
-    /// As [`RefinedBase::off_px`].
+    /// See [`RefinedBase::off_px`].
     off_px: Option<(f64, f64)>,
-    /// Why the shot could not be tracked.
+    /// Why the clip could not be tracked.
     failure: Option<String>,
 }
 
 impl RoundsOutcome {
+    /// Updates the outcome by an event of the pipeline.
     fn note(&mut self, event: &TrackingEvent) {
         match event {
             TrackingEvent::Refined(_, seen) => {
@@ -119,6 +122,7 @@ impl Operation for BaseRefinement {
             ..TrackingOptions::default()
         };
         let (mut evidence, outcome) = (Vec::new(), Mutex::new(RoundsOutcome::default()));
+        // Two kinds of events are progress; the others describe the outcome.
         let progress = Progress::new(|event| match event {
             TrackingEvent::Progress(progress) => {
                 context.report(RefinementProgress::Tracking(progress))
@@ -142,6 +146,7 @@ impl Operation for BaseRefinement {
             &mut evidence,
             &progress,
         )?;
+        // Ends its borrow of `outcome`.
         drop(progress);
         let RoundsOutcome { off_px, failure } =
             outcome.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -177,12 +182,12 @@ impl Operation for BaseRefinement {
 }
 
 impl BaseRefinement {
-    /// The clip that the frame belongs to.
+    /// The frames of the clip.
     fn clip(&self) -> Option<ClipFrames> {
         clip_of_frame(self.document.at(&self.folder), self.frame)
     }
 
-    /// The camera of the shot.
+    /// The camera of the clip.
     fn camera(&self) -> Option<&CameraId> {
         self.document
             .frames
@@ -194,7 +199,7 @@ impl BaseRefinement {
 // ---- In the application ----
 
 impl App {
-    /// Why the base cannot be refined on the shown shot; none if it can.
+    /// Why the base cannot be refined on the shown clip. None if it can.
     pub(in crate::app) fn why_not_refine_base(&self) -> Option<&'static str> {
         if self.operations.base_refinement.slot.is_running() {
             return Some("The base is being refined already.");
@@ -215,7 +220,7 @@ impl App {
         self.why_not_follow_points()
     }
 
-    /// Refines the base on the shown shot.
+    /// Starts a refinement on the shown clip.
     pub(in crate::app) fn refine_base_on_shot(&mut self) {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
@@ -227,7 +232,7 @@ impl App {
         });
     }
 
-    /// Stops it; whether there was anything to stop.
+    /// Stops the refinement. Returns whether one was running.
     pub(in crate::app) fn stop_refining_base(&mut self) -> bool {
         let is_stopped = self.operations.base_refinement.slot.cancel();
         if is_stopped {
@@ -239,17 +244,19 @@ impl App {
         is_stopped
     }
 
-    /// Whether a base is being refined.
+    /// Whether a refinement is running.
     pub(in crate::app) const fn is_refining_base(&self) -> bool {
         self.operations.base_refinement.slot.is_running()
     }
 
-    /// Takes a refined base over: one step of undo, and the shot is tracked with it.
+    /// Writes a refined base into the document, as one step of undo, and tracks the clip with it.
     fn take_refined_base(&mut self, refinement: &BaseRefinement, refined: RefinedBase) {
         let Some(open) = &self.open else { return };
         let Some(camera) = refinement.camera() else {
             return;
         };
+        // The base and the field: a refinement may change both, and is valid only for those that it
+        // began with.
         let base_and_field = |document: &Document| {
             (
                 document.camera(camera).and_then(Camera::base),
@@ -275,6 +282,8 @@ impl App {
             );
             return;
         };
+        // Only the base and the field are copied; everything else may have changed since the work
+        // started.
         let mut numbers = open.document.clone();
         numbers.field.clone_from(&found.field);
         if let (Some(known), Some(of_found)) = (numbers.camera_mut(camera), found.camera(camera)) {
@@ -303,7 +312,7 @@ impl App {
 // ---- Words ----
 
 impl BaseRefinementState {
-    /// The refinement under way, with how far it has come.
+    /// The running refinement with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let text = match self.slot.running()?.progress() {
             None => "Refining the base on this shot…".to_owned(),
@@ -325,7 +334,7 @@ impl BaseRefinementState {
     }
 }
 
-/// How much nearer to the paint its lines lie.
+/// How much nearer to the paint the lines are, as text.
 fn describe_refined(off_px: Option<(f64, f64)>) -> String {
     match off_px {
         Some((before, after)) => format!(

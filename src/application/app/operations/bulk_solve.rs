@@ -1,5 +1,8 @@
-//! Changes after which many frames are solved again: few at once, many in the background, each one
-//! step of undo.
+//! Changes that require many frames to be solved again, such as a new base. Each is one step of
+//! undo. A change of few frames is made at once, one of many in the background.
+//!
+//! The user may edit the document while the background works. The result is therefore joined with
+//! the document as it is at the end; if they no longer fit together, the work starts again.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
@@ -11,23 +14,24 @@ use touchline_core::geometry::thousands;
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::Step;
 
-/// A change of fewer frames than this is made at once: a frame takes 0.1 ms.
+/// From this number of frames on, a change is made in the background. A frame takes 0.1 ms.
 const IN_BACKGROUND: usize = 200;
 
-/// A change is to be worked out.
+/// Computes a change.
 #[derive(Debug)]
 pub struct BulkSolving {
     work: BulkSolve,
-    /// The step of undo that it becomes.
+    /// The resulting step of undo.
     step: Step,
-    /// What follows in the window once it is made.
+    /// What to do in the application afterwards.
     then: AfterBulk,
 }
 
-/// What follows in the window from a change that was made: whoever asked for the change knows.
+/// What to do in the application after a change was made; given by the function that started the
+/// change.
 pub type AfterBulk = fn(&mut App, &BulkChange);
 
-/// The change that is being worked out.
+/// The change that is being computed.
 #[derive(Debug, Default)]
 pub struct BulkSolveState {
     slot: Slot<BulkSolving>,
@@ -45,7 +49,8 @@ impl Operation for BulkSolving {
     fn run(&self, context: &Context<'_, Share>) -> Result<Box<BulkSolved>, BulkError> {
         let furthest = AtomicUsize::new(0);
         let watched = Progress::new(|progress: Share| {
-            // Frames are solved by several threads, whose counts overtake each other on the way.
+            // Several threads solve frames, so their counts may arrive out of order. Only increases
+            // are reported.
             let is_further = furthest.fetch_max(progress.done, Ordering::Relaxed) < progress.done;
             if is_further {
                 context.report(progress)
@@ -77,7 +82,7 @@ impl Operation for BulkSolving {
 // ---- In the application ----
 
 impl BulkSolveState {
-    /// Whether a change is being worked out.
+    /// Whether a change is being computed.
     #[must_use]
     pub const fn is_running(&self) -> bool {
         self.slot.is_running()
@@ -85,8 +90,9 @@ impl BulkSolveState {
 }
 
 impl App {
-    /// Makes a change as one step of undo: at once, or in the background where it concerns many
-    /// frames. False, with a message, where it cannot be made now. `then` follows once it is made.
+    /// Makes a change as one step of undo: at once, or in the background if it affects many frames.
+    /// Calls `then` after the change was made. Returns false, with a message, if the change cannot
+    /// be made now.
     pub(in crate::app) fn change_in_bulk(
         &mut self,
         step: Step,
@@ -112,6 +118,7 @@ impl App {
             folder: open.folder.clone(),
             change,
         };
+        // Many frames are solved in the background, few at once.
         if work.frames() >= IN_BACKGROUND {
             self.start(BulkSolving { work, step, then });
             return true;
@@ -125,13 +132,13 @@ impl App {
         }
     }
 
-    /// Why there is nothing to stop; none if there is.
+    /// Why there is nothing to stop. None if a change is being computed.
     pub(in crate::app) fn why_not_stop_bulk(&self) -> Option<&'static str> {
         (!self.operations.bulk_solve.slot.is_running())
             .then_some("No frames are being solved again.")
     }
 
-    /// Stops the change that is being worked out; nothing has changed.
+    /// Stops the change that is being computed. The document stays as it is.
     pub(in crate::app) fn stop_bulk(&mut self) {
         let slot = &mut self.operations.bulk_solve.slot;
         let Some(name) = slot
@@ -147,8 +154,9 @@ impl App {
         );
     }
 
-    /// Joins a change with the document as it is now; where that has changed too much it is worked
-    /// out again.
+    /// Joins a computed change with the document as it is now, as one step of undo. If the document
+    /// has changed too much for that, computes the change again in the background. Returns false if
+    /// neither is possible.
     fn join_bulk(&mut self, step: Step, solved: &BulkSolved, then: AfterBulk) -> bool {
         let Some(open) = &self.open else { return false };
         let joined = match solved.join(&open.document) {
@@ -193,7 +201,7 @@ impl App {
 // ---- Words ----
 
 impl BulkSolveState {
-    /// The change under way, with how far it has come.
+    /// The running change with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let text = describe(self.slot.running()?);
         Some(UnderWay {
@@ -204,7 +212,7 @@ impl BulkSolveState {
     }
 }
 
-/// What is being done, in one sentence.
+/// The running change and its progress, in one sentence.
 fn describe(running: &Running<BulkSolving>) -> String {
     let far = running.progress().map(|progress| {
         format!(

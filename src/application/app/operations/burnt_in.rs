@@ -1,5 +1,5 @@
-//! Graphics that are burned into the pictures: looked for when a document is opened, and the
-//! question what becomes of them.
+//! Searches the pictures for burned-in graphics (score boards, logos) when a document is opened,
+//! and asks the user whether to mask them.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::session::{Level, SidePanel};
@@ -14,21 +14,21 @@ use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, Step};
 use touchline_vision::features::FeatureOptions;
 
-/// The pictures of a document are to be searched for graphics.
+/// Searches the pictures of a document for burned-in graphics.
 #[derive(Debug)]
 pub struct BurntInSearch {
     document: Document,
-    /// Its file: features of its pictures are kept beside it.
+    /// The document's file. Features of its pictures are cached beside it.
     file: PathBuf,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     folder: PathBuf,
 }
 
-/// The search of the open document, and what it found.
+/// The search on the open document, and its result.
 #[derive(Debug, Default)]
 pub(in crate::app) struct BurntInState {
     slot: Slot<BurntInSearch>,
-    /// Graphics about which the user has not decided.
+    /// Graphics for which the user has not decided.
     undecided: Vec<FoundMask>,
 }
 
@@ -42,7 +42,7 @@ impl Operation for BurntInSearch {
     const NAME: &'static str = "burned-in graphics";
 
     fn run(&self, context: &Context<'_, Infallible>) -> Result<Vec<FoundMask>, Infallible> {
-        // The trainer looks at some of the same pictures.
+        // The same cache as the trainer's, which needs some of the same pictures.
         let store = FeatureStore::on_disk(&WorkFolder::beside(&self.file));
         let (document, folder, options) =
             (&self.document, &*self.folder, FeatureOptions::default());
@@ -75,7 +75,7 @@ impl Operation for BurntInSearch {
 // ---- In the application ----
 
 impl App {
-    /// Why the user has nothing to decide; none if there is something.
+    /// Why there is nothing for the user to decide. None if there is.
     pub(in crate::app) fn why_not_decide_burnt_in(&self) -> Option<&'static str> {
         self.operations
             .burnt_in
@@ -84,7 +84,7 @@ impl App {
             .then_some("There are no burned-in graphics to decide about.")
     }
 
-    /// Looks for burned-in graphics in the document that has just been opened.
+    /// Starts a search in the document that was just opened.
     pub(in crate::app) fn find_burnt_in(&mut self) {
         if self.no_trainer().is_some() {
             return;
@@ -108,10 +108,10 @@ impl App {
         });
     }
 
-    /// Asks what becomes of the graphics that were found.
+    /// Asks the user whether to mask the graphics that were found.
     fn ask_about_burnt_in(&mut self, found: Vec<FoundMask>) {
         let Some(open) = &self.open else { return };
-        // A mask may have been drawn while the search ran.
+        // The user may have drawn a mask while the search ran.
         let found: Vec<FoundMask> = found
             .into_iter()
             .filter(|found| is_unmasked(&open.document, found))
@@ -128,7 +128,7 @@ impl App {
         self.operations.burnt_in.undecided = found;
     }
 
-    /// The graphics that were found become masks of their cameras: one step of undo.
+    /// Makes the graphics masks of their cameras; one step of undo.
     pub(in crate::app) fn keep_burnt_in(&mut self) {
         let found = std::mem::take(&mut self.operations.burnt_in.undecided);
         self.session.retract(Command::KeepBurntIn);
@@ -142,15 +142,14 @@ impl App {
         );
     }
 
-    /// The same, and the masks can be changed.
+    /// Does the same, and opens the masks for editing.
     pub(in crate::app) fn change_burnt_in(&mut self) {
         self.keep_burnt_in();
         self.session.picture.masks = true;
         self.session.panel = SidePanel::Camera;
     }
 
-    /// The boxes that look burned in and cover the shown frame, while it is asked what becomes of
-    /// them.
+    /// The boxes of undecided graphics in the shown frame, while the question is shown.
     #[must_use]
     pub fn asked_masks(&self) -> Vec<PixelBox> {
         let Some(frame) = self
@@ -170,7 +169,8 @@ impl App {
     }
 }
 
-/// Whether a document has the camera of a graphic and no mask over its middle.
+/// Whether the document has the camera of a graphic, and no mask that covers the centre of the
+/// graphic.
 fn is_unmasked(document: &Document, found: &FoundMask) -> bool {
     let Some(camera) = document.camera(&found.camera) else {
         return false;
@@ -185,7 +185,7 @@ fn is_unmasked(document: &Document, found: &FoundMask) -> bool {
 
 // ---- Words ----
 
-/// The question what becomes of the graphics.
+/// The question to the user.
 fn describe(found: &[FoundMask]) -> String {
     match found {
         [one] => {

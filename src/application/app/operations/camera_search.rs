@@ -1,4 +1,8 @@
-//! Finding a camera by the pictures of its frames alone, without a click.
+//! Autocalibration in the window: finds a camera from the pictures of its frames, without a click.
+//!
+//! The search ends in one of three ways: one camera, which is written into the document; two
+//! cameras that explain the paint about equally well, between which the user or one further click
+//! decides; or an abstention, with the reason and a remedy.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
@@ -20,66 +24,67 @@ use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Click, Document, FrameId, Step, Target};
 
-/// Fewer frames hardly show what is painted on the ground and what moves over it.
+/// Minimum number of frames. Fewer hardly separate what is painted on the ground from what moves
+/// over it.
 const FEWEST: usize = 3;
 
-/// A camera is to be found from its frames' pictures alone.
+/// Finds the base of a camera from the pictures of its frames.
 #[derive(Debug)]
 pub struct CameraSearch {
-    /// The document.
+    /// The document when the search started.
     pub document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     pub folder: PathBuf,
-    /// Which camera.
+    /// The camera to be found.
     pub camera: CameraId,
 }
 
-/// The search of the open document, and what the last one left.
+/// The search on the open document, and the outcome of the last one.
 #[derive(Debug, Default)]
 pub struct CameraSearchState {
     slot: Slot<CameraSearch>,
-    /// What the last search left to decide or to say.
+    /// What the last search left for the user to decide or to read.
     pub left: Left,
-    /// The camera that was found last, for its map.
+    /// The camera that was found last, for the panel's map.
     pub found: Option<Arc<FoundCamera>>,
 }
 
-/// What a search left to decide or to say.
+/// What a search leaves for the user to decide or to read.
 #[derive(Debug, Default)]
 pub enum Left {
     /// Nothing.
     #[default]
     Nothing,
-    /// Two places explain the paint: a person decides.
+    /// Two positions explain the paint; the user decides.
     Two(Box<TwoCameras>),
-    /// No answer was certain.
+    /// No answer was certain enough.
     Abstained {
-        /// Of which camera.
+        /// The camera that was searched for.
         camera: CameraId,
-        /// Why, and what helps.
+        /// The reason, and what would help.
         why: String,
     },
 }
 
-/// Two cameras that explain the paint alike.
+/// Two cameras that explain the paint about equally well.
 #[derive(Debug)]
 pub struct TwoCameras {
-    /// The one that explains more, and the other.
+    /// The camera that explains more paint first.
     pub cameras: [Arc<FoundCamera>; 2],
-    /// The click that decides.
+    /// The click that would decide between them, if there is one.
     pub deciding: Option<DecidingClick>,
 }
 
-/// The click that decides between two cameras.
+/// A click that would decide between two cameras.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DecidingClick {
-    /// Its frame.
+    /// The frame in which to click.
     pub frame: FrameId,
-    /// What is to be clicked there.
+    /// The landmark to click there.
     pub landmark: LandmarkId,
-    /// Where the one camera and the other have it, px.
+    /// Where the first and the second camera project the landmark, px.
     image: [ImagePoint; 2],
-    /// Both in words.
+    /// Both positions, as text.
     says: String,
 }
 
@@ -156,7 +161,8 @@ impl Operation for CameraSearch {
 }
 
 impl CameraSearch {
-    /// A camera that was found, with its frames by their ids: their places may change.
+    /// Replaces frame indices in a found camera by ids, because frames may be added or removed
+    /// until the user decides.
     fn with_frame_ids(&self, found: AutocalibratedCamera) -> Arc<FoundCamera> {
         Arc::new(FoundCamera::of(&self.document, &self.camera, found))
     }
@@ -165,7 +171,7 @@ impl CameraSearch {
 // ---- In the application ----
 
 impl App {
-    /// Why a command of the search is not available; none if it is.
+    /// Why a command of the search is not available. None if it is.
     pub(in crate::app) fn why_not_camera_search(&self, command: Command) -> Option<&'static str> {
         let CameraSearchState { slot, left, .. } = &self.operations.camera_search;
         match command {
@@ -180,6 +186,7 @@ impl App {
         }
     }
 
+    /// Why no search can be started. None if it can.
     fn why_not_find_camera(&self) -> Option<&'static str> {
         let (open, camera) = (self.open.as_ref()?, self.camera_id()?);
         if open.read_only.is_some() {
@@ -215,6 +222,7 @@ impl App {
         }
     }
 
+    /// Starts a search for the shown frame's camera.
     fn find_camera(&mut self) {
         self.commit_open_step();
         let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
@@ -229,7 +237,7 @@ impl App {
         });
     }
 
-    /// Stops the search, or lets go of what it left to decide; nothing has changed.
+    /// Stops the search, or dismisses its pending choice. The document does not change.
     fn stop_find_camera(&mut self) {
         self.operations.camera_search.left = Left::Nothing;
         if self.operations.camera_search.slot.cancel() {
@@ -240,7 +248,10 @@ impl App {
         }
     }
 
+    /// Uses a found camera, unless the camera has a base by now.
     fn camera_found(&mut self, found: Arc<FoundCamera>) {
+        // The user may have given the camera a base while the search ran. That base takes
+        // precedence.
         let has_base = self
             .open
             .as_ref()
@@ -254,7 +265,7 @@ impl App {
         self.use_found_camera(found);
     }
 
-    /// Asks which of two cameras is right.
+    /// Asks the user which of two cameras is right.
     fn ask_which_camera(&mut self, two: TwoCameras) {
         let offers = [
             ("Try the first", Command::TryFirstCamera),
@@ -268,8 +279,8 @@ impl App {
         state.left = Left::Two(Box::new(two));
     }
 
-    /// Of two cameras takes the one for which the deciding click speaks, once that is there. Asked
-    /// after each action.
+    /// If the deciding click between two cameras has been made, uses the camera that it favours.
+    /// Called after each action.
     pub(in crate::app) fn decide_camera_by_click(&mut self) {
         if self.is_amid_change() {
             return;
@@ -291,7 +302,7 @@ impl App {
         self.use_found_camera(found);
     }
 
-    /// Takes over one of two cameras that explain the paint alike: one step of undo each.
+    /// Uses one of the two cameras; each attempt is one step of undo.
     fn try_camera(&mut self, which: usize) {
         if let Left::Two(two) = &self.operations.camera_search.left {
             let found = Arc::clone(&two.cameras[which]);
@@ -299,6 +310,7 @@ impl App {
         }
     }
 
+    /// Writes a found camera and the cameras of its frames into the document; one step of undo.
     fn use_found_camera(&mut self, found: Arc<FoundCamera>) {
         self.operations.camera_search.found = Some(Arc::clone(&found));
         self.change_in_bulk(
@@ -312,7 +324,7 @@ impl App {
         );
     }
 
-    /// Tells of a camera that has been found and written into the document.
+    /// Reports a camera that was written into the document.
     fn tell_found_camera(&mut self, found: &FoundCamera) {
         self.session.retract(Command::FindCamera);
         self.session.retract(Command::EstimateBase);
@@ -324,7 +336,7 @@ impl App {
 }
 
 impl CameraSearchState {
-    /// The search under way, with how far it has come.
+    /// The running search with its progress, for the status row.
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         let progress = self.slot.running()?.progress();
@@ -340,7 +352,7 @@ impl CameraSearchState {
         })
     }
 
-    /// What is being looked for.
+    /// The inputs of the running search.
     #[must_use]
     pub fn running(&self) -> Option<&CameraSearch> {
         self.slot.running().map(Running::operation)
@@ -349,13 +361,13 @@ impl CameraSearchState {
 
 // ---- Two answers ----
 
-/// A click decides if it is at least this many times nearer to where one camera has it than to
-/// where the other has.
+/// A click decides for a camera if the other camera's projection is more than this many times as
+/// far away from it.
 const NEARER: f64 = 2.0;
 
 impl DecidingClick {
-    /// Which of the two cameras a document's click speaks for; none without the click, or where it
-    /// lies between them.
+    /// The index of the camera that the document's click favours. None if the landmark is not
+    /// clicked in that frame, or the click lies between the two projections.
     fn decided(&self, document: &Document) -> Option<usize> {
         let frame = &document.frames[document.frames.position_of(&self.frame)?];
         let is_it = |click: &&Click| click.target == Some(Target::Landmark(self.landmark.clone()));
@@ -372,6 +384,7 @@ impl DecidingClick {
 }
 
 impl TwoCameras {
+    /// Two answers of a search. `label` returns the label of a landmark.
     fn new(
         search: &CameraSearch,
         cameras: [AutocalibratedCamera; 2],
@@ -400,7 +413,7 @@ impl TwoCameras {
         }
     }
 
-    /// What the person is to decide, and by what.
+    /// The question to the user, with the deciding click if there is one.
     #[must_use]
     pub fn describe(&self) -> String {
         let [best, other] = [0, 1].map(|which| place(&self.cameras[which].found));
@@ -414,7 +427,7 @@ impl TwoCameras {
 
 // ---- Words ----
 
-/// What was found, in one sentence.
+/// The result in one sentence: position, its 1-σ, and how many frames agree with their own paint.
 fn describe_found(found: &AutocalibratedCamera) -> String {
     let sigma = found.base.sigma.position_m;
     let (snapped, frames) = (found.snapped_count(), found.frames.len());
@@ -432,12 +445,12 @@ fn describe_found(found: &AutocalibratedCamera) -> String {
     )
 }
 
-/// That the frames do not show one of the field's lengths, as a further sentence.
+/// A further sentence for a length of the field that the frames do not determine.
 fn describe_assumed(size: &FittedSize) -> String {
     format!(" The field's {}.", describe_size(size))
 }
 
-/// Where a camera stands, as a person says it.
+/// The position of a camera, as text.
 fn place(found: &AutocalibratedCamera) -> String {
     let at = found.base.position_m;
     format!(
@@ -447,11 +460,12 @@ fn place(found: &AutocalibratedCamera) -> String {
     )
 }
 
-/// Why there is no answer and what helps, in plain words.
+/// The reason for an abstention and a remedy, as text.
 fn describe_abstention(why: &Abstention) -> String {
     format!("No camera was found: {}. {}", why_not(why), what_helps(why))
 }
 
+/// The reason for an abstention, as a part of a sentence.
 fn why_not(why: &Abstention) -> String {
     match why {
         Abstention::Uncertain { doubts, .. } => {
@@ -468,7 +482,7 @@ fn why_not(why: &Abstention) -> String {
     }
 }
 
-/// Which view is missing, and the way that leads out.
+/// The missing view, and the clicks that would replace it.
 fn what_helps(why: &Abstention) -> String {
     let missing = match why {
         Abstention::NotTied { .. } => {
@@ -488,7 +502,7 @@ fn what_helps(why: &Abstention) -> String {
     format!("{missing}, or {clicks}.")
 }
 
-/// Which view would settle doubts.
+/// The view that would resolve the doubts.
 fn view_missing(doubts: &[Doubt]) -> String {
     let lines = doubts.iter().find_map(|doubt| match doubt {
         Doubt::LinesMissing { lines } => Some(lines.join(", ")),
@@ -497,6 +511,8 @@ fn view_missing(doubts: &[Doubt]) -> String {
     if let Some(lines) = lines {
         return format!("A view of {lines} is missing: add frames that show it");
     }
+    // Paint that no line of the field explains, or that lies beside the lines, points to a wrong
+    // field.
     let is_of_field =
         |doubt: &Doubt| matches!(doubt, Doubt::Unexplained { .. } | Doubt::OffLines { .. });
     if doubts.iter().any(is_of_field) {

@@ -1,5 +1,5 @@
-//! Whether a camera still fits all of its frames: looked at after every edit, at once where the
-//! frames are few, else in the background.
+//! Checks after every edit whether one base still fits all frames of the shown frame's camera. With
+//! few frames the check runs at once, otherwise in the background.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::session::Level;
@@ -10,35 +10,34 @@ use touchline_calibration::calibrate::{CameraChange, FrameLookup, camera_change}
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{CameraId, Document};
 
-/// A camera with more clicked frames than this is looked at in the background: the look takes about
-/// 30 µs a frame.
+/// Maximum number of clicked frames for a check at once. The check takes about 30 µs a frame.
 const AT_ONCE: usize = 40;
 
-/// A look at a camera's frames over time.
+/// Checks the frames of one camera for a change of its base over time.
 #[derive(Debug)]
 pub struct CameraWatch {
     document: Document,
-    /// The field that the camera looks at.
+    /// The field that the camera sees.
     field: Arc<FieldModel>,
     of: Watched,
 }
 
-/// What is looked at: a camera in the document of a revision.
+/// The subject of a check: a camera in one revision of the document.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Watched {
     revision: u64,
     camera: CameraId,
 }
 
-/// What is known of whether the shown frame's camera fits.
+/// The result of the last check.
 #[derive(Debug, Default)]
 pub(in crate::app) struct CameraWatchState {
     slot: Slot<CameraWatch>,
-    /// What was looked at last.
+    /// The subject of the last check.
     of: Option<Watched>,
-    /// What was found.
+    /// Where the camera stops fitting, if it does.
     change: Option<CameraChange>,
-    /// The camera and frame of the last notice: each change is told once.
+    /// The camera and the frame index of the last notice. Each change is reported once.
     told: Option<(CameraId, usize)>,
 }
 
@@ -72,14 +71,14 @@ impl Operation for CameraWatch {
 }
 
 impl App {
-    /// Where the shown frame's camera stops fitting, if it does.
+    /// The frame from which on the shown frame's camera no longer fits, if there is one.
     #[must_use]
     pub fn camera_change(&self) -> Option<&CameraChange> {
         self.operations.camera_watch.change.as_ref()
     }
 
-    /// Looks whether the shown frame's camera still fits, after every edit. Looks in the background
-    /// do not replace each other: with edits in quick succession none would come to its end.
+    /// Checks the shown frame's camera, unless this revision has been checked. A running check is
+    /// not replaced: with edits in quick succession none would ever finish.
     pub(in crate::app) fn watch_camera(&mut self) {
         let frame = self
             .open
@@ -115,6 +114,7 @@ impl App {
         });
     }
 
+    /// Stores the result of a check, and reports a change that is new.
     fn camera_looked_at(&mut self, of: Watched, change: Option<CameraChange>) {
         let state = &mut self.operations.camera_watch;
         if let Some(change) = &change {

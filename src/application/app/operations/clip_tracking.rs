@@ -1,5 +1,9 @@
-//! Known cameras carried through the clip of the shown frame. What is carried are suggestions and
-//! stands beside what people did, as the forest's do.
+//! Tracks cameras through the clip of the shown frame: from frames with a known camera to all
+//! others. The results are suggestions: like the forest's, they are kept apart from the users' work
+//! and are no step of undo.
+//!
+//! When the user corrects and accepts one of the frames, the clip is tracked again; the points that
+//! were followed the first time are reused.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
@@ -18,65 +22,65 @@ use touchline_core::field::{FieldError, FieldModel};
 use touchline_documents::document::{Camera, Document, Frame, Step};
 use touchline_vision::media::ReadFrames;
 
-/// Cameras are to be carried through a clip.
+/// Tracks cameras through a clip.
 pub struct ClipTracking {
     document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     folder: PathBuf,
-    /// The index of a frame of the clip.
+    /// The index of one frame of the clip.
     frame: usize,
-    /// The field that it shows.
+    /// The field that the clip shows.
     field: Arc<FieldModel>,
-    /// What the pictures were found to say before; nothing the first time.
+    /// Points and paint found in the pictures by an earlier run; empty the first time.
     evidence: Arc<ClipEvidence>,
-    /// Why it is tracked.
+    /// Why the clip is tracked.
     cause: Cause,
 }
 
 /// Why a clip is tracked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cause {
-    /// The user asks for it, or the base was refined on it.
+    /// The user started it, or the base was just refined on the clip.
     Command,
-    /// It was tracked before, and one of its frames was corrected.
+    /// The clip was tracked before, and the user corrected one of its frames.
     Correction,
 }
 
-/// The cameras that were carried.
+/// The tracked cameras.
 pub struct CarriedClip {
     tracked: TrackedClip,
-    /// What the pictures say, for when a frame is corrected.
+    /// Points and paint found in the pictures, for use after a correction.
     evidence: Arc<ClipEvidence>,
-    /// Another length of the field, where the painted lines of the carried frames ask for it.
+    /// Another length of the field, if the painted lines of the tracked frames require one.
     length: Result<Option<LengthOnLines>, FieldError>,
 }
 
-/// Why no cameras were carried.
+/// Why a clip could not be tracked.
 #[derive(Debug, Error)]
 pub enum ClipTrackingError {
-    /// The frame shows nothing.
+    /// The frame has no picture.
     #[error("the frame has no picture")]
     NoPicture,
-    /// Nothing is known of the clip, or a picture cannot be read.
+    /// The clip cannot be tracked: no base, no known camera, or a picture that cannot be read.
     #[error(transparent)]
     Track(#[from] TrackClipError),
 }
 
-/// Cameras being carried, and those carried last.
+/// The running tracking, and the last result.
 #[derive(Debug, Default)]
 pub(in crate::app) struct ClipTrackingState {
     slot: Slot<ClipTracking>,
     carried: Option<LastCarried>,
 }
 
-/// The last cameras that were carried.
+/// What is kept of the last result.
 #[derive(Debug)]
 struct LastCarried {
-    /// What the pictures of their shot say.
+    /// Points tracked through the pictures of the clip, and the paint found in them.
     evidence: Arc<ClipEvidence>,
-    /// Their batch of suggestions.
+    /// The batch of its suggestions.
     batch: BatchId,
-    /// The length of the field that their painted lines ask for and that nobody has stated.
+    /// The length of the field that its painted lines require, if the document states none.
     length: Option<LengthOnLines>,
 }
 
@@ -105,6 +109,7 @@ impl Operation for ClipTracking {
             &mut evidence,
             &progress,
         )?;
+        // After a correction the length is not measured again.
         let length = if self.is_again() {
             Ok(None)
         } else {
@@ -141,7 +146,8 @@ impl ClipTracking {
         self.cause == Cause::Correction
     }
 
-    /// The length of the field that the tracked frames ask for, if it is another than was assumed.
+    /// The length of the field that the painted lines of the tracked frames require, if it differs
+    /// from the assumed one.
     fn measure_length(
         &self,
         tracked: &TrackedClip,
@@ -153,8 +159,8 @@ impl ClipTracking {
         length_on_lines(document.at(&self.folder), &mut picture)
     }
 
-    /// The part of a tracked clip that a document still has: frames are found again by their ids,
-    /// and those that people have changed since stay as they are.
+    /// The part of a tracked clip that still applies to the document `now`. Frames are found by
+    /// their ids; frames that users have changed since are left out.
     fn still_open_in(&self, now: &Document, tracked: TrackedClip) -> TrackedClip {
         let place_now = |place: usize| {
             let then = self.document.frames.get(place)?;
@@ -179,7 +185,7 @@ impl ClipTracking {
 // ---- In the application ----
 
 impl App {
-    /// Why a command of the tracking is not available; none if it is.
+    /// Why a command of the tracking is not available. None if it is.
     pub(in crate::app) fn why_not_clip_tracking(&self, command: Command) -> Option<&'static str> {
         let ClipTrackingState { slot, carried } = &self.operations.clip_tracking;
         match command {
@@ -203,6 +209,7 @@ impl App {
         }
     }
 
+    /// Why the shown clip cannot be tracked. None if it can.
     fn why_not_track(&self) -> Option<&'static str> {
         let open = self.open.as_ref()?;
         if let Some(why) = self.why_not_follow_points() {
@@ -227,7 +234,7 @@ impl App {
             .then_some("No frame has a camera to carry on: click one first.")
     }
 
-    /// Why no points can be followed through the shown shot; none if they can.
+    /// Why points cannot be followed through the shown clip. None if they can.
     pub(super) fn why_not_follow_points(&self) -> Option<&'static str> {
         if self.is_read_only() {
             return Some("The document is read-only.");
@@ -260,8 +267,8 @@ impl App {
         }
     }
 
-    /// Has the shot of the shown frame, which was just accepted, follow it if cameras were carried
-    /// through it before.
+    /// After the shown frame was corrected and accepted: tracks its clip again, if it was tracked
+    /// before.
     pub(in crate::app) fn carry_correction(&mut self) {
         let carried = &self.operations.clip_tracking.carried;
         let (Some(open), Some(frame), Some(carried)) = (&self.open, self.frame(), carried) else {
@@ -275,14 +282,15 @@ impl App {
         }
     }
 
-    /// Tracks the shown shot with a base that was refined on it, from the points that were followed
-    /// for that.
+    /// Tracks the shown clip with a base that was just refined on it. Reuses the points that were
+    /// followed for the refinement.
     pub(super) fn track_with_refined_base(&mut self, evidence: Arc<ClipEvidence>) {
         if self.why_not_track().is_none() {
             self.track_clip_with(evidence, Cause::Command);
         }
     }
 
+    /// Starts a tracking of the shown clip that reuses `evidence`.
     fn track_clip_with(&mut self, evidence: Arc<ClipEvidence>, cause: Cause) {
         let (Some(open), Some(field)) = (&self.open, self.current.field().cloned()) else {
             return;
@@ -298,7 +306,7 @@ impl App {
         });
     }
 
-    /// Takes over what was carried: suggestions, and no step of undo.
+    /// Takes over tracked cameras as suggestions; this is no step of undo.
     fn take_carried_clip(
         &mut self,
         tracking: &ClipTracking,
@@ -312,6 +320,7 @@ impl App {
             return;
         }
         let Some(open) = &mut self.open else { return };
+        // The result is valid only for the base with which it was tracked.
         let base_now = open
             .document
             .camera(&tracking.document.frames[tracking.frame].camera)
@@ -326,8 +335,8 @@ impl App {
         let taken = tracking.still_open_in(&open.document, tracked);
         let count = taken.frames.len();
         let is_again = tracking.is_again();
-        // What a correction replaces was carried itself: discarding both gives back what stood
-        // before the first.
+        // After a correction the suggestions go into the same batch, so that discarding it restores
+        // what the frames showed before the first run.
         let batch = match self
             .operations
             .clip_tracking
@@ -349,6 +358,7 @@ impl App {
             self.journal_edit(edit);
         }
         self.session.retract(Command::DiscardCarried);
+        // Report the result and offer the next commands.
         let mut offers = vec![
             ("Review", Command::ReviewPanel),
             ("Discard", Command::DiscardCarried),
@@ -375,8 +385,8 @@ impl App {
         self.tell_length(length);
     }
 
-    /// Tells of another length of the field that the carried frames ask for, and offers to take it
-    /// where nobody has stated one.
+    /// Reports another length of the field that the tracked frames require. Offers to use it if the
+    /// document states none.
     fn tell_length(&mut self, length: Result<Option<LengthOnLines>, FieldError>) {
         match length {
             Ok(None) => {}
@@ -399,8 +409,8 @@ impl App {
         }
     }
 
-    /// Takes the length that was measured: one step of undo. Frames with clicks are solved again on
-    /// it; to the others cameras have to be carried again.
+    /// Uses the measured length; one step of undo. Frames with clicks are solved again; the others
+    /// must be tracked again.
     fn take_measured_length(&mut self) {
         let (Some(open), Some(carried)) = (&self.open, &self.operations.clip_tracking.carried)
         else {
@@ -426,8 +436,8 @@ impl App {
         );
     }
 
-    /// Gives the frames that cameras were carried to what they showed before, where nobody has
-    /// changed them since.
+    /// Discards the tracked cameras: frames that users have not changed since show again what they
+    /// showed before.
     fn discard_carried(&mut self) {
         self.commit_open_step();
         if let Some(batch) = self
@@ -441,7 +451,7 @@ impl App {
         }
     }
 
-    /// Forgets the cameras that were carried last if they are this batch, which was discarded.
+    /// Forgets the last result if its batch has just been discarded.
     pub(in crate::app) fn forget_carried_batch(&mut self, batch: BatchId) {
         let carried = &mut self.operations.clip_tracking.carried;
         if carried.take_if(|carried| carried.batch == batch).is_some() {
@@ -453,7 +463,7 @@ impl App {
 // ---- Words ----
 
 impl ClipTrackingState {
-    /// The tracking under way, with how far it has come.
+    /// The running tracking with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let text = match self.slot.running()?.progress() {
             None => "Carrying cameras through the shot…".to_owned(),
@@ -467,7 +477,7 @@ impl ClipTrackingState {
     }
 }
 
-/// How far a tracking has come.
+/// The progress of a tracking, as text.
 pub(super) fn describe_progress(progress: &ClipProgress) -> String {
     match progress {
         ClipProgress::Following(done, of) => format!("Following points: frame {done} of {of}…"),
@@ -478,7 +488,7 @@ pub(super) fn describe_progress(progress: &ClipProgress) -> String {
     }
 }
 
-/// The length that the carried frames ask for.
+/// The length of the field that the tracked frames require, as text.
 fn describe_length(
     LengthOnLines {
         size,
@@ -498,7 +508,7 @@ fn describe_length(
     )
 }
 
-/// What was carried after a correction.
+/// The result of tracking again after a correction, as text.
 fn describe_followed(taken: usize) -> String {
     match taken {
         0 => "No other frame of the shot follows this correction.".to_owned(),
@@ -507,7 +517,7 @@ fn describe_followed(taken: usize) -> String {
     }
 }
 
-/// What was carried.
+/// The result of tracking, as text.
 fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
     let got = match taken {
         1 => "1 frame got its camera".to_owned(),
@@ -539,7 +549,7 @@ mod tests {
     use touchline_core::solve::base::FittedSize;
     use touchline_documents::document::FieldSpec;
 
-    /// An application after cameras were carried, with a camera at (1, −62, 17) m.
+    /// An application after a clip was tracked, with a camera at (1, −62, 17) m.
     fn app() -> App {
         let size = ImageSize::new(1920, 1080);
         let mut document = Document::new(FieldSpec::new("soccer"));

@@ -1,4 +1,4 @@
-//! Another annotator's document, compared with the open one.
+//! Compares the open document with another annotator's.
 
 use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
@@ -12,42 +12,42 @@ use touchline_core::field::FieldError;
 use touchline_documents::document::Document;
 use touchline_documents::store::{StoreError, read};
 
-/// The open document is to be compared with another one.
+/// Compares the open document with another one.
 #[derive(Debug)]
 pub struct Comparison {
-    /// The document.
+    /// The open document.
     pub document: Document,
-    /// The folder that its relative paths start from.
+    /// The folder to which its relative paths refer.
     pub folder: PathBuf,
     /// Its revision.
     pub revision: u64,
-    /// The other one's file.
+    /// The file of the other document.
     pub with: PathBuf,
 }
 
-/// What a comparison gave: derived, never stored.
+/// The result of a comparison: derived, never stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared {
-    /// The other document's file, as it was chosen.
+    /// The file of the other document, as the user chose it.
     pub file: PathBuf,
     /// The revision of the open document that was compared.
     pub revision: u64,
-    /// How the two agree; the open document is the first.
+    /// The agreement of the two; the open document is the first.
     pub agreement: Agreement,
 }
 
-/// Why two documents were not compared.
+/// Why two documents could not be compared.
 #[derive(Debug, Error)]
 pub enum ComparisonError {
     /// The other document cannot be read.
     #[error(transparent)]
     Unreadable(#[from] StoreError),
-    /// The field of one of them is not valid.
+    /// The field of one of them is invalid.
     #[error(transparent)]
     Field(#[from] FieldError),
 }
 
-/// The comparison of the open document.
+/// The comparison on the open document.
 #[derive(Debug, Default)]
 pub struct ComparisonState {
     slot: Slot<Comparison>,
@@ -55,19 +55,19 @@ pub struct ComparisonState {
 }
 
 impl ComparisonState {
-    /// Whether a comparison is under way.
+    /// Whether a comparison is running.
     #[must_use]
     pub const fn is_running(&self) -> bool {
         self.slot.is_running()
     }
 
-    /// What is being compared.
+    /// The inputs of the running comparison.
     #[must_use]
     pub fn running(&self) -> Option<&Comparison> {
         self.slot.running().map(Running::operation)
     }
 
-    /// What the last comparison gave; none while another one is under way.
+    /// The result of the last comparison; none while another one is running.
     #[must_use]
     pub const fn made(&self) -> Option<&Arc<Compared>> {
         self.made.as_ref()
@@ -104,7 +104,7 @@ impl Operation for Comparison {
 }
 
 impl App {
-    /// Why the document cannot be compared now; none if it can.
+    /// Why the document cannot be compared now. None if it can.
     pub(in crate::app) fn why_not_compare(&self) -> Option<&'static str> {
         self.operations
             .comparison
@@ -112,7 +112,8 @@ impl App {
             .then_some("A comparison is under way.")
     }
 
-    /// Compares the document as it is now with another one, on the quality page.
+    /// Compares the document as it is now with another one, and opens the quality page, which shows
+    /// the result.
     pub(in crate::app) fn compare(&mut self, with: PathBuf) {
         if !self.session.quality.open {
             self.toggle_quality();

@@ -1,4 +1,5 @@
-//! A frame's camera aligned to the painted lines of its picture, or searched by them alone.
+//! Aligns the camera of the shown frame to the painted lines of its picture (*snap*), or searches
+//! it from the lines alone if the frame has none.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
@@ -17,52 +18,52 @@ use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, Frame, FrameId, FrameStatus, Shared};
 use touchline_vision::paint::{FindOptions, Snapped};
 
-/// A frame's camera is to be aligned to the painted lines, or found by them.
+/// Aligns a frame's camera to the painted lines, or searches it from them.
 #[derive(Debug)]
 pub struct FrameSnap {
     document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     folder: PathBuf,
-    /// The frame as it is.
+    /// The frame when the work started.
     frame: Shared<Frame>,
-    /// The field that it shows.
+    /// The field that the frame shows.
     field: Arc<FieldModel>,
-    /// Whether its camera is searched by the lines alone: it has none.
+    /// Whether to search without a starting camera.
     from_scratch: bool,
 }
 
-/// A camera on the painted lines.
+/// A camera that agrees with the painted lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraOnPaint {
-    /// The base that it was aligned with.
+    /// The base with which it was aligned.
     base: CameraBase,
-    /// The camera and what speaks for it.
+    /// Pan, tilt and focal length, and their evidence.
     found: Snapped,
 }
 
-/// Why a frame is not aligned to the paint.
+/// Why a frame was not aligned to the paint.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FrameSnapError {
-    /// Its picture cannot be had.
+    /// Its picture cannot be read.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// The paint does not decide.
+    /// The paint does not determine a camera.
     #[error(transparent)]
     Paint(#[from] OnPaintError),
 }
 
-/// The frame that is being aligned, and how those before it were pointed.
+/// The running alignment, and the cameras of frames before their alignment.
 #[derive(Debug, Default)]
 pub struct FrameSnapState {
     slot: Slot<FrameSnap>,
-    /// The cameras of frames before they were aligned.
+    /// The cameras of frames before they were aligned, for comparison.
     before: BTreeMap<FrameId, PtzCamera>,
 }
 
 // ---- The work ----
 
 impl Operation for FrameSnap {
-    /// The share of a search that is done, from 0 to 1.
+    /// The share of a search that is done, 0 to 1.
     type Progress = f64;
     type Output = Box<CameraOnPaint>;
     type Error = FrameSnapError;
@@ -110,13 +111,13 @@ impl Operation for FrameSnap {
 // ---- In the application ----
 
 impl FrameSnapState {
-    /// The request that is running.
+    /// The running request.
     #[must_use]
     pub const fn running(&self) -> Option<&Running<FrameSnap>> {
         self.slot.running()
     }
 
-    /// The search by the lines alone that is running.
+    /// The running request, if it is a search without a starting camera.
     fn search(&self) -> Option<&Running<FrameSnap>> {
         self.slot
             .running()
@@ -125,7 +126,7 @@ impl FrameSnapState {
 }
 
 impl App {
-    /// Why a command about the painted lines is not available; none if it is.
+    /// Why a command about the painted lines is not available. None if it is.
     pub(in crate::app) fn why_not_frame_snap(&self, command: Command) -> Option<&'static str> {
         match command {
             Command::Snap => self.why_not_snap(),
@@ -137,6 +138,7 @@ impl App {
         }
     }
 
+    /// Why the shown frame cannot be aligned. None if it can.
     fn why_not_snap(&self) -> Option<&'static str> {
         self.why_no_paint().or_else(|| {
             self.current
@@ -146,6 +148,7 @@ impl App {
         })
     }
 
+    /// Why the shown frame's camera cannot be searched. None if it can.
     fn why_not_search_lines(&self) -> Option<&'static str> {
         let frame = self.frame()?;
         let document = &self.open.as_ref()?.document;
@@ -162,7 +165,7 @@ impl App {
             .or_else(|| base.is_none().then_some("Its camera has no base yet."))
     }
 
-    /// Why the painted lines of the shown frame cannot be looked for now.
+    /// Why the painted lines of the shown frame cannot be used now. None if they can.
     fn why_no_paint(&self) -> Option<&'static str> {
         let frame = self.frame()?;
         if self.is_read_only() {
@@ -192,7 +195,7 @@ impl App {
         }
     }
 
-    /// Has the shown frame's camera aligned to the painted lines, or found by them alone.
+    /// Starts an alignment of the shown frame, or a search `from_scratch`.
     fn snap(&mut self, from_scratch: bool) {
         let Some(field) = self.current.field().cloned() else {
             return;
@@ -212,7 +215,10 @@ impl App {
         });
     }
 
-    /// Takes over a camera on the painted lines. A frame that has changed since keeps its camera.
+    /// Takes over an aligned camera, unless the frame has changed since the work started.
+    ///
+    /// A camera that was searched for a frame without users' work becomes a suggestion. Anything
+    /// else is one step of undo.
     fn take_camera_on_paint(&mut self, asked: &FrameSnap, found: &CameraOnPaint) {
         let position = self.open.as_ref().and_then(|open| {
             let position = open.document.frames.position_of(&asked.frame.id)?;
@@ -227,10 +233,12 @@ impl App {
             );
             return;
         };
+        // A result for an untouched frame is a suggestion,
         if asked.from_scratch && asked.frame.is_open() {
             self.suggest_camera_on_paint(position, found);
             return;
         }
+        // any other one a step of undo.
         let before = self
             .open
             .as_ref()
@@ -255,7 +263,7 @@ impl App {
             };
             record(frame, &found.base, &found.found);
             if asked.frame.shows_suggestion() && frame.status == FrameStatus::Suggested {
-                // A suggestion is no step of undo, and what a person asked for is.
+                // Undo does not restore suggestions, but it must undo this command.
                 frame.status = FrameStatus::Draft;
             }
         }
@@ -278,8 +286,8 @@ impl App {
         }
     }
 
-    /// Takes a camera that was found by the painted lines alone as a suggestion for its frame,
-    /// which nobody has touched.
+    /// Makes a camera that was found from the lines alone a suggestion for its frame, which users
+    /// have not changed.
     fn suggest_camera_on_paint(
         &mut self,
         position: usize,
@@ -306,14 +314,15 @@ impl App {
         self.session.notify(Level::Info, text);
     }
 
-    /// The shown frame's camera before it was aligned to the paint, where it is and that is known.
+    /// The shown frame's camera before its alignment, if the frame is aligned and that camera is
+    /// known.
     #[must_use]
     pub fn before_snap(&self) -> Option<&PtzCamera> {
         let frame = self.frame().filter(|frame| frame.is_snapped())?;
         self.operations.frame_snap.before.get(&frame.id)
     }
 
-    /// Shows the camera before while the key is down; a frame that was not aligned yet is.
+    /// Shows the earlier camera while the key is down. If the frame is not aligned yet, aligns it.
     pub(in crate::app) fn hold_snap(&mut self, down: bool) {
         if down && self.before_snap().is_none() {
             self.command(Command::Snap);
@@ -326,7 +335,8 @@ impl App {
 // ---- Words ----
 
 impl FrameSnapState {
-    /// The search under way, with how far it has come. An alignment is over at once.
+    /// The running search with its progress, for the status row. An alignment takes too little time
+    /// to be shown.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let search = self.search()?;
         let far = search
@@ -345,7 +355,7 @@ impl FrameSnapState {
     }
 }
 
-/// How far the picture's middle moved, and what it rests on.
+/// How far the centre of the picture moved, and the evidence, as text.
 fn describe_snap(
     before: &PtzCamera,
     CameraOnPaint { base, found }: &CameraOnPaint,

@@ -1,5 +1,6 @@
-//! What the painted lines say about the frames' cameras: found in the background between edits,
-//! kept beside the document.
+//! Compares the cameras of all frames with the painted lines of their pictures, in the background
+//! between edits. The results are kept beside the document; acceptance of a frame writes its result
+//! into the document.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::session::Level;
@@ -17,18 +18,18 @@ use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, Frame, FrameId, FrameStatus, PaintEvidence};
 use touchline_vision::paint::LineCheck;
 
-/// Frames that are looked through after each action for one to check: an edit of a long match stays
-/// quick.
+/// Maximum number of frames examined after an action to find those that lack a check, so that
+/// actions on a long match stay quick.
 const LOOKED_THROUGH: usize = 64;
 
-/// Frames in one batch: there is a report every second or so.
+/// Frames per batch; a batch takes about a second.
 const BATCH: usize = 4;
 
-/// If this many cameras are contradicted and none is supported, the lines in the pictures are not
-/// those of the field.
+/// If at least this many cameras are contradicted and none is supported, the lines in the pictures
+/// are not the field's, and contradictions say nothing about the cameras.
 const CONTRADICTED_ALONE: usize = 4;
 
-/// Cameras of a few frames are to be judged by the painted lines.
+/// Compares the cameras of a few frames with the painted lines.
 pub struct LineCheckBatch {
     document: Document,
     folder: PathBuf,
@@ -40,17 +41,17 @@ struct FrameToCheck {
     index: usize,
     frame: FrameId,
     camera: PtzCamera,
-    /// The field that it shows; none where that is not valid.
+    /// The field that the frame shows; none if it is invalid.
     field: Option<Arc<FieldModel>>,
 }
 
-/// What the paint says about a frame's camera.
+/// The line check of a frame's camera.
 #[derive(Clone, Debug)]
 pub struct CheckedLines {
     frame: FrameId,
-    /// The camera that was judged.
+    /// The camera that was checked. The result is valid for this camera only.
     camera: PtzCamera,
-    /// What the paint says; none where the picture cannot be read.
+    /// The result; none if the picture cannot be read.
     check: Option<LineCheck>,
 }
 
@@ -95,7 +96,8 @@ impl Operation for LineCheckBatch {
             Vec::new()
         });
         let checks = &mut app.operations.line_checks;
-        // Frames of which nothing was found out are not asked again as long as their cameras stay.
+        // Frames without a result are kept too, so that they are not checked again until their
+        // camera changes.
         for FrameToCheck { frame, camera, .. } in &self.frames {
             checks.keep(CheckedLines {
                 frame: frame.clone(),
@@ -110,22 +112,22 @@ impl Operation for LineCheckBatch {
 }
 
 impl App {
-    /// What the painted lines say about a frame's camera, where that is known.
+    /// The line check of a frame's camera, if it is known.
     #[must_use]
     pub fn paint_says(&self, frame: usize) -> Option<PaintSays> {
         let open = self.open.as_ref()?;
         self.operations.line_checks.of(open, open.frame(frame)?)
     }
 
-    /// Whether the paint is known to lie elsewhere than a frame's camera has its lines.
+    /// Whether the line check contradicts a frame's camera.
     #[must_use]
     pub fn is_contradicted(&self, frame: usize) -> bool {
         self.paint_says(frame)
             .is_some_and(|says| says.verdict == LineVerdict::Contradicts)
     }
 
-    /// Has cameras judged by the paint that nobody has judged yet, between edits. Batches do not
-    /// replace each other: the next one begins when the last has come back.
+    /// Starts the next batch of checks, if any frame lacks one and no step of undo is open. A
+    /// running batch is not replaced; the next one starts when it has ended.
     pub(in crate::app) fn check_lines(&mut self) {
         let Some(open) = self.open.as_mut().filter(|open| !open.history.is_open()) else {
             return;
@@ -145,7 +147,8 @@ impl App {
         });
     }
 
-    /// Writes what the paint says about the shown frame's camera into its solution, within a step.
+    /// Writes the line check of the shown frame's camera into the frame's solution, within an open
+    /// step.
     pub(in crate::app) fn record_paint(&mut self) {
         let Some(open) = &mut self.open else { return };
         let Some(frame) = open.frame(self.session.frame) else {
@@ -160,16 +163,16 @@ impl App {
     }
 }
 
-/// What the paint says about a camera, as the window shows it.
+/// The line check of a camera, as the window shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaintSays {
-    /// In a word.
+    /// The verdict.
     pub verdict: LineVerdict,
-    /// Places of the lines with paint near by.
+    /// Number of samples on the lines with paint nearby.
     pub found: usize,
-    /// Places of the lines that lie open.
+    /// Number of samples on the lines where nothing hides the ground.
     pub open: usize,
-    /// The median distance of the paint from the lines, px; none where none was found.
+    /// Median distance of the paint from the lines, px; none if no paint was found.
     pub offset_px: Option<f64>,
 }
 
@@ -194,7 +197,7 @@ impl PaintSays {
         }
     }
 
-    /// In three words.
+    /// The verdict in three words.
     #[must_use]
     pub const fn in_brief(&self) -> &'static str {
         match self.verdict {
@@ -230,16 +233,17 @@ impl PaintSays {
 pub(in crate::app) struct LineChecks {
     slot: Slot<LineCheckBatch>,
     known: BTreeMap<FrameId, CheckedLines>,
-    /// How many of the known cameras are contradicted, and how many supported: asked for each
-    /// thumbnail that is drawn.
+    /// Numbers of known cameras that are contradicted and supported. Counted incrementally, because
+    /// every thumbnail that is drawn needs them.
     contradicted: usize,
     supported: usize,
-    /// The index of the frame where the search for frames to check goes on.
+    /// The index at which the search for unchecked frames continues.
     cursor: usize,
 }
 
 impl LineChecks {
-    /// What the paint says about a frame's camera, where that is known.
+    /// The line check of a frame's camera, if it is known. A check that the document records takes
+    /// precedence.
     fn of(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
         let recorded = frame
             .solution
@@ -249,8 +253,9 @@ impl LineChecks {
             Some(evidence) => PaintSays::recorded(evidence),
             None => PaintSays::of(&self.fresh(open, frame)?),
         };
-        // Who found the camera may know more of the paint than this one look: that the field is of
-        // another length, or the frames beside.
+        // A recorded warning takes precedence, because whoever found the camera may know more about
+        // the paint than this single check, for instance from neighbouring frames or a measured
+        // length of the field.
         let is_warned = frame
             .solution
             .iter()
@@ -264,7 +269,7 @@ impl LineChecks {
         Some(PaintSays { verdict, ..says })
     }
 
-    /// What was found about a frame's camera and is not in the document yet.
+    /// The check of a frame's present camera that the document does not record yet.
     fn fresh(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheck> {
         let known = self.known.get(&frame.id)?;
         (Some(known.camera) == open.document.pointed(frame))
@@ -276,7 +281,7 @@ impl LineChecks {
         self.contradicted < CONTRADICTED_ALONE || self.supported > 0
     }
 
-    /// Keeps what was found about a camera, in place of what was known of its frame.
+    /// Stores a check in place of the frame's earlier one, and updates the counts.
     fn keep(&mut self, checked: CheckedLines) {
         let verdict = |checked: &CheckedLines| checked.check.map(|check| check.verdict());
         let now = verdict(&checked);
@@ -294,8 +299,8 @@ impl LineChecks {
         }
     }
 
-    /// The frames to be judged next: the shown one alone and first, then others in turn; none if
-    /// all are known.
+    /// The frames to check next: the shown frame alone if it lacks a check, otherwise up to
+    /// [`BATCH`] others in turn. Empty if none is found.
     fn next(&mut self, open: &mut OpenProject, shown: usize) -> Vec<FrameToCheck> {
         let count = open.document.frames.len();
         let mut wanted: Vec<FrameToCheck> = self.lacking(open, shown).into_iter().collect();
@@ -311,7 +316,7 @@ impl LineChecks {
         wanted
     }
 
-    /// A solved frame of which it is not known what the paint says.
+    /// The inputs of a frame's check, if the frame has a camera and lacks a check of it.
     fn lacking(&self, open: &mut OpenProject, index: usize) -> Option<FrameToCheck> {
         let frame = open.frame(index)?;
         let recorded = frame

@@ -1,9 +1,9 @@
-//! The operations, one file each: its input and its work, when it is available, what becomes of its
-//! result, and its words.
+//! The operations: slow work of the application. Each has one file with its input and its work, the
+//! condition under which it is available, the use of its result, and its messages.
 //!
-//! To add one, write its file, give [`Operations`] a field for its state, and let a command or an
-//! action start it: commands of operations and what starts unasked are listed here, so that the
-//! rest of the application names none.
+//! To add an operation, write its file, give [`Operations`] a field for its state, and let a
+//! command or an action start it. The commands of operations, and the operations that start without
+//! a command, are listed in this file, so that the rest of the application names none.
 
 pub mod base_estimate;
 mod base_refinement;
@@ -54,55 +54,55 @@ use std::sync::Arc;
 use touchline_calibration::calibrate::EstimatedBase;
 use transfer::TransferState;
 
-/// The state of each operation on the open document. Another document begins with a new one:
-/// whatever runs is cancelled.
+/// The state of each operation on the open document. Opening another document replaces this value,
+/// which cancels whatever runs.
 #[derive(Debug, Default)]
 pub struct Operations {
-    /// The estimation of a camera's base.
+    /// The estimation of a camera's base from clicks and painted lines.
     pub base_estimate: BaseEstimateState,
-    /// A base refined on a shot.
+    /// The refinement of a base on the shot that is shown.
     pub(in crate::app) base_refinement: BaseRefinementState,
-    /// A change after which many frames are solved again.
+    /// Changes after which many frames are solved again.
     pub bulk_solve: BulkSolveState,
     /// The search for graphics that are burned into the pictures.
     pub(in crate::app) burnt_in: BurntInState,
-    /// The search for a camera by pictures alone.
+    /// Autocalibration: the search for a camera from pictures alone.
     pub camera_search: CameraSearchState,
-    /// Whether the shown frame's camera fits all of its frames.
+    /// The check whether one base fits all frames of the shown frame's camera.
     pub(in crate::app) camera_watch: CameraWatchState,
-    /// Cameras carried through a clip.
+    /// The tracking of cameras through a clip.
     pub(in crate::app) clip_tracking: ClipTrackingState,
     /// The comparison with another annotator's document.
     pub comparison: ComparisonState,
-    /// Frames aligned to the painted lines.
+    /// The alignment of frames to their painted lines.
     pub frame_snap: FrameSnapState,
-    /// What the painted lines say about the frames' cameras.
+    /// The comparison of the frames' cameras with the painted lines.
     pub(in crate::app) line_checks: LineChecks,
-    /// Whether the pictures are those that the document means.
+    /// The check whether the pictures on disk are those that the document was made with.
     pub(in crate::app) picture_comparison: PictureComparisonState,
-    /// Points that go to the paint that they name.
+    /// The alignment of clicked points to the paint that they name.
     pub(in crate::app) point_snap: PointSnapState,
     /// The search for the cuts of a video.
     pub shot_search: ShotSearchState,
-    /// Exports and imports: what was chosen, and what is under way.
+    /// Exports and imports: what the user chose, and what is running.
     pub transfer: TransferState,
     #[cfg(test)]
     pub(crate) probe: ProbeState,
 }
 
-/// Something that the user has asked for and waits for.
+/// Work that the user started and waits for; shown in the status row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnderWay {
     /// What is being done and how far it has come, in one sentence.
     pub text: String,
-    /// How much of the present step is done, 0 to 1; none where that is not known.
+    /// The share of the present step that is done, 0 to 1; none if it is unknown.
     pub share: Option<f32>,
-    /// What stops it.
+    /// The command that stops it.
     pub stop: Command,
 }
 
 impl Operations {
-    /// What the status row says is under way.
+    /// The work that the status row shows: the first that runs, in the order of this list.
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         self.bulk_solve
@@ -113,13 +113,13 @@ impl Operations {
             .or_else(|| self.frame_snap.under_way())
     }
 
-    /// The estimation of a base that is under way: the status row speaks of it once nothing is
-    /// being clicked.
+    /// The estimation of a base, if one runs. Separate from [`Self::under_way`], because the status
+    /// row shows it only while the user is not placing points.
     pub(super) fn base_under_way(&self) -> Option<UnderWay> {
         self.base_estimate.under_way()
     }
 
-    /// The base that was estimated and waits for a decision.
+    /// The estimated base that waits for the user's decision.
     #[must_use]
     pub const fn proposed_base(&self) -> Option<&Arc<EstimatedBase>> {
         self.base_estimate.proposed()
@@ -127,7 +127,8 @@ impl Operations {
 }
 
 impl App {
-    /// Why a command of an operation is not available; none if it is, and for other commands.
+    /// Why a command of an operation is not available. None if it is, or if it belongs to no
+    /// operation.
     pub(super) fn why_not_operation(&self, command: Command) -> Option<&'static str> {
         use Command as C;
         match command {
@@ -151,7 +152,7 @@ impl App {
         }
     }
 
-    /// Carries out a command of an operation.
+    /// Carries out a command of an operation; ignores other commands.
     pub(super) fn operation_command(&mut self, command: Command) {
         use Command as C;
         match command {
@@ -178,20 +179,20 @@ impl App {
         }
     }
 
-    /// Starts what is worked out unasked of a document that has just been opened.
+    /// Starts the operations that run once on a document that was just opened.
     pub(super) fn start_on_opening(&mut self) {
         self.find_burnt_in();
         self.find_shots_of_new();
         self.compare_pictures();
     }
 
-    /// Takes over what waited for the end of what the user was doing, and what a click has decided.
+    /// Takes over the results that had to wait, and the decision of a click between two cameras.
     pub(super) fn take_over_what_waited(&mut self) {
         self.deliver_waiting_reports();
         self.decide_camera_by_click();
     }
 
-    /// Starts what is worked out unasked of the document as it is now.
+    /// Starts the operations that follow every change of the document.
     pub(super) fn start_unasked(&mut self) {
         self.watch_camera();
         self.snap_points();

@@ -1,8 +1,8 @@
-//! Whether the pictures are those that the document means, compared in the background when it is
-//! opened.
+//! Checks in the background, when a document is opened, whether the pictures on disk are those that
+//! were labelled.
 //!
-//! Another file under the name of a labelled one shows another moment: its lines lie elsewhere, and
-//! a label that was good is wrong. Only what the document states can be compared: SHA-256, size,
+//! A different picture under the same file name shows another moment: its lines are elsewhere, and
+//! a correct label becomes wrong. The check compares what the document states: SHA-256, size, and
 //! number and time in a video.
 
 use crate::app::App;
@@ -15,16 +15,16 @@ use std::sync::Arc;
 use touchline_calibration::calibrate::{Fault, PictureCheck};
 use touchline_documents::document::{Document, Frame, FrameId, VideoFrame};
 
-/// The pictures of a document are to be compared with it.
+/// Compares the pictures with what the document states about them.
 #[derive(Debug)]
 pub struct PictureComparison {
     document: Document,
     folder: PathBuf,
-    /// The frame that is shown: it comes first.
+    /// The index of the shown frame, which is checked first.
     shown: usize,
 }
 
-/// What a frame states of its picture.
+/// What a frame states about its picture.
 #[derive(Clone, Debug, PartialEq)]
 struct Stated {
     image: Option<String>,
@@ -41,7 +41,7 @@ impl Stated {
         }
     }
 
-    /// Whether anything can be compared.
+    /// Whether the frame states anything that can be compared.
     fn is_comparable(frame: &Frame) -> bool {
         frame.sha256.is_some()
             || frame
@@ -51,18 +51,18 @@ impl Stated {
     }
 }
 
-/// A frame whose picture is another one.
+/// A frame with a picture that differs from what the frame states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OtherPicture {
-    /// What the frame stated when it was compared.
+    /// What the frame stated when it was checked. The result is valid while it states the same.
     stated: Stated,
-    /// How the picture differs.
+    /// The difference, as text.
     says: String,
 }
 
 type OtherPictures = BTreeMap<FrameId, OtherPicture>;
 
-/// What is known of the pictures of the open document.
+/// The check on the open document, and its result.
 #[derive(Debug, Default)]
 pub(in crate::app) struct PictureComparisonState {
     slot: Slot<PictureComparison>,
@@ -138,8 +138,8 @@ impl Operation for PictureComparison {
     }
 }
 
-/// Whether a fault means that the picture is not the one of the frame. That a picture is missing
-/// the window says by itself.
+/// Whether a fault means that the picture is a different one. A missing picture is not included;
+/// the window reports it elsewhere.
 const fn is_of_another_picture(fault: &Fault) -> bool {
     matches!(
         fault,
@@ -151,7 +151,7 @@ const fn is_of_another_picture(fault: &Fault) -> bool {
 }
 
 impl App {
-    /// Why the picture of a frame is not the one that was labelled, where that is known.
+    /// How the picture of a frame differs from the one that was labelled, if that is known.
     #[must_use]
     pub fn other_picture(&self, index: usize) -> Option<&str> {
         let frame = self.open.as_ref()?.frame(index)?;
@@ -165,7 +165,7 @@ impl App {
         (other.stated == Stated::by(frame)).then_some(other.says.as_str())
     }
 
-    /// Compares the pictures with the document that was opened.
+    /// Starts the check of the document that was just opened.
     pub(in crate::app) fn compare_pictures(&mut self) {
         let Some(open) = &self.open else { return };
         if !open

@@ -1,5 +1,8 @@
-//! Points that were placed or dropped, moved onto the paint that they name: part of the step that
-//! placed them.
+//! Moves points that the user just placed onto the paint of the landmark that they name. The move
+//! becomes a part of the step that placed them.
+//!
+//! A placed point waits until the frame has a camera (which predicts where the paint is) and no
+//! other points are being processed.
 
 use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Slot};
@@ -17,35 +20,37 @@ use touchline_documents::document::{
 };
 use touchline_vision::paint::SnappedPoint;
 
-/// Clicks of a frame are to be moved onto the paint.
+/// Finds the paint of some clicks of a frame.
 #[derive(Debug)]
 pub struct PointSnap {
-    /// The document.
+    /// The document when the work started.
     pub document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     folder: PathBuf,
-    /// The frame as it is.
+    /// The frame when the work started.
     pub frame: Shared<Frame>,
-    /// The field that it shows.
+    /// The field that the frame shows.
     field: Arc<FieldModel>,
-    /// About how the frame's camera is pointed.
+    /// The frame's approximate camera.
     camera: PtzCamera,
-    /// Which of its clicks.
+    /// The indices of the clicks.
     pub clicks: Vec<usize>,
     /// The step of undo that placed the last of them.
     step: Option<Step>,
 }
 
-/// Points that wait to be moved onto the paint, and those that are being looked for.
+/// The points that wait to be moved onto the paint, and the running request.
 #[derive(Debug, Default)]
 pub(in crate::app) struct PointSnapState {
     slot: Slot<PointSnap>,
     waiting: Vec<PlacedPoint>,
-    /// The last click that is to stay where it is: also once it gets its name.
+    /// The last click that the user placed with the wish that it stays exactly there, so that
+    /// naming it later does not move it.
     exact: Option<(FrameId, usize)>,
 }
 
-/// A point that the user placed.
+/// A point that the user placed. Identified by position and landmark, because indices of clicks
+/// change.
 #[derive(Clone, Debug, PartialEq)]
 struct PlacedPoint {
     frame: FrameId,
@@ -70,7 +75,7 @@ impl Operation for PointSnap {
 
     const NAME: &'static str = "snap points";
 
-    /// The clicks whose landmark is certainly painted near by, and where.
+    /// The clicks whose landmark is certainly painted nearby, and the position of the paint.
     fn run(&self, context: &Context<'_, Infallible>) -> Result<Self::Output, PictureError> {
         let picture = read_picture(&mut *context.open_reader(), &self.frame, &self.folder)?;
         Ok(snap_clicks(
@@ -90,7 +95,7 @@ impl Operation for PointSnap {
     fn take_over(&self, app: &mut App, result: Result<Self::Output, Failure<PictureError>>) {
         match result {
             Ok(found) => app.move_points(self, found),
-            // The viewport says why there is no picture.
+            // The viewport reports a missing picture already.
             Err(Failure::Failed(_)) => {}
             Err(failure) => app
                 .session
@@ -102,11 +107,11 @@ impl Operation for PointSnap {
 // ---- Which points wait ----
 
 impl PointSnapState {
-    /// A click was placed, moved or named; `exactly`: it is to stay where it is.
+    /// Registers a click that was placed or moved. If `exactly`, it stays where it is.
     fn place(&mut self, frame: &Frame, index: usize, exactly: bool) {
         let here = (frame.id.clone(), index);
         if exactly {
-            // One that named itself as it was placed waits already.
+            // A point that was named automatically as it was placed is waiting already.
             if let Some(click) = frame.clicks.get(index) {
                 self.waiting
                     .retain(|placed| placed.frame != frame.id || !placed.is(click));
@@ -118,7 +123,7 @@ impl PointSnapState {
         self.wait(frame, index);
     }
 
-    /// A click got its name: it waits, unless it is to stay where it is.
+    /// Registers that a click got its name. It waits, unless it must stay exactly where it is.
     fn name(&mut self, frame: &Frame, index: usize) {
         let is_exact = self
             .exact
@@ -129,6 +134,7 @@ impl PointSnapState {
         }
     }
 
+    /// Adds a click to the waiting points, if it names a landmark and is not on its paint yet.
     fn wait(&mut self, frame: &Frame, index: usize) {
         let Some(click) = frame.clicks.get(index) else {
             return;
@@ -146,8 +152,8 @@ impl PointSnapState {
         }
     }
 
-    /// The clicks of the shown frame to look for next; none while others are being looked for.
-    /// Points of frames that were left wait no longer.
+    /// Removes the waiting points and returns those of the shown frame as indices of clicks. Empty
+    /// while a request is running. Points of other frames are dropped.
     fn take_waiting(&mut self, frame: &Frame) -> Vec<usize> {
         self.waiting.retain(|placed| placed.frame == frame.id);
         if self.slot.is_running() {
@@ -169,8 +175,8 @@ impl PointSnapState {
 // ---- In the application ----
 
 impl App {
-    /// A click was placed or moved: it is moved onto the paint as soon as a camera is known, unless
-    /// it is to stay.
+    /// Registers a click that was placed or moved. It is moved onto the paint as soon as a camera
+    /// is known, unless `exactly` or the settings forbid it.
     pub(in crate::app) fn snap_later(&mut self, click: usize, exactly: bool) {
         let exactly = exactly || !self.settings.snap_points;
         if let Some(frame) = self
@@ -182,7 +188,7 @@ impl App {
         }
     }
 
-    /// A click got its name.
+    /// Registers that a click got its name.
     pub(in crate::app) fn snap_named(&mut self, click: usize) {
         if let Some(frame) = self
             .open
@@ -193,8 +199,8 @@ impl App {
         }
     }
 
-    /// Has points that were placed looked for in the picture, between edits. Until the frame has a
-    /// camera they wait.
+    /// Starts the search for the paint of waiting points, between edits. Points wait until the
+    /// frame has a camera.
     pub(in crate::app) fn snap_points(&mut self) {
         let Some(open) = self
             .open
@@ -217,6 +223,7 @@ impl App {
         if clicks.is_empty() {
             return;
         }
+        // The step that the result will extend, if the last step belongs to this frame.
         let step = open
             .history
             .next_undo()
@@ -235,8 +242,8 @@ impl App {
         });
     }
 
-    /// Moves the points that were found on the paint: part of the step that placed them, where
-    /// nothing was done since.
+    /// Moves points onto the paint that was found, as a part of the step that placed them. If the
+    /// user has done something else since, they wait again.
     fn move_points(&mut self, asked: &PointSnap, found: Vec<(usize, SnappedPoint)>) {
         let shown = self
             .open
@@ -252,8 +259,8 @@ impl App {
                 .is_some_and(|here| asked.frame.clicks.get(*click) == Some(here))
         };
         let found: Vec<(usize, SnappedPoint)> = found.into_iter().filter(is_as_asked).collect();
-        // Numbers by hand or the paint itself may decide by now, or the user has accepted the
-        // frame.
+        // By now the frame may have numbers set by hand, a camera aligned to the paint, or the
+        // user's acceptance.
         if found.is_empty() || !is_by_clicks(frame) {
             return;
         }
@@ -263,7 +270,8 @@ impl App {
                 .as_ref()
                 .is_some_and(|step| self.open.as_mut().is_some_and(|open| open.resume(step)));
         if !resumed {
-            // Another point is being placed, or was: these go with it.
+            // The user has placed or is placing another point: these wait again and move together
+            // with it.
             for (click, _) in found {
                 self.snap_later(click, false);
             }
@@ -283,7 +291,7 @@ impl App {
     }
 }
 
-/// Whether a frame is being labelled by its clicks: what moves them moves its camera.
+/// Whether a frame's camera comes from its clicks and may still change with them.
 fn is_by_clicks(frame: &Frame) -> bool {
     let source = frame.source();
     !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)

@@ -1,4 +1,5 @@
-//! The search for the cuts of a video: on request, and unasked when a video has just been imported.
+//! Searches the cuts of a video: at the user's command, and automatically after a video was
+//! imported.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::session::Level;
@@ -13,41 +14,41 @@ use touchline_documents::document::{
 use touchline_vision::media::{FrameReader, FrameRef, FrameStream, MediaError};
 use touchline_vision::track::{CutFinder, Miniature};
 
-/// The cuts of a video are to be found.
+/// Searches the cuts of a video.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShotSearch {
-    /// The video as the document names it.
+    /// The video's path as the document writes it.
     pub video: String,
-    /// Its file.
+    /// The file.
     pub path: PathBuf,
-    /// How many steps could be undone when the search began: what it finds goes beneath those that
-    /// come later.
+    /// The number of steps that could be undone when the search began. The result is inserted into
+    /// the history below the steps that the user makes while the search runs.
     pub num_below: usize,
 }
 
 /// The cuts of a video.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoundShots {
-    /// The video's last frame.
+    /// The index of the video's last frame.
     pub last: u64,
-    /// The first frame of every shot but the first, and how it was found.
+    /// The index of the first frame of every shot but the first, and the kind of its beginning.
     pub cuts: Vec<(u64, ShotKind)>,
 }
 
-/// The search of the open document.
+/// The search on the open document.
 #[derive(Debug, Default)]
 pub struct ShotSearchState {
     slot: Slot<ShotSearch>,
 }
 
 impl ShotSearchState {
-    /// What is being searched.
+    /// The inputs of the running search.
     #[must_use]
     pub fn running(&self) -> Option<&ShotSearch> {
         self.slot.running().map(Running::operation)
     }
 
-    /// How far that has come.
+    /// Its progress; zero if no search is running.
     #[must_use]
     pub fn progress(&self) -> Share {
         self.slot
@@ -61,7 +62,7 @@ impl ShotSearchState {
 // ---- The work ----
 
 impl Operation for ShotSearch {
-    /// Frames that have been looked at.
+    /// Frames that have been examined.
     type Progress = Share;
     type Output = FoundShots;
     type Error = MediaError;
@@ -72,14 +73,14 @@ impl Operation for ShotSearch {
         let percent = AtomicUsize::new(usize::MAX);
         let progress = Progress::new(|frames: Share| {
             context.give_way_to_window();
-            // The window shows whole percents and is painted after each report: a long match has
-            // thousands of frames a percent.
+            // The window shows whole percents and is repainted after each report. A long match has
+            // thousands of frames per percent, so only a change of the percentage is reported.
             if percent.swap(frames.percent(), Ordering::Relaxed) == frames.percent() {
                 return context.check();
             }
             context.report(frames)
         });
-        // Each frame is read once, so that nothing would come of sharing them with the window.
+        // A reader without the shared cache: each frame is read once and never needed again.
         self.look(&mut FrameReader::new(), &progress)
     }
 
@@ -104,7 +105,7 @@ impl Operation for ShotSearch {
 }
 
 impl ShotSearch {
-    /// Looks at every frame of the video. `progress` hears before each how far that has come.
+    /// Examines every frame of the video. Reports to `progress` before each.
     ///
     /// # Errors
     /// The video cannot be opened, or `progress` cancelled the search: [`MediaError::Stopped`].
@@ -122,7 +123,7 @@ impl ShotSearch {
             .with_reader(reader)
             .with_progress(progress.part(|frames| frames))
         {
-            // A frame that does not decode shows nothing new.
+            // A frame that cannot be decoded counts as equal to the one before.
             if let Ok(picture) = frame.picture {
                 last = Some(Miniature::of(&picture));
             }
@@ -135,7 +136,7 @@ impl ShotSearch {
                 path: self.path.clone(),
             });
         }
-        // Frames that did not decode at the start were not counted by the finder.
+        // Frames at the start that could not be decoded were not passed to the finder.
         let missing = of - finder.frames();
         let kind = |is_fade| {
             if is_fade {
@@ -155,8 +156,7 @@ impl ShotSearch {
     }
 }
 
-/// The videos of a document of which nobody has said what their shots are, by name and file: no
-/// frame of theirs belongs to one.
+/// The videos of a document in which no frame belongs to a shot, by name and file.
 fn without_shots(document: &Document, folder: &Path) -> Vec<(String, PathBuf)> {
     let mut videos: Vec<(String, PathBuf, bool)> = Vec::new();
     for frame in &document.frames {
@@ -175,7 +175,7 @@ fn without_shots(document: &Document, folder: &Path) -> Vec<(String, PathBuf)> {
         .collect()
 }
 
-/// The file of a frame's video.
+/// The file of a frame's video. None for a still image.
 fn file_of(frame: &Frame, folder: &Path) -> Option<PathBuf> {
     match frame.picture_source(folder)? {
         FrameRef::Video { path, .. } => Some(path.to_path_buf()),
@@ -186,7 +186,7 @@ fn file_of(frame: &Frame, folder: &Path) -> Option<PathBuf> {
 // ---- In the application ----
 
 impl App {
-    /// Why a command of the search is not available; none if it is.
+    /// Why a command of the search is not available. None if it is.
     pub(in crate::app) fn why_not_shot_search(&self, command: Command) -> Option<&'static str> {
         match command {
             Command::FindShots if self.is_read_only() => Some("The document is read-only."),
@@ -211,8 +211,8 @@ impl App {
         }
     }
 
-    /// Looks for the cuts of a video that has just been imported: the user has done nothing in the
-    /// document yet.
+    /// Starts a search in a video that was just imported: the document has no shots, and no frame
+    /// has users' work.
     pub(in crate::app) fn find_shots_of_new(&mut self) {
         let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else {
             return;
@@ -235,7 +235,7 @@ impl App {
         }
     }
 
-    /// Looks for the cuts of the shown frame's video, again if need be.
+    /// Starts a search in the shown frame's video, even if it has been searched before.
     fn find_shots(&mut self) {
         let Some((open, frame)) = self.open.as_ref().zip(self.frame()) else {
             return;
@@ -255,7 +255,7 @@ impl App {
         });
     }
 
-    /// Marks the shots that were found.
+    /// Writes the found shots into the document.
     fn mark_found_shots(&mut self, search: &ShotSearch, found: &FoundShots) {
         let count = found.cuts.len() + 1;
         let name = if count == 1 {
@@ -269,6 +269,8 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let shots = VideoShots::found(&open.document, &search.video, found.last, &found.cuts);
         let step = Step::on_document(name.clone());
+        // True: the shots went below the user's own steps in the history. They are then no step of
+        // their own in the journal, and the document is written with its whole history.
         if open.mark_shots(shots, step, search.num_below) {
             self.journal(&name, EditKind::NoStep);
             self.effects.push(Effect::WriteDocument);
@@ -283,7 +285,7 @@ impl App {
 
 // ---- Words ----
 
-/// What was found.
+/// The result, as text.
 fn describe(found: &FoundShots) -> String {
     let fades = found
         .cuts

@@ -6,25 +6,25 @@ use touchline_calibration::calibrate::Disagreements;
 use touchline_core::geometry::AngleRange;
 use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameStatus};
 
-/// A part of the time is shown with at least this share of the whole.
+/// Minimum share of the whole time that a view shows.
 const SMALLEST_SHARE: f64 = 1e-5;
 
-/// What is shown over time.
+/// The quantities shown over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Degrees, positive to the right.
+    /// Pan, degrees, positive to the right.
     Pan,
-    /// Degrees, positive upwards.
+    /// Tilt, degrees, positive upwards.
     Tilt,
-    /// px of the frame.
+    /// Focal length, px of the frame.
     Focal,
 }
 
 impl Quantity {
-    /// All of them, from the top.
+    /// All quantities, from top to bottom.
     pub const ALL: [Self; 3] = [Self::Pan, Self::Tilt, Self::Focal];
 
-    /// What a person calls it, with the unit.
+    /// The label, with the unit.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -35,22 +35,22 @@ impl Quantity {
     }
 }
 
-/// How a frame got its camera, as far as the curve tells it.
+/// The status of a frame, as the curve distinguishes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PointKind {
-    /// Begun, or solved and not looked at.
+    /// New, or solved and not reviewed.
     Draft,
-    /// Proposed, not looked at.
+    /// Suggested and not reviewed.
     Suggested,
     /// Accepted.
     Reference,
 }
 
 impl PointKind {
-    /// All of them, those drawn first come first.
+    /// All kinds, in the order of drawing.
     pub const ALL: [Self; 3] = [Self::Draft, Self::Suggested, Self::Reference];
 
-    /// The status that looks like it.
+    /// The status with the same colour.
     #[must_use]
     pub const fn status(self) -> FrameStatus {
         match self {
@@ -60,7 +60,7 @@ impl PointKind {
         }
     }
 
-    /// None for a frame that is rejected.
+    /// The kind of a frame; none if it is rejected.
     fn of(frame: &Frame) -> Option<Self> {
         match frame.status {
             FrameStatus::New | FrameStatus::Draft => Some(Self::Draft),
@@ -71,29 +71,28 @@ impl PointKind {
     }
 }
 
-/// A frame that has a camera.
+/// A frame with a camera, as a point of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoursePoint {
-    /// Its place in the document.
+    /// The index of the frame in the document.
     pub frame: usize,
-    /// When: in the units of the axis.
+    /// The time, in the unit of the axis.
     pub at: f64,
-    /// Pan and tilt in degrees, focal length in px of the frame. The pans of a course have no jump
-    /// at ±180°: see
-    /// [`AngleRange::unwrapped`].
+    /// Pan and tilt in degrees, focal length in px of the frame. Pan is unwrapped, so that it does
+    /// not jump at ±180°: see [`AngleRange::unwrapped`].
     pub values: [f64; 3],
-    /// How it got them.
+    /// The frame's status.
     pub kind: PointKind,
-    /// Counts the shots along the axis; points of one number are joined.
+    /// The number of the shot along the axis. Points with the same number are joined by a line.
     pub shot: usize,
-    /// How far it lies off its neighbours' way, px at 1920 px width; none without two neighbours.
+    /// Distance from what the neighbours predict, px at 1920 px width; none without two neighbours.
     pub apart_px: Option<f64>,
-    /// It disagrees with its neighbours.
+    /// Whether the frame disagrees with its neighbours; see [`disagrees`].
     pub stands_out: bool,
 }
 
 impl CoursePoint {
-    /// One of its values.
+    /// One of the values.
     #[must_use]
     pub const fn value(&self, quantity: Quantity) -> f64 {
         self.values[quantity as usize]
@@ -103,23 +102,23 @@ impl CoursePoint {
 /// Pan, tilt and focal length of a camera's frames over time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Course {
-    /// What time is counted in: video time only where every frame has it.
+    /// The unit of time. Video time only if every frame has it.
     pub axis: TimeAxis,
-    /// Every frame of the camera comes from one video and knows when.
+    /// Whether all frames of the camera belong to one video and have a time.
     pub has_video_time: bool,
-    /// Where the camera's frames begin and end; none without frames.
+    /// The times of the camera's first and last frame; none without frames.
     pub whole: Option<[f64; 2]>,
-    /// The frames with a camera, ascending in time; rejected ones are left out.
+    /// The frames with a camera, ascending in time, without rejected ones.
     pub points: Vec<CoursePoint>,
-    /// Where a shot ends and the next one begins.
+    /// The times between the last frame of a shot and the first of the next one.
     pub cuts: Vec<f64>,
-    /// The points that disagree with their neighbours, by their places among the points, the
-    /// farthest off first.
+    /// The indices of the points that disagree with their neighbours, largest distance first.
     pub standing_out: Vec<usize>,
 }
 
 impl Course {
-    /// The course of a camera; `found` is how the document's frames lie to their neighbours.
+    /// Computes the course of a camera. `found` has the disagreements of all frames of the
+    /// document.
     #[must_use]
     pub fn of(
         document: &Document,
@@ -153,6 +152,7 @@ impl Course {
             .map(|(index, frame)| (at(index, frame), index, frame))
             .collect();
         timed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // The smallest range that contains all pans determines where the angle is unwrapped.
         let pans = timed
             .iter()
             .filter_map(|(_, _, frame)| Some(frame.ptz.as_ref()?.ptz().pan));
@@ -201,7 +201,7 @@ impl Course {
         course
     }
 
-    /// How many points are of a kind.
+    /// The number of points of a kind.
     #[must_use]
     pub fn count(&self, kind: PointKind) -> usize {
         self.points
@@ -210,7 +210,7 @@ impl Course {
             .count()
     }
 
-    /// The points within a span of time, both ends included.
+    /// The points within a span of time, including both ends.
     #[must_use]
     pub fn within(&self, span: [f64; 2]) -> &[CoursePoint] {
         let from = self.points.partition_point(|point| point.at < span[0]);
@@ -218,7 +218,7 @@ impl Course {
         &self.points[from.min(upto)..upto]
     }
 
-    /// When a frame of the document is, if it has a point.
+    /// The time of a frame of the document. With video time: none if the frame has no point.
     #[must_use]
     pub fn at_of(&self, frame: usize) -> Option<f64> {
         match self.axis {
@@ -243,7 +243,7 @@ fn has_video_time(frames: &[(usize, &Frame)]) -> bool {
         })
 }
 
-/// From the first to the last; a single moment gets some room.
+/// The first and last time. A single time is extended by 0.5 on both sides.
 fn whole(timed: &[(f64, usize, &Frame)]) -> Option<[f64; 2]> {
     let (from, upto) = (timed.first()?.0, timed.last()?.0);
     Some(if from < upto {
@@ -253,8 +253,8 @@ fn whole(timed: &[(f64, usize, &Frame)]) -> Option<[f64; 2]> {
     })
 }
 
-/// A span of time enlarged by a factor around a moment that stays where it is; none where it
-/// becomes the whole.
+/// Magnifies a span of time by `factor`; the time `around` keeps its position. None if the result
+/// is the whole.
 #[must_use]
 pub fn zoomed(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Option<[f64; 2]> {
     let smallest = ((whole[1] - whole[0]) * SMALLEST_SHARE).max(1e-3);
@@ -264,7 +264,7 @@ pub fn zoomed(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Opti
     within_whole([from, from + length], whole)
 }
 
-/// A span of time moved so that it lies within the whole; none where it is the whole.
+/// Shifts a span of time into the whole. None if it is at least as long as the whole.
 #[must_use]
 pub fn within_whole(span: [f64; 2], whole: [f64; 2]) -> Option<[f64; 2]> {
     let length = span[1] - span[0];

@@ -1,4 +1,5 @@
-//! How far clicks lie from what they name, as the frames' cameras show it.
+//! Distances of clicks from the projections of what they name, compared with the distances that
+//! click noise explains.
 
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -11,63 +12,67 @@ use touchline_documents::document::{
     CameraId, Document, Fields, Frame, FrameStatus, Shared, Target,
 };
 
-/// The approximate number of bins of a histogram.
+/// Approximate number of bins of a histogram.
 const BINS: usize = 24;
-/// Its scale reaches a little farther than nearly all errors.
+/// The scale of a histogram extends to this quantile of the errors,
 const NEARLY_ALL: f64 = 0.95;
+/// times this factor.
 const FARTHER: f64 = 1.2;
-/// Nearly all correct clicks stay below this multiple of their median.
+/// Nearly all errors of correct clicks are below this multiple of their median. (A Rayleigh
+/// distribution has 94 % of its mass below it.)
 const NEARLY_ALL_OF_RIGHT: f64 = 2.0;
-/// Unknowns of a frame: pan, tilt, focal length.
+/// Number of unknowns of a frame: pan, tilt, focal length.
 const UNKNOWNS: usize = 3;
 
-/// A named click and how far it lies from what it names.
+/// The error of a named click.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClickError {
-    /// The frame's place in the document.
+    /// The index of the frame in the document.
     pub frame: usize,
-    /// Which of its clicks.
+    /// The index of the click in the frame.
     pub click: usize,
-    /// What it names.
+    /// The landmark or line that it names.
     pub target: Target,
-    /// It was held out of the solve.
+    /// Whether it was held out of the solve.
     pub check: bool,
-    /// How far off it is, px at 1920 px width; infinite where the camera does not show what it
-    /// names.
+    /// Distance from the projection of what it names, px at 1920 px width. Infinite if the camera
+    /// does not see that.
     pub error_px: f64,
-    /// What half of such clicks stay below where all names are right: from the click noise of the
-    /// landmark or line, and less for clicks that the camera was fitted to.
+    /// Expected median of such errors if all names are right, px at 1920 px width: from the click
+    /// noise of the landmark or line. It is lower for clicks that took part in the solve, because
+    /// the camera was fitted to them.
     pub expected_px: f64,
 }
 
-/// The named clicks of a camera's frames.
+/// The errors of the named clicks in a camera's frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClickErrors {
-    /// Those whose error says something, in the document's order.
+    /// The errors that are informative, in the document's order.
     pub clicks: Vec<ClickError>,
-    /// Frames whose clicks leave nothing to compare: as many equations as unknowns.
+    /// Number of frames that have as many equations as unknowns, so that their errors say nothing.
     pub without_evidence: usize,
-    /// The errors of the clicks that took part in solves; none without any.
+    /// Statistics of the clicks that took part in solves; none if there are no such clicks.
     pub used: Option<Spread>,
-    /// The errors of those that were held out, in bins of the same width.
+    /// Statistics of the check clicks, with the same width of bins.
     pub held_out: Option<Spread>,
 }
 
-/// Many errors in a few numbers.
+/// Statistics of errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spread {
-    /// How many.
+    /// Number of errors.
     pub count: usize,
-    /// Half of them stay below, px at 1920 px width.
+    /// Median, px at 1920 px width.
     pub median_px: f64,
-    /// Nine of ten stay below.
+    /// 90 % quantile, px at 1920 px width.
     pub most_px: f64,
-    /// How many are of which size.
+    /// The histogram.
     pub histogram: Histogram,
 }
 
 impl ClickErrors {
-    /// The clicks of a camera's solved frames that are not rejected.
+    /// Computes the errors in a camera's solved frames that are not rejected. Frames are processed
+    /// in parallel.
     #[must_use]
     pub fn of(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
         let of_frame = |(index, frame): (usize, &Shared<Frame>)| {
@@ -96,7 +101,7 @@ impl ClickErrors {
         found
     }
 
-    /// The errors of the clicks that took part, or of those held out.
+    /// Statistics of the check clicks (`check`) or of the others. None without any.
     fn spread(&self, check: bool, step_px: f64) -> Option<Spread> {
         let those = || self.clicks.iter().filter(|click| click.check == check);
         let [median_px, most_px] = middle_and_most(those().map(|click| click.error_px))?;
@@ -109,23 +114,28 @@ impl ClickErrors {
     }
 }
 
-/// The named clicks of a frame.
+/// The errors of one frame's clicks.
 struct OfFrame {
-    /// Those whose error says something.
+    /// The informative errors.
     clicks: Vec<ClickError>,
-    /// False where clicks took part in the solve and leave nothing to compare.
+    /// False if clicks took part in the solve but nothing is over-determined.
     is_evident: bool,
 }
 
 impl OfFrame {
+    /// The errors of a frame. None if the frame has no camera, or a click names something that its
+    /// field lacks.
     fn of(document: &Document, index: usize, frame: &Frame, field: &FieldModel) -> Option<Self> {
         let camera = document.pointed(frame)?;
-        // A frame that names what its field lacks has no solve to speak of either.
+        // Such a frame was never solved.
         let observed = observations(frame, field).ok()?;
         let used = || observed.iter().filter(|observation| !observation.check);
         let equations: usize = used().map(Observation::equations).sum();
-        // As the verdict has it: two clicks and nothing else are no evidence.
+        // Two clicks alone are no evidence, also if they give more than three equations; the
+        // verdict uses the same rule.
         let evident = equations > UNKNOWNS && used().count() > 2;
+        // With n equations and 3 unknowns, the expected mean squared residual of the fit is 1 − 3/n
+        // of the variance.
         let fitted = (equations.saturating_sub(UNKNOWNS) as f64 / equations.max(1) as f64).sqrt();
         let scale = frame.image_size.scale_from_1920();
         let of_click = |observation: &Observation| {
@@ -152,7 +162,8 @@ impl OfFrame {
     }
 }
 
-/// The median distance of right clicks, px of the frame.
+/// Median distance of correct clicks from what they name, px of the frame. Two equations: a
+/// Rayleigh distribution; one (a point on a line): the absolute value of a normal distribution.
 fn usual_px(observation: &Observation) -> f64 {
     let median = if observation.equations() == 2 {
         median_rayleigh()
@@ -162,9 +173,8 @@ fn usual_px(observation: &Observation) -> f64 {
     median * observation.sigma_px
 }
 
-/// The share of the distances below a limit where both coordinates scatter alike and half of the
-/// distances lie below the median (Rayleigh's distribution). A point on a line has one coordinate;
-/// it counts as if it had two.
+/// The share of distances below `limit_px`, for a Rayleigh distribution with the median
+/// `median_px`. Points on lines are treated the same way, as an approximation.
 fn share_below(limit_px: f64, median_px: f64) -> f64 {
     if median_px > 0.0 {
         rayleigh_share(limit_px / median_px * median_rayleigh())
@@ -173,37 +183,37 @@ fn share_below(limit_px: f64, median_px: f64) -> f64 {
     }
 }
 
-/// Median and nine tenths of some errors, px; none without any.
+/// Median and 90 % quantile of errors, px; none without any.
 pub(super) fn middle_and_most(errors: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = errors.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
     (!sorted.is_empty()).then(|| [quantile(&sorted, 0.5), quantile(&sorted, 0.9)])
 }
 
-/// How many errors are of which size.
+/// A histogram of errors, with the expected one of correct clicks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
-    /// The width of a bin, px at 1920 px width.
+    /// Width of a bin, px at 1920 px width.
     pub step_px: f64,
-    /// The bins from 0 on; the last one holds all that is larger, too.
+    /// The bins from 0 on. The last one contains all larger errors.
     pub bins: Vec<Bin>,
-    /// How many of as many right clicks each bin would have.
+    /// Expected number in each bin if all names were right.
     pub expected: Vec<f64>,
 }
 
-/// Errors of about a size.
+/// The errors in one bin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bin {
-    /// How many.
+    /// Their number.
     pub count: usize,
-    /// Frame and click of the largest one.
+    /// The indices of frame and click of the largest one.
     pub worst: Option<(usize, usize)>,
     worst_px: f64,
 }
 
 impl Histogram {
-    /// The width of a bin such that nearly all errors, and nearly all of right clicks, have a bin
-    /// of their own size, px: 1, 2 or 5 times a power of ten.
+    /// The width of a bin, px: 1, 2 or 5 times a power of ten, and so large that the histogram
+    /// contains nearly all errors and nearly all correct clicks would be in it.
     fn step_for(errors: &[ClickError]) -> f64 {
         let mut sorted: Vec<f64> = errors
             .iter()
@@ -229,10 +239,11 @@ impl Histogram {
             .unwrap_or(1e4)
     }
 
-    /// The histogram of some errors.
+    /// Computes a histogram of `errors` with bins of `step_px`.
     fn of<'a>(errors: impl IntoIterator<Item = &'a ClickError>, step_px: f64) -> Self {
         let mut bins = vec![Bin::default(); BINS + 1];
-        // Few noises are different: a number for each landmark and number of clicks.
+        // Clicks are grouped by their expected median, of which there are few different ones: one
+        // for each combination of landmark and number of clicks. Its bits are the key.
         let mut noises: BTreeMap<u64, f64> = BTreeMap::new();
         for click in errors {
             *noises.entry(click.expected_px.to_bits()).or_default() += 1.0;
@@ -261,7 +272,7 @@ impl Histogram {
         }
     }
 
-    /// How many the fullest bin has.
+    /// The number of errors in the fullest bin.
     #[must_use]
     pub fn highest(&self) -> usize {
         self.bins.iter().map(|bin| bin.count).max().unwrap_or(0)
@@ -279,8 +290,8 @@ pub(super) mod tests {
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
-    /// A document of frames with clicks this far to the right of where they belong, px of the
-    /// frame.
+    /// A document with frames whose clicks are displaced to the right by the given distances, px of
+    /// the frame.
     pub fn document(frames: &[&[(&str, f64, bool)]]) -> Document {
         let base = CameraBase::new(
             Vec3::new(0.0, -62.0, 17.0),

@@ -1,8 +1,7 @@
-//! What the quality page shows, derived and never stored: how the cameras of the frames run over
-//! time, how far clicks lie from what they name, where frames look.
+//! The values on the quality page: cameras over time, errors of clicks, coverage. They are derived
+//! and never stored.
 //!
-//! Nothing is derived while the page is closed, and only what changed is derived again. The page
-//! speaks of one camera of the document at a time.
+//! The page shows one camera of the document. Nothing is computed while it is closed.
 
 mod course;
 mod errors;
@@ -20,26 +19,26 @@ pub use thinned::{Column, Drawn, drawn};
 use super::{OpenProject, session::Session};
 use touchline_documents::document::{CameraId, Document, Frame};
 
-/// What the quality page shows of one camera: derived, never stored.
+/// The values on the quality page for one camera: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Quality {
     /// The camera.
     pub camera: Option<CameraId>,
     /// Pan, tilt and focal length over time.
     pub course: Course,
-    /// How far clicks lie from what they name.
+    /// Distances of clicks from what they name.
     pub errors: ClickErrors,
-    /// The same by landmark and line.
+    /// The same, grouped by landmark and line.
     pub targets: Vec<TargetErrors>,
-    /// Accepted frames whose paint contradicts their cameras, by their places in the document.
+    /// The indices of accepted frames whose paint contradicts their cameras.
     pub off_paint: Vec<usize>,
-    /// Where references and suggestions look; none while the camera's base is not known.
+    /// Where references and suggestions look; none if the camera has no base.
     pub seen: Option<Seen>,
     derived_from: Option<(u64, TimeAxis)>,
 }
 
 impl Quality {
-    /// Derives it anew if the page is open and something changed since the last time.
+    /// Recomputes the values if the page is open and its inputs have changed.
     pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session) {
         let choice = &session.quality;
         let Some(open) = open.filter(|_| choice.open) else {
@@ -56,6 +55,7 @@ impl Quality {
         }
     }
 
+    /// Computes all values for a camera; empty without one.
     fn derive(open: &mut OpenProject, camera: Option<CameraId>, axis: TimeAxis) -> Self {
         let Some(id) = &camera else {
             return Self::default();
@@ -65,7 +65,7 @@ impl Quality {
         let document = &*open.document;
         let off_paint = off_paint(document, id);
         let course_of = || Course::of(document, disagreements, id, axis);
-        // Without a valid field nothing can be off.
+        // Without a valid field there are no errors of clicks and no coverage.
         let Ok(fields) = fields else {
             return Self {
                 course: course_of(),
@@ -82,6 +82,7 @@ impl Quality {
         let place = document.cameras.iter().position(|camera| camera.id == *id);
         let field = place.map(|place| fields.of_cameras(document).swap_remove(place));
         let seen_of = || Seen::of(document, &*field?, id);
+        // The three are independent, and each takes a pass over all frames.
         let (course, ((errors, targets), seen)) =
             rayon::join(course_of, || rayon::join(errors_of, seen_of));
         Self {
@@ -96,7 +97,7 @@ impl Quality {
     }
 }
 
-/// The accepted frames of a camera that their paint contradicts.
+/// The indices of the camera's accepted frames whose paint contradicts them.
 fn off_paint(document: &Document, camera: &CameraId) -> Vec<usize> {
     let is_off = |frame: &Frame| frame.camera == *camera && frame.accepted_off_paint().is_some();
     document
@@ -108,7 +109,8 @@ fn off_paint(document: &Document, camera: &CameraId) -> Vec<usize> {
         .collect()
 }
 
-/// The camera that was chosen, while the document has it; else the shown frame's, else the first.
+/// The chosen camera if the document still has it, otherwise the shown frame's, otherwise the
+/// first.
 fn chosen_camera(open: &OpenProject, session: &Session) -> Option<CameraId> {
     let document = &open.document;
     let chosen = session

@@ -1,20 +1,20 @@
-//! Where a camera's references and suggestions look.
+//! The directions that a camera's references and suggestions cover.
 
 use touchline_calibration::proposals::Coverage;
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{CameraId, Document, FrameStatus};
 
-/// Where references and suggestions look, over the same pans and tilts.
+/// Coverage of references and suggestions, over the same range of pan and tilt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seen {
-    /// What references see, and the field.
+    /// Coverage of the references, and of the field.
     pub references: Coverage,
-    /// What suggestions see.
+    /// Coverage of the suggestions.
     pub suggestions: Coverage,
 }
 
 impl Seen {
-    /// What a camera's frames see; none while its base is not known.
+    /// The coverage of a camera's frames; none if it has no base.
     #[must_use]
     pub fn of(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {
         let of = |status: FrameStatus| {

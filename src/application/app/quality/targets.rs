@@ -1,53 +1,54 @@
-//! Which landmarks and lines are hit badly.
+//! Errors of clicks, grouped by the landmark or line that they name.
 
 use super::errors::{ClickError, ClickErrors, middle_and_most};
 use std::collections::BTreeMap;
 use touchline_documents::document::Target;
 
-/// Fewer clicks than this say little about a landmark.
+/// Minimum number of clicks for a statement about a landmark.
 const MIN_CLICKS: usize = 3;
-/// A median this many times what is expected is bad.
+/// A landmark is bad if the median of its errors exceeds the expected one by this factor.
 const BAD: f64 = 2.0;
 
-/// The clicks on one landmark or line.
+/// The errors of the clicks on one landmark or line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetErrors {
-    /// Which.
+    /// The landmark or line.
     pub target: Target,
-    /// How many clicks, check clicks among them.
+    /// Number of clicks, including check clicks.
     pub clicks: usize,
-    /// Half of them stay below, px at 1920 px width.
+    /// Median error, px at 1920 px width.
     pub median_px: f64,
-    /// Nine of ten stay below.
+    /// 90 % quantile of the errors, px at 1920 px width.
     pub most_px: f64,
-    /// What half of right clicks would stay below.
+    /// Expected median error of clicks with the right name, px at 1920 px width.
     pub expected_px: f64,
-    /// The clicks, the worst first: frame, click and error.
+    /// The clicks, largest error first: index of the frame, index of the click, error in px at 1920
+    /// px width.
     pub worst: Vec<(usize, usize, f64)>,
 }
 
 impl TargetErrors {
-    /// How many times larger than expected the errors are.
+    /// Ratio of the median error to the expected one.
     #[must_use]
     pub fn excess(&self) -> f64 {
         self.median_px / self.expected_px
     }
 
-    /// Whether there are enough clicks to say so, and they are off.
+    /// Whether there are enough clicks and their errors are too large.
     #[must_use]
     pub fn is_bad(&self) -> bool {
         self.is_known() && self.excess() > BAD
     }
 
-    /// Whether there are enough clicks to say anything.
+    /// Whether there are enough clicks for a statement.
     #[must_use]
     pub const fn is_known(&self) -> bool {
         self.clicks >= MIN_CLICKS
     }
 }
 
-/// Every landmark and line that was clicked: those with enough clicks first, and of these the one
-/// that is hit worst.
+/// All landmarks and lines that were clicked: those with enough clicks first, then by excess,
+/// largest first.
 #[must_use]
 pub fn by_target(errors: &ClickErrors) -> Vec<TargetErrors> {
     let mut clicked: BTreeMap<&Target, Vec<&ClickError>> = BTreeMap::new();
@@ -66,6 +67,7 @@ pub fn by_target(errors: &ClickErrors) -> Vec<TargetErrors> {
     found
 }
 
+/// Statistics of the clicks on one target. None without clicks.
 fn of_target(target: &Target, clicks: &[&ClickError]) -> Option<TargetErrors> {
     let [median_px, most_px] = middle_and_most(clicks.iter().map(|click| click.error_px))?;
     let [expected_px, _] = middle_and_most(clicks.iter().map(|click| click.expected_px))?;

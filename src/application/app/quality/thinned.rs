@@ -1,22 +1,22 @@
-//! What is drawn of a course that has more points than the screen has pixels.
+//! Reduces a course with more points than pixels to what can be drawn.
 
 use super::{CoursePoint, PointKind, Quantity};
 
-/// What is drawn of the points of a span.
+/// The points of a span, as they are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drawn<'a> {
-    /// Every point by itself.
+    /// Every point is drawn.
     Points(&'a [CoursePoint]),
-    /// Many points as columns, ascending in time.
+    /// Points are combined to vertical bars, ordered by kind and column.
     Columns(Vec<Column>),
 }
 
-/// The points of one kind that fall on one column of pixels.
+/// The points of one kind that fall into one column of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
-    /// Which column, from 0.
+    /// The index of the column.
     pub column: usize,
-    /// Of which kind.
+    /// The kind.
     pub kind: PointKind,
     /// The smallest value.
     pub low: f64,
@@ -24,8 +24,9 @@ pub struct Column {
     pub high: f64,
 }
 
-/// What is drawn of the points of a span on a number of columns: each by itself while they are few,
-/// else from the smallest to the largest of each kind and column, so that no spike gets lost.
+/// Reduces the points of `span` to `columns` columns. If they are few, each is drawn; otherwise the
+/// range from the smallest to the largest value of each kind in each column, so that no outlier
+/// disappears.
 #[must_use]
 pub fn drawn(
     points: &[CoursePoint],
@@ -38,6 +39,8 @@ pub fn drawn(
     }
     let per_unit = columns as f64 / (span[1] - span[0]);
     let mut found: Vec<Column> = Vec::new();
+    // The bar that is being extended, for each kind. Points ascend in time, so a bar is complete
+    // when the column changes.
     let mut open: [Option<Column>; PointKind::ALL.len()] = [None; PointKind::ALL.len()];
     for point in points {
         let column = (((point.at - span[0]) * per_unit) as usize).min(columns - 1);

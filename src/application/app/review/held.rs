@@ -1,11 +1,12 @@
-//! The list while it is held: no row moves.
+//! Updates the review list while it is held, so that no row moves.
 
 use super::{Concerned, Review, ReviewRow, shot_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Review {
-    /// Takes new rows of some frames in: rows keep their places, those that wait no more are
-    /// marked, new ones come last. With one row a shot a shot that has one gets no other.
+    /// Takes in new rows of the concerned frames. Rows keep their positions, those that are no
+    /// longer suggestions are marked as gone, new ones are appended. With `one_per_shot` a shot
+    /// that has a row gets no second one.
     pub(super) fn keep_places(
         &mut self,
         concerned: &Concerned,
@@ -48,7 +49,7 @@ mod tests {
         Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
     };
 
-    /// Frames of two shots in turns.
+    /// Frames that belong to two shots alternately.
     fn opened(frames: usize) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for index in 0..frames {
@@ -64,7 +65,7 @@ mod tests {
         )
     }
 
-    /// A frame is proposed, or proposed anew.
+    /// Makes a suggestion for a frame, or replaces it.
     fn propose(open: &mut OpenProject, index: usize, confidence: f64) {
         let frame = &mut open.document.frames[index];
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 900.0), None));

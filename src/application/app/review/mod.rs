@@ -1,8 +1,11 @@
-//! What waits to be looked at: the suggested frames in an order, and what has no answer.
+//! The review list: the suggestions that wait for the user, in the chosen order, and the frames
+//! without an answer.
 //!
-//! Suggestions come while a person looks through them. While the list is held, because the pointer
-//! is over it, no row moves: one that is accepted or withdrawn stays in its place and new ones come
-//! last. Let go of, the list is in order again.
+//! Suggestions may arrive while the user works through the list. While the list is held (the
+//! pointer is over it), no row moves: an accepted or withdrawn suggestion keeps its row, and new
+//! ones are appended. When it is released, it is sorted again.
+//!
+//! If few frames changed since the last update, only their rows are computed.
 
 mod held;
 
@@ -18,40 +21,41 @@ use touchline_documents::document::{
     CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames, Shared,
 };
 
-/// Suggestions that lie farther than this from their neighbours' way are to be looked at one by
+/// Suggestions that are farther than this from what their neighbours predict are reviewed one by
 /// one, px at 1920 px width.
 pub const DISAGREES_PX: f64 = 20.0;
 
 /// A suggested frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReviewRow {
-    /// Its place in the document.
+    /// The index of the frame in the document.
     pub frame: usize,
-    /// The probability that it is right, if the program gave one.
+    /// The probability that the suggestion is right, if the program states one.
     pub confidence: Option<f64>,
-    /// How it lies to the frames before and after; none where there are none.
+    /// The disagreement with the frames before and after; none without both.
     pub disagreement: Option<Disagreement>,
-    /// It is no longer a suggestion: accepted, rejected, corrected or withdrawn while the list was
-    /// held.
+    /// Whether the frame is no longer a suggestion: it was accepted, rejected, corrected or
+    /// withdrawn while the list was held.
     pub gone: bool,
 }
 
-/// Whether a frame is to be looked at by itself: it lies off its neighbours' way by more than they
-/// are apart, since between frames that are seconds apart a camera goes anywhere.
+/// Whether a suggestion disagrees with its neighbours so much that the user must look at it. The
+/// limit grows with the distance between the two neighbours, because between distant frames the
+/// camera may go anywhere.
 #[must_use]
 pub fn disagrees(found: &Disagreement) -> bool {
     found.apart_px > DISAGREES_PX.max(found.neighbours_px)
 }
 
 impl ReviewRow {
-    /// Whether it is to be looked at by itself.
+    /// Whether the frame disagrees with its neighbours; see [`disagrees`].
     #[must_use]
     pub fn disagrees(&self) -> bool {
         self.disagreement.as_ref().is_some_and(disagrees)
     }
 
-    /// Whether its camera is exactly that of the frames before and after: only a picture that
-    /// stands still bears that out.
+    /// Whether the frame's camera equals those of the frames before and after exactly, which is
+    /// right only if the picture does not move.
     #[must_use]
     pub fn is_still(&self) -> bool {
         self.disagreement
@@ -59,34 +63,36 @@ impl ReviewRow {
             .is_some_and(Disagreement::is_still)
     }
 
-    /// How far it is from its neighbours' way, px.
+    /// The distance from what the neighbours predict, px.
     #[must_use]
     pub fn apart_px(&self) -> Option<f64> {
         self.disagreement.map(|found| found.apart_px)
     }
 }
 
-/// What is accepted together.
+/// Suggestions that are accepted together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BulkAccept {
-    /// The suggestions, the least certain first.
+    /// The suggestions, least certain first.
     pub rows: Vec<ReviewRow>,
-    /// Certain enough, but left out because they disagree with their neighbours.
+    /// Number of suggestions that are certain enough but disagree with their neighbours, and are
+    /// left out.
     pub left_out: usize,
-    /// Certain enough, but left out because they came, or changed, since the question was asked.
+    /// Number of suggestions that are certain enough but arrived or changed after the sheet was
+    /// opened, and are left out.
     pub late: usize,
-    /// The places of those that a person has taken out.
+    /// The frame indices of suggestions that the user unticked.
     pub unticked: BTreeSet<usize>,
 }
 
 impl BulkAccept {
-    /// As many of the most doubtful are shown before,
+    /// Number of least certain suggestions in the preview.
     const DOUBTFUL: usize = 6;
-    /// and as many of the others, spread over the whole range of confidence.
+    /// Number of samples of the others in the preview.
     const SAMPLES: usize = 6;
 
-    /// Leaves out what is not as it was when the question was asked: `asked` are the frames as they
-    /// were then, `now` as they are.
+    /// Leaves out the frames that differ between the opening of the sheet (`asked`) and the present
+    /// (`now`): the user agrees only to what the sheet showed.
     #[must_use]
     pub(super) fn without_late(mut self, asked: &Frames, now: &Frames) -> Self {
         let found = self.rows.len();
@@ -96,17 +102,18 @@ impl BulkAccept {
         self
     }
 
-    /// Those that are accepted.
+    /// The suggestions that will be accepted.
     pub fn taken(&self) -> impl Iterator<Item = &ReviewRow> {
         self.rows
             .iter()
             .filter(|row| !self.unticked.contains(&row.frame))
     }
 
-    /// What a person looks at before: the most doubtful, then samples over the whole range of
-    /// confidence up to the most certain. Where all are as certain as each other, samples alone.
+    /// The suggestions shown before the user agrees: the least certain, then samples spread over
+    /// the rest up to the most certain. If all have the same confidence, samples only.
     #[must_use]
     pub fn preview(&self) -> Vec<ReviewRow> {
+        // Confidences are compared as displayed, in percent.
         let shown = |row: &ReviewRow| row.confidence.map(percent);
         let certain = self.rows.last().and_then(shown);
         let less_certain = self
@@ -121,20 +128,20 @@ impl BulkAccept {
         doubtful.iter().copied().chain(spread).collect()
     }
 
-    /// How many of those that are accepted are wrong, by their confidences.
+    /// The distribution of the number of wrong suggestions among those to be accepted, from their
+    /// confidences.
     #[must_use]
     pub fn expected_wrong(&self) -> ExpectedWrong {
         ExpectedWrong::among(self.taken().filter_map(|row| row.confidence))
     }
 }
 
-/// What is accepted together while the sheet that asks for it is open, and what follows from it:
-/// derived once for each change.
+/// The content of the sheet *Accept all* while it is open; recomputed once per change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AcceptSheet {
-    /// What is accepted.
+    /// What will be accepted.
     pub bulk: BulkAccept,
-    /// How many of it are wrong.
+    /// The distribution of the number of wrong ones among it.
     pub expected_wrong: ExpectedWrong,
 }
 
@@ -148,40 +155,39 @@ impl From<BulkAccept> for AcceptSheet {
     }
 }
 
-/// What waits to be looked at: derived, never stored.
+/// The review list: derived, never stored.
 #[derive(Clone, Debug, Default)]
 pub struct Review {
-    /// The frames of the list, in the chosen order as far as it is not held.
+    /// The rows of the list; in the chosen order unless the list is held.
     pub rows: Vec<ReviewRow>,
-    /// How many of the last rows were added since the list was held.
+    /// The number of rows at the end that were added since the list is held.
     pub late: usize,
-    /// Suggested frames of shots that the list shows by another one.
+    /// Suggestions of shots that the list represents by another one.
     pub hidden: Vec<ReviewRow>,
-    /// The suggested frames are of several shots.
+    /// Whether the suggestions belong to several shots.
     pub several_shots: bool,
-    /// What has no answer to rely on, and the frame to label next.
+    /// Advice where to label next: how many frames lack a reliable answer, and the frame to label.
     pub advice: LabelAdvice,
     derived_from: Option<Source>,
-    /// Those that it was derived from.
+    /// The document's frames at the last update.
     frames: Frames,
 }
 
-/// What the list is derived from.
+/// The inputs of the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Source {
-    /// Grows with every change of a suggested frame.
+    /// A counter that grows with every change of a suggested frame.
     suggestions: u64,
     order: ReviewOrder,
     one_per_shot: bool,
-    /// Neighbours are compared only while somebody looks at the result; it grows with every change
-    /// of that.
+    /// A counter that grows with every change of a disagreement. None while the disagreements are
+    /// neither shown nor used, because then they are not computed.
     neighbours: Option<u64>,
     held: bool,
 }
 
 impl Source {
-    /// Whether it lists the same frames in the same order as another, as far as nothing else has
-    /// changed.
+    /// Whether both describe the same rows in the same order, if no frame has changed.
     fn is_same_list(self, other: Self) -> bool {
         let Self {
             order,
@@ -194,15 +200,15 @@ impl Source {
     }
 }
 
-/// The frames whose rows may be others than before.
+/// The frames whose rows may have changed.
 enum Concerned {
     All,
-    /// For each frame of the document whether it is one.
+    /// A flag for each frame of the document.
     Some(Vec<bool>),
 }
 
 impl Concerned {
-    /// Those at some places, of so many.
+    /// The frames at `places`, of a document with `frames` frames.
     fn places(places: &BTreeSet<usize>, frames: usize) -> Self {
         let mut concerned = vec![false; frames];
         for place in places {
@@ -220,8 +226,8 @@ impl Concerned {
 }
 
 impl Review {
-    /// Derives it anew if something changed since the last time; where few frames changed, from
-    /// what it was.
+    /// Updates the list if its inputs have changed: from the changed frames if they are few,
+    /// otherwise completely.
     pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session) {
         let Some(open) = open else {
             *self = Self::default();
@@ -243,8 +249,8 @@ impl Review {
             let frames = std::mem::replace(&mut self.frames, open.document.frames.clone());
             let disagreements = with_neighbours.then(|| open.derived.disagreements(&open.document));
             let before = before.filter(|before| before.is_same_list(source));
-            // Let go of, all rows have to be sorted; and which row stands for a shot depends on all
-            // of it.
+            // The present rows can be reused unless the list was just released, which requires
+            // sorting all rows, or shows one row per shot, which depends on all frames of the shot.
             let stays =
                 before.filter(|before| !source.one_per_shot && (source.held || !before.held));
             let few =
@@ -258,6 +264,7 @@ impl Review {
             let concerned = few.map_or(Concerned::All, |few| {
                 Concerned::places(&few, open.document.frames.len())
             });
+            // While the list is held, rows keep their positions; otherwise the new rows are merged.
             if source.held && !self.rows.is_empty() && before.is_some() {
                 self.keep_places(&concerned, rows, choice.one_per_shot);
             } else {
@@ -278,7 +285,8 @@ impl Review {
         );
     }
 
-    /// Takes new rows of some frames in, in order themselves, where the list is in order.
+    /// Replaces the rows of the concerned frames by `rows`, which are sorted, and keeps the list
+    /// sorted.
     fn put_in_order(&mut self, concerned: &Concerned, rows: Vec<ReviewRow>, order: ReviewOrder) {
         let mut newer = rows.into_iter().peekable();
         let mut merged = Vec::with_capacity(self.rows.len() + newer.len());
@@ -295,8 +303,8 @@ impl Review {
         self.rows = merged;
     }
 
-    /// Whether the suggestions that wait are of more than one shot. Where all were of one, it is
-    /// asked of those that changed.
+    /// Whether the suggestions belong to more than one shot. If all belonged to one before, only
+    /// the concerned frames are examined.
     fn is_of_several_shots(&self, concerned: &Concerned) -> bool {
         let first = self.waiting().next().map(|row| shot_of(&self.frames, row));
         let mut asked = self
@@ -305,19 +313,19 @@ impl Review {
         asked.any(|row| Some(shot_of(&self.frames, row)) != first)
     }
 
-    /// The suggestions that wait, whether the list shows them or not.
+    /// The suggestions that wait, including hidden ones.
     fn waiting(&self) -> impl Iterator<Item = &ReviewRow> {
         self.rows.iter().chain(&self.hidden).filter(|row| !row.gone)
     }
 
-    /// How many suggestions wait.
+    /// The number of suggestions that wait.
     #[must_use]
     pub fn count(&self) -> usize {
         self.waiting().count()
     }
 
-    /// How many suggestions are accepted together by a choice, how many are left out, and the least
-    /// certain one's probability.
+    /// For the user's choice: the number of suggestions that would be accepted together, the number
+    /// left out, and the lowest confidence among the former.
     #[must_use]
     pub fn bulk_size(&self, choice: &ReviewChoice) -> (usize, usize, Option<f64>) {
         let (mut taken, mut left_out, mut lowest) = (0, 0, None);
@@ -338,7 +346,7 @@ impl Review {
         (taken, left_out, lowest)
     }
 
-    /// What is accepted together by a choice.
+    /// The suggestions that would be accepted together with the user's choice.
     #[must_use]
     pub fn bulk(&self, choice: &ReviewChoice) -> BulkAccept {
         let certain = |row: &&ReviewRow| {
@@ -358,8 +366,8 @@ impl Review {
         }
     }
 
-    /// The suggestion after a frame, or before it, in the list's order, round and round; none where
-    /// there is no other.
+    /// The frame of the next suggestion after or before a frame in the list's order, cyclically.
+    /// None if there is no other.
     #[must_use]
     pub fn next(&self, frame: usize, forward: bool) -> Option<usize> {
         let here = self.rows.iter().position(|row| row.frame == frame);
@@ -377,13 +385,13 @@ impl Review {
     }
 }
 
-/// The least certain first; what nobody is certain of before all others.
+/// Orders by confidence, least first; rows without a confidence come first.
 fn doubtful_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
     let certain = |row: &ReviewRow| row.confidence.unwrap_or(f64::NEG_INFINITY);
     certain(a).total_cmp(&certain(b))
 }
 
-/// How two rows follow each other; equal ones in the order of time.
+/// Compares two rows in the chosen order; equal ones by time.
 fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Ordering {
     let apart = |row: &ReviewRow| row.apart_px().unwrap_or(f64::NEG_INFINITY);
     let by_choice = match order {
@@ -394,8 +402,8 @@ fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Ordering {
     by_choice.then(a.frame.cmp(&b.frame))
 }
 
-/// The places of the frames whose rows may be others since a state of the list; none where these
-/// are many.
+/// The indices of the frames whose rows may differ from a former state of the list. None if there
+/// are too many to update one by one.
 fn changed(
     document: &Document,
     frames: &Frames,
@@ -412,7 +420,7 @@ fn changed(
     Some(places)
 }
 
-/// The rows of the suggested frames, of all or of those at some places, in the chosen order.
+/// The rows of the suggested frames, of all or only at `places`, in the chosen order.
 fn rows_of(
     frames: &Frames,
     places: Option<&BTreeSet<usize>>,
@@ -440,7 +448,8 @@ fn rows_of(
     rows
 }
 
-/// The first row of each shot and the others, if one is to stand for all of a shot.
+/// With `one_per_shot`: the first row of each shot, and the other rows. Otherwise all rows, and
+/// none.
 fn one_of_each(
     rows: Vec<ReviewRow>,
     frames: &Frames,
@@ -454,14 +463,14 @@ fn one_of_each(
         .partition(|row| shots.insert(shot_of(frames, row)))
 }
 
-/// The shot that a row's frame belongs to.
+/// The shot of a row's frame: its camera and clip.
 fn shot_of<'a>(frames: &'a Frames, row: &ReviewRow) -> Option<(&'a CameraId, &'a Option<Clip>)> {
     frames
         .get(row.frame)
         .map(|frame| (&frame.camera, &frame.clip))
 }
 
-/// The probability that a frame's suggestion is right.
+/// The stated probability that a frame's suggestion is right.
 fn confidence(frame: &Frame) -> Option<f64> {
     frame
         .solution
@@ -469,7 +478,7 @@ fn confidence(frame: &Frame) -> Option<f64> {
         .and_then(|solution| solution.confidence)
 }
 
-/// A probability as a person reads it: certainty is never claimed.
+/// A probability as text. At most 99.9 %, because certainty is never claimed.
 #[must_use]
 pub fn percent(probability: f64) -> String {
     let percent = 100.0 * probability;

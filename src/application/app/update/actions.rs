@@ -1,4 +1,4 @@
-//! What each action does, one function for each kind.
+//! The functions behind each kind of action; they dispatch its variants.
 
 use super::App;
 use crate::app::action::{DiskReport, EditAction, Navigation, PointerAction, ViewAction};
@@ -6,7 +6,7 @@ use crate::app::session::{Dialog, Level};
 use crate::app::trainer::TrainerReport;
 
 impl App {
-    /// What the pointer does over the picture.
+    /// Handles the pointer over the picture.
     pub(super) fn point(&mut self, action: PointerAction) {
         match action {
             PointerAction::Hover(at) => self.session.points.hover = at,
@@ -20,7 +20,7 @@ impl App {
         }
     }
 
-    /// Changes how something is shown.
+    /// Changes how something is displayed.
     pub(super) fn show(&mut self, action: ViewAction) {
         match action {
             ViewAction::Picture(view) => self.session.picture.view = view,
@@ -53,7 +53,7 @@ impl App {
         }
     }
 
-    /// Shows another frame or click, or more of the label.
+    /// Shows another frame or click, or handles the list of names.
     pub(super) fn navigate(&mut self, action: Navigation) {
         match action {
             Navigation::Select(click) => self.select(click),
@@ -103,7 +103,7 @@ impl App {
         }
     }
 
-    /// Takes what comes back from the disk.
+    /// Handles a report from the disk.
     pub(super) fn take_from_disk(&mut self, action: DiskReport) {
         match action {
             DiskReport::Progress(text) => {
@@ -158,7 +158,7 @@ impl App {
         }
     }
 
-    /// Takes what the background trainer reports.
+    /// Handles a report from the background trainer.
     pub(super) fn take_from_trainer(&mut self, action: TrainerReport) {
         match action {
             TrainerReport::Proposals(proposals) => self.take_proposals(&proposals),

@@ -1,5 +1,5 @@
-//! What a camera's base is estimated from: which frames take part, which to click next, names that
-//! are mirrored.
+//! Data for the estimate of a camera's base: which frames are used, which frame to click next,
+//! mirrored names.
 
 use super::App;
 use crate::app::Command;
@@ -10,13 +10,13 @@ use touchline_core::solve::Name;
 use touchline_documents::document::{Click, Frame, Target};
 
 impl App {
-    /// What the frames of the shown frame's camera say about its base.
+    /// The data available for an estimate of the shown frame's camera.
     #[must_use]
     pub const fn base_readiness(&self) -> BaseReadiness {
         self.current.readiness
     }
 
-    /// Goes to the frame whose points would tell most about the base of the shown frame's camera.
+    /// Shows the frame whose points would improve the base of the shown frame's camera most.
     pub(super) fn show_for_base(&mut self) {
         let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
             return;
@@ -37,7 +37,7 @@ impl App {
         self.session.notify_with(Level::Info, text, offer);
     }
 
-    /// A frame takes part in the estimation, or does not.
+    /// Includes a frame in the estimation of the base, or leaves it out; one step of undo.
     pub(super) fn use_for_base(&mut self, index: usize, used: bool) {
         let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else {
             return;
@@ -62,7 +62,8 @@ impl App {
         }
     }
 
-    /// Mirrors the names of a frame's clicks: left and right, near and far, or both.
+    /// Mirrors the names of a frame's clicks (left and right, near and far, or both); one step of
+    /// undo.
     pub(super) fn mirror_names(&mut self, index: usize, symmetry: Symmetry) {
         self.go_to(index);
         let Some(Ok(field)) = self.open.as_mut().map(|open| open.field_of(index)) else {
@@ -78,7 +79,8 @@ impl App {
         }
     }
 
-    /// Tells once that the frames now suffice.
+    /// Reports that the frames suffice for an estimate, when they have just begun to. `before` is
+    /// the state before the action.
     pub(super) fn tell_when_enough(&mut self, before: BaseReadiness) {
         if self.current.base.is_none() && !before.is_enough() && self.base_readiness().is_enough() {
             let text = "These frames are enough to estimate the base.";
@@ -91,6 +93,7 @@ impl App {
     }
 }
 
+/// Replaces each name by its mirror image. Names without one stay.
 fn mirror(frame: &mut Frame, field: &FieldModel, symmetry: Symmetry) {
     for Click { target, .. } in &mut frame.clicks {
         let element = target.as_ref().and_then(|target| target.element(field));

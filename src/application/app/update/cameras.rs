@@ -1,4 +1,4 @@
-//! Which camera took which frames, and a camera that stops fitting.
+//! Assigns frames to cameras, and starts a new camera where one stops fitting.
 
 use super::App;
 use crate::app::CameraChoice;
@@ -10,6 +10,7 @@ use touchline_core::geometry::counted;
 use touchline_documents::document::Step;
 
 impl App {
+    /// Changes the selection on the filmstrip after a click on a frame.
     pub(super) fn select_frame(&mut self, frame: usize, how: Selecting) {
         if let Some(open) = self
             .open
@@ -20,6 +21,7 @@ impl App {
         }
     }
 
+    /// Selects all frames of the shown shot.
     pub(super) fn select_shot(&mut self) {
         let Some(open) = &self.open else { return };
         let frames = Scope::Shot.frames(open, &self.session);
@@ -31,7 +33,7 @@ impl App {
         self.session.frames_selected = frames.into_iter().collect();
     }
 
-    /// Opens the dialog that assigns frames to a camera; it begins with the selected frames.
+    /// Opens the dialog that assigns frames to a camera, with the selected frames if there are any.
     pub(super) fn ask_camera(&mut self) {
         let scope = if self.session.frames_selected.is_empty() {
             Scope::Frame
@@ -41,7 +43,7 @@ impl App {
         self.session.dialog = Some(Dialog::AssignToCamera(scope));
     }
 
-    /// Assigns frames to a camera: one step of undo.
+    /// Assigns the frames of a scope to a camera; one step of undo.
     pub(super) fn assign_to_camera(&mut self, scope: Scope, choice: &CameraChoice) {
         let Some(open) = &self.open else { return };
         let frames = scope.frames(open, &self.session);
@@ -71,7 +73,7 @@ impl App {
         }
     }
 
-    /// Tells of frames that were assigned to a camera.
+    /// Reports frames that were assigned to a camera.
     fn tell_assigned(&mut self, change: &BulkChange) {
         let BulkChange::Assign(given) = change else {
             return;
@@ -86,7 +88,7 @@ impl App {
         self.session.notify(Level::Info, text);
     }
 
-    /// Makes a new camera for the frames that the shown one's camera no longer fits: one step of
+    /// Assigns the frames that the shown frame's camera no longer fits to a new camera; one step of
     /// undo.
     pub(super) fn new_camera_from_change(&mut self) {
         let (Some(change), Some(open)) = (self.camera_change(), &self.open) else {

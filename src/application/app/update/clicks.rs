@@ -1,4 +1,4 @@
-//! Placing, moving and removing clicks.
+//! Places, moves and removes clicks.
 
 use super::App;
 use crate::app::session::{Level, Mode};
@@ -6,6 +6,8 @@ use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Click, FrameStatus};
 
 impl App {
+    /// Handles the pressed button at `at` (px of the picture), over the click `on` if any. During a
+    /// blind round it places a blind click.
     pub(super) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
         if self.round().is_some() {
             self.hold_again(at, true);
@@ -18,6 +20,7 @@ impl App {
         }
         let size = frame.image_size;
         let rejected = frame.status == FrameStatus::Rejected;
+        // A press elsewhere closes an open list of names or of reasons, and does nothing else.
         if let Mode::Naming(_) = self.session.mode {
             self.leave_naming();
             if on.is_none() {
@@ -28,6 +31,7 @@ impl App {
             self.session.mode = Mode::Idle;
             return;
         }
+        // On a click: start to drag it.
         if let Some(click) = on {
             let name = self.click_name(click);
             self.session.points.selected = Some(click);
@@ -39,6 +43,7 @@ impl App {
             }
             return;
         }
+        // Beside the picture: deselect.
         if !size.contains(at) {
             self.session.points.selected = None;
             return;
@@ -50,6 +55,8 @@ impl App {
             );
             return;
         }
+        // On the picture: place a click, with the landmark that was chosen before, if any, and
+        // start to drag it. Without a choice, it is named as soon as exactly one name is plausible.
         let placing = match std::mem::take(&mut self.session.mode) {
             Mode::Placing(target) => Some(target),
             _ => None,
@@ -81,6 +88,7 @@ impl App {
         }
     }
 
+    /// Handles the pointer moved with the button down.
     pub(super) fn drag(&mut self, to: ImagePoint) {
         if self.round().is_some() {
             self.hold_again(to, false);
@@ -96,7 +104,8 @@ impl App {
         self.clicks_changed();
     }
 
-    /// The button went up; `exactly`: the point stays where it is, whatever is painted near by.
+    /// Handles the released button. With `exactly` the point stays there, even if its landmark is
+    /// painted nearby.
     pub(super) fn release(&mut self, exactly: bool) {
         if self.round().is_some() {
             self.release_again();
@@ -108,6 +117,7 @@ impl App {
         self.session.mode = Mode::Idle;
         let revision = self.open.as_ref().map(|open| open.revision);
         self.commit();
+        // The revision tells whether the step changed anything.
         let moved = self.open.as_ref().map(|open| open.revision) != revision;
         if moved {
             self.snap_later(click, exactly);
@@ -123,7 +133,8 @@ impl App {
         }
     }
 
-    /// Puts a click somewhere within the picture.
+    /// Moves a click to a point, clamped to the picture. The click no longer counts as aligned to
+    /// paint.
     fn move_click(&mut self, click: usize, to: ImagePoint) {
         let Some(frame) = self.frame_mut() else {
             return;
@@ -140,12 +151,13 @@ impl App {
         }
     }
 
+    /// Selects a click, or none.
     pub(super) fn select(&mut self, click: Option<usize>) {
         self.session.points.selected = click;
         self.clamp_selection();
     }
 
-    /// Moves the selected click; a key that is held down is one step of undo.
+    /// Moves the selected click. While the key is `held` down, all movements form one step of undo.
     pub(super) fn nudge(&mut self, dx_px: f64, dy_px: f64, held: bool) {
         let Some(click) = self.session.points.selected else {
             return;
@@ -161,7 +173,7 @@ impl App {
         let step = self.step_at(format!("Nudge {name}"), self.session.frame);
         let resumed = held && self.open.as_mut().is_some_and(|open| open.resume(&step));
         if resumed || self.begin_step(step) {
-            // Whoever moves a point is done with its name.
+            // The user has seen the name and moved on to the position.
             self.session.points.named_unasked = None;
             self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));
             self.clicks_changed();
@@ -169,6 +181,7 @@ impl App {
         }
     }
 
+    /// Removes a click; one step of undo.
     pub(super) fn delete_click(&mut self, click: usize) {
         if self.frame().is_none_or(|frame| click >= frame.clicks.len()) {
             return;
@@ -186,6 +199,8 @@ impl App {
         }
     }
 
+    /// Makes a click a check click, which is held out of the solve, or a normal one; one step of
+    /// undo.
     pub(super) fn set_check(&mut self, click: usize, check: bool) {
         let name = self.click_name(click);
         let step = if check {
@@ -219,7 +234,7 @@ impl App {
         });
     }
 
-    /// What messages and undo call a click: its label in lower case.
+    /// The name of a click in messages and in the history: its label, or "point".
     pub(super) fn click_name(&self, click: usize) -> String {
         let target = self
             .frame()
@@ -280,7 +295,7 @@ mod tests {
         assert!((image(&app).x - 506.0).abs() < 1e-9);
         app.update(Action::Command(Command::Undo));
         assert_eq!(image(&app), at);
-        // Away and back with the key held: no step, but the journal has to know.
+        // There and back with the key held down: this is no step, but the journal must record it.
         nudge(&mut app, 1.0, false);
         nudge(&mut app, -1.0, true);
         assert!(app.open().unwrap().history.next_undo().is_none());

@@ -1,4 +1,4 @@
-//! Carrying out commands.
+//! Commands: whether each is available, and what it does.
 
 use super::App;
 use super::gold::IN_ROUND;
@@ -8,15 +8,18 @@ use crate::app::transfer::TransferTab;
 use crate::app::{Chord, Command, CommandKind};
 use touchline_documents::document::{EditKind, Frame, FrameStatus};
 
-/// One step of the zoom keys.
+/// Factor of one press of a zoom key.
 const ZOOM_STEP: f64 = 1.25;
-/// The scale of "zoom to the point".
+/// Scale of "zoom to the point", physical px of the screen per px of the picture.
 const POINT_SCALE: f64 = 8.0;
-/// The picture is enlarged at most this much.
+/// Maximum scale of the picture, physical px of the screen per px of the picture.
 pub const MAX_SCALE: f64 = 32.0;
 
 impl App {
-    /// Why a command is not available; none if it is.
+    /// Why a command is not available. None if it is.
+    ///
+    /// The first arm that matches decides, so the order matters: from conditions that concern many
+    /// commands to those of single ones.
     #[must_use]
     pub fn why_not(&self, command: Command) -> Option<&'static str> {
         use Command as C;
@@ -24,6 +27,7 @@ impl App {
         let no_frame = self.frame().is_none();
         let no_selection = self.session.points.selected.is_none();
         match command {
+            // A blind round hides the labels: only commands that keep them hidden are available.
             _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
             C::Undo if self.round().is_some() => None,
             C::StartTour if self.session.tour.is_some() => Some("The tour is under way."),
@@ -32,6 +36,7 @@ impl App {
                 .tour
                 .is_none()
                 .then_some("No tour is under way."),
+            // Available without a document.
             C::DismissNotices if self.session.messages.notices.is_empty() => {
                 Some("There are no messages.")
             }
@@ -50,11 +55,13 @@ impl App {
             | C::Guide
             | C::About => None,
             C::PauseTrainer => self.no_trainer(),
+            // The quality page covers the picture.
             _ if self.session.quality.open && command.kind() == CommandKind::Picture => {
                 Some("Close the quality page first.")
             }
             C::OverlayStyle | C::PictureLook => None,
             C::ShowFeatures => self.no_trainer(),
+            // Everything below needs a document,
             _ if no_document => Some("No document is open."),
             C::Orphans if self.session.disk.orphans.is_empty() => {
                 Some("No edits were set aside beside this document.")
@@ -77,7 +84,9 @@ impl App {
             | C::TrainerPanel
             | C::ReviewPanel
             | C::QualityPage => None,
+            // everything below also a frame.
             _ if no_frame => Some("The document has no frames."),
+            // Conditions of single commands.
             C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
                 Some("No point is selected.")
             }
@@ -145,16 +154,19 @@ impl App {
             C::MendNames if self.current.other_names().is_none() => {
                 Some("No other names fit these points.")
             }
+            // Commands of operations; all others are available.
             _ => self.why_not_operation(command),
         }
     }
 
+    /// Whether a document is open and cannot be changed.
     pub(in crate::app) fn is_read_only(&self) -> bool {
         self.open
             .as_ref()
             .is_some_and(|open| open.read_only.is_some())
     }
 
+    /// Whether there is something to undo: an open step, or one in the history.
     fn can_undo(&self) -> bool {
         self.open
             .as_ref()
@@ -167,6 +179,7 @@ impl App {
             .is_some_and(|open| open.history.next_redo().is_some())
     }
 
+    /// Carries out a command, or shows why it is not available.
     pub(in crate::app) fn command(&mut self, command: Command) {
         use Command as C;
         if let Some(reason) = self.why_not(command) {
@@ -175,6 +188,7 @@ impl App {
         }
         self.session.forget_placed();
         match command {
+            // File.
             C::OpenProject => self.effects.push(Effect::Ask(Question::Project)),
             C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),
             C::OpenVideo => self.effects.push(Effect::Ask(Question::Video)),
@@ -192,6 +206,7 @@ impl App {
             C::Import => self.open_transfer(TransferTab::Import),
             C::LoadCamera => self.effects.push(Effect::Ask(Question::CameraFrom)),
             C::Quit => self.close_requested(),
+            // Points of the shown frame.
             C::Undo if self.round().is_some() => self.undo_again(),
             C::Undo => self.undo(true),
             C::Redo => self.undo(false),
@@ -220,6 +235,7 @@ impl App {
             C::NextClick => self.step_click(true),
             C::PreviousClick => self.step_click(false),
             C::Cancel => self.cancel(),
+            // Navigation and shots.
             C::NextFrame => self.step_frame(1),
             C::PreviousFrame => self.step_frame(-1),
             C::NextTenFrames => self.step_frame(10),
@@ -246,6 +262,7 @@ impl App {
                 |frame| frame.status == FrameStatus::Reference,
                 "There is no other reference yet.",
             ),
+            // Labels of the shown frame, gold frames.
             C::Accept => self.accept(false),
             C::AcceptAndStay => self.accept(true),
             C::AcceptAnyway => self.accept_anyway(),
@@ -269,6 +286,7 @@ impl App {
             }
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
+            // View. On the quality page the zoom commands apply to the time axis.
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => {
                 self.zoom_time(command);
             }
@@ -298,12 +316,14 @@ impl App {
                 self.settings.snap_suggestions = !self.settings.snap_suggestions;
                 self.effects.push(Effect::SaveSettings);
             }
+            // Panels.
             C::CameraPanel => self.toggle_panel(SidePanel::Camera),
             C::TrainerPanel => self.toggle_panel(SidePanel::Trainer),
             C::PauseTrainer => self.pause_trainer(),
             C::ShowFeatures => self.show_features(),
             C::ReviewPanel => self.toggle_panel(SidePanel::Review),
             C::QualityPage => self.toggle_quality(),
+            // Cameras and fields.
             C::AssignToCamera => self.ask_camera(),
             C::ConfirmFieldSize => self.confirm_field_size(),
             C::SelectShot => self.select_shot(),
@@ -316,6 +336,7 @@ impl App {
             C::Uncertainty => {
                 self.session.picture.uncertainty = self.session.picture.uncertainty.next();
             }
+            // Dialogs and help.
             C::Palette => self.session.dialog = Some(Dialog::Palette),
             C::Keys => self.session.dialog = Some(Dialog::Keys),
             C::Messages => self.session.dialog = Some(Dialog::Messages),
@@ -325,6 +346,7 @@ impl App {
             C::Preferences => self.session.dialog = Some(Dialog::Preferences),
             C::Guide => self.open_guide(),
             C::About => self.session.dialog = Some(Dialog::About),
+            // Commands of operations.
             C::EstimateBase
             | C::FitFieldSize
             | C::UseEstimatedBase
@@ -350,6 +372,7 @@ impl App {
         }
     }
 
+    /// Starts (`down`) or ends what a command does while its key is down.
     pub(super) fn hold(&mut self, command: Command, down: bool) {
         match command {
             Command::HideOverlay => self.session.picture.held.hide_overlay = down,
@@ -361,7 +384,8 @@ impl App {
         }
     }
 
-    /// Leaves what lies on top: dialog, names, drag, placing, line; then the selection.
+    /// Carries out Escape: ends one thing, the topmost of dialog, opening of a document, quality
+    /// page, estimated base, masks, mode, and at last the selections.
     fn cancel(&mut self) {
         if self.session.dialog.is_some() {
             self.close_dialog();
@@ -389,9 +413,10 @@ impl App {
             Mode::Naming(naming) => {
                 let (click, refines) = (naming.click, naming.refines);
                 self.leave_naming();
-                // It has the name that it gave itself, which nobody has confirmed.
+                // The point keeps the name that it was given automatically and that the user has
+                // not confirmed.
                 self.session.points.named_unasked = refines.then_some(click);
-                // A point that was just placed and gets no name was not meant.
+                // A point without a name was placed by mistake.
                 let unnamed = self.frame().and_then(|frame| frame.clicks.get(click));
                 if unnamed.is_some_and(|click| click.target.is_none()) {
                     self.delete_click(click);
@@ -409,8 +434,8 @@ impl App {
         }
     }
 
-    /// Takes the last step back, or does it again. A step on another frame is gone to first and
-    /// said; the second press changes it.
+    /// Undoes the last step (`back`) or redoes the next one. If the step belongs to another frame,
+    /// only shows that frame; the second press then changes it.
     fn undo(&mut self, back: bool) {
         self.session.mode = Mode::Idle;
         self.commit_open_step();
@@ -422,6 +447,8 @@ impl App {
         };
         let Some(step) = next.cloned() else { return };
         let word = if back { "undo" } else { "redo" };
+        // On another frame, the first press only goes there, so that no change happens out of
+        // sight.
         let position = step
             .frame
             .and_then(|id| open.document.frames.position_of(&id));
@@ -434,6 +461,8 @@ impl App {
             self.session.notify(Level::Info, text);
             return;
         }
+        // The frames' positions may change, so the shown and selected ones are found again by their
+        // ids.
         let frames = open.document.frames.clone();
         open.undo(back);
         self.follow_frames(&frames);
@@ -448,6 +477,8 @@ impl App {
         self.clamp_selection();
     }
 
+    /// Magnifies the picture by a factor around the centre of the canvas. At or below the fitting
+    /// scale the whole picture is shown.
     fn zoom_by(&mut self, factor: f64) {
         let Some(size) = self.frame().map(|frame| frame.image_size) else {
             return;
@@ -467,6 +498,7 @@ impl App {
         };
     }
 
+    /// Magnifies the picture around the selected click.
     fn zoom_to_click(&mut self) {
         let click = self
             .session
@@ -481,6 +513,7 @@ impl App {
         }
     }
 
+    /// Assigns a key to a command, and reports the command that loses it.
     pub(super) fn assign_key(&mut self, command: Command, chord: Chord) {
         let shown = chord.to_string();
         if let Some(loser) = self.settings.keys.assign(command, chord) {

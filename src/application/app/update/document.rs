@@ -1,4 +1,4 @@
-//! Opening, saving and closing.
+//! Opens, saves and leaves documents.
 
 use super::App;
 use super::Current;
@@ -12,22 +12,26 @@ use std::path::{Path, PathBuf};
 use touchline_core::field::{FieldError, Template};
 
 impl App {
+    /// Opens a path, as soon as the present document can be left.
     pub(super) fn open_path(&mut self, path: PathBuf) {
         self.tour_waits = false;
         self.leave_document(Leaving::Open(path));
     }
 
+    /// Opens the demo match, as soon as the present document can be left.
     pub(super) fn open_demo(&mut self) {
         self.leave_document(Leaving::OpenDemo);
     }
 
+    /// Starts reading the demo match.
     pub(super) fn begin_opening_demo(&mut self) {
         self.session.disk.opening = Some("Opening the demo match…".to_owned());
         self.effects.push(Effect::Open(Opening::Demo));
     }
 
+    /// Starts reading a document.
     pub(super) fn begin_opening(&mut self, path: PathBuf) {
-        // What failed before is answered by another try.
+        // Earlier errors are obsolete when the user tries again.
         self.session
             .messages
             .notices
@@ -36,7 +40,10 @@ impl App {
         self.effects.push(Effect::Open(Opening::Path(path)));
     }
 
+    /// Shows a document that was read, with a new session.
     pub(super) fn opened(&mut self, opened: Opened) {
+        // A new session keeps the log of messages, the panel and a part of the trainer's state.
+        // Dropping the operations cancels all requests on the former document.
         self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
@@ -52,6 +59,7 @@ impl App {
             self.session
                 .notify(Level::Warning, format!("Opened read-only: {reason}"));
         }
+        // A new document has no sport yet.
         if opened.is_new {
             self.session.dialog = Some(Dialog::Sport);
             self.session.sport_guess = super::sport::guessed_from(&opened.file.to_string_lossy());
@@ -68,6 +76,7 @@ impl App {
             read_only,
             ..
         } = opened;
+        // The document itself, and the derived values of the former one reset.
         let mut open = OpenProject::of(prepared, file, folder, read_only);
         open.history = history;
         self.session.frame = left_at(&open);
@@ -76,12 +85,13 @@ impl App {
         self.review = super::Review::default();
         self.quality = super::Quality::default();
         self.session.unticked.clear();
+        // What starts on opening: a tour that was requested, and operations.
         self.begin_waiting_tour();
         self.offer_tour();
         self.start_on_opening();
     }
 
-    /// Asks for the field templates that the document came to name.
+    /// Requests the field templates that the document names and that have not been read.
     pub(super) fn read_templates(&mut self) {
         let Some(open) = &mut self.open else { return };
         let (of, folder) = (&open.file, &open.folder);
@@ -94,7 +104,7 @@ impl App {
             .extend(open.derived.take_wanted_templates().into_iter().map(read));
     }
 
-    /// A template was read; the document that names it may have been closed since.
+    /// Stores a template that was read, unless the document that names it has been closed since.
     pub(super) fn template_read(
         &mut self,
         of: &Path,
@@ -115,12 +125,14 @@ impl App {
         open.template_read(name, template);
     }
 
+    /// Requests again the field templates that could not be read.
     pub(super) fn read_failed_templates_again(&mut self) {
         if let Some(open) = &mut self.open {
             open.want_failed_templates_again();
         }
     }
 
+    /// Writes the document now.
     pub(super) fn save(&mut self) {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
@@ -132,9 +144,9 @@ impl App {
         }
     }
 
-    /// Takes the path that was asked for.
+    /// Handles the path that the user chose.
     pub(super) fn answer(&mut self, question: Question, path: PathBuf) {
-        // A file dialog asks before a file is replaced; who types a path has not been asked.
+        // A file dialog asks before a file is replaced; the dialog for typed paths does not.
         let is_typed = matches!(self.session.dialog, Some(Dialog::Path(_)));
         self.session.dialog = None;
         match (question, &self.open) {
@@ -156,13 +168,16 @@ impl App {
         }
     }
 
+    /// Handles a successful write of the state at `revision`. If the document itself was written,
+    /// and not only the journal, `document` is the number of the last request for that.
     pub(super) fn saved(&mut self, revision: u64, at: String, document: Option<u64>) {
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
             self.session.disk.saving = Saving::Saved { at };
             if document.is_some() {
                 self.session.disk.changed_outside = None;
-                // The document holds it now.
+                // The document contains the window's version now, so the copy that was set aside is
+                // obsolete.
                 if let Some(own) = self.session.disk.own_version.take() {
                     self.session
                         .disk
@@ -174,6 +189,7 @@ impl App {
         }
     }
 
+    /// Handles a failed write. If the user wanted to leave the document, asks what to do.
     pub(super) fn save_failed(&mut self, message: String) {
         let since = match std::mem::take(&mut self.session.disk.saving) {
             Saving::Saved { at } => Some(at),
@@ -189,8 +205,8 @@ impl App {
     }
 }
 
-/// Where work goes on: at the frame that was changed last, or the next one from there that is to
-/// do; at the first frame where all are done.
+/// The frame at which to continue: the next one to do, from the one that was changed last. The
+/// first frame if none is to do.
 fn left_at(open: &OpenProject) -> usize {
     let frames = &open.document.frames;
     let changed = open
@@ -214,8 +230,8 @@ mod tests {
     use touchline_core::geometry::{ImagePoint, ImageSize};
     use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameStatus};
 
-    /// Two frames of a field whose template lies beside the document, and what opening them asked
-    /// for.
+    /// Two frames of a field whose template is a file beside the document, and the effects of
+    /// opening it.
     fn opened_with_own_template() -> (App, Vec<Effect>) {
         let (size, mut document) = (
             ImageSize::new(1280, 720),
@@ -234,7 +250,7 @@ mod tests {
         (app, asked(effects))
     }
 
-    /// The templates that are to be read.
+    /// The requests for templates among the effects.
     fn asked(effects: Vec<Effect>) -> Vec<Effect> {
         effects
             .into_iter()

@@ -1,4 +1,5 @@
-//! Accepting a frame whose camera is probably wrong: it is asked once.
+//! Acceptance of a frame whose camera is probably wrong: the program asks once, and offers a
+//! remedy.
 
 use super::App;
 use crate::app::review::percent;
@@ -7,14 +8,14 @@ use crate::app::{Command, sentence};
 use touchline_core::solve::{IdentityKind, Verdict, Warning, WarningCode};
 
 impl App {
-    /// Why the shown frame looks wrong, as one sentence; none if nothing contradicts it.
+    /// The reason why the shown frame is probably wrong, as a sentence. None if nothing contradicts
+    /// it.
     #[must_use]
     pub fn doubt(&self) -> Option<String> {
         self.doubt_of_clicks().or_else(|| self.doubt_of_camera())
     }
 
-    /// Why the frame's camera is probably wrong although no click contradicts it: the program's own
-    /// doubt, or the paint.
+    /// A reason apart from the clicks: the low confidence of the proposal, or the paint.
     fn doubt_of_camera(&self) -> Option<String> {
         if let Some(confidence) = self.frame()?.unlikely() {
             return Some(format!(
@@ -28,7 +29,7 @@ impl App {
         })
     }
 
-    /// What the clicks say against each other.
+    /// A reason from the clicks: they contradict each other.
     fn doubt_of_clicks(&self) -> Option<String> {
         let judgement = self
             .current
@@ -41,17 +42,17 @@ impl App {
         })
     }
 
-    /// The click that lies farthest from where the camera puts it, in its own sigmas, and how far,
-    /// px; none where that is within what clicks scatter.
+    /// The click with the largest residual, in units of its σ, and its distance from the
+    /// projection, px. None if the residual is within the usual scatter.
     fn farthest_click(&self) -> Option<(usize, f64)> {
-        /// As the list of points counts a residual as large.
+        /// The same limit as in the list of points, which marks larger residuals.
         const SIGMAS: f64 = 3.0;
         let solved = self.current.solved()?;
         let used = solved.residuals.iter().filter_map(|residual| {
             let px = residual.distance_px()?;
             Some((residual.click, px, px / residual.sigma_px))
         });
-        // Two points that contradict each other do not tell which of them is wrong.
+        // If two points contradict each other, either may be wrong.
         if solved.residuals.len() + solved.checks.len() <= 2 {
             return None;
         }
@@ -63,7 +64,7 @@ impl App {
         (sigmas > SIGMAS).then_some((click, px))
     }
 
-    /// The warning that is the reason of the verdict on the shown frame.
+    /// The warning that caused the verdict on the shown frame.
     #[must_use]
     pub fn cause(&self) -> Option<&Warning> {
         let reason = &self.current.judgement.as_ref()?.reason;
@@ -74,7 +75,7 @@ impl App {
             .find(|warning| warning.message == *reason)
     }
 
-    /// What mends the shown frame in one click: the command, and what its button says.
+    /// The command that corrects the shown frame, if there is one, and the label of its button.
     #[must_use]
     pub fn mend(&self) -> Option<(Command, &'static str)> {
         let solved = self.current.solved()?;
@@ -94,8 +95,9 @@ impl App {
             .then_some((Command::SwitchRoot, "Switch"))
     }
 
-    /// Asks whether a frame that looks wrong is to be accepted; false if nothing contradicts it, or
-    /// it was asked already.
+    /// Asks whether to accept the shown frame although it looks wrong. Returns false if nothing
+    /// contradicts it, or the user has been asked since its last change. `stay` is stored for the
+    /// answer.
     pub(super) fn asks_about_doubt(&mut self, stay: bool) -> bool {
         let (Some(doubt), Some(open)) = (self.doubt(), &self.open) else {
             return false;
@@ -114,6 +116,7 @@ impl App {
         if again {
             return false;
         }
+        // Offer a correction; without one, the renaming of the worst click.
         let farthest = self.farthest_click().map(|(click, _)| click);
         let mut offers: Vec<_> = self
             .mend()
@@ -131,7 +134,7 @@ impl App {
         true
     }
 
-    /// Accepts a frame that looks wrong.
+    /// Accepts a frame that looks wrong: marks the question as answered, and accepts.
     pub(super) fn accept_anyway(&mut self) {
         let Some(open) = &self.open else { return };
         let Some(frame) = open.frame(self.session.frame) else {

@@ -1,4 +1,4 @@
-//! Navigating, accepting and rejecting frames.
+//! Moves between frames, and accepts, rejects or comments them.
 
 use super::App;
 use crate::app::Command;
@@ -7,6 +7,8 @@ use crate::app::session::{Level, Mode, SidePanel};
 use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 
 impl App {
+    /// Shows a frame; an index beyond the last means the last. Commits the open step and ends the
+    /// mode.
     pub(super) fn go_to(&mut self, frame: usize) {
         let count = self
             .open
@@ -26,10 +28,13 @@ impl App {
         self.session.doubted = None;
     }
 
+    /// Shows the frame `by` frames later, or earlier if negative.
     pub(super) fn step_frame(&mut self, by: isize) {
         self.go_to(self.session.frame.saturating_add_signed(by));
     }
 
+    /// Shows the next frame in a direction for which `wanted` is true. Continues from the other
+    /// end; shows the message `none` if there is no such frame.
     pub(super) fn go_to_next(
         &mut self,
         forward: bool,
@@ -38,7 +43,7 @@ impl App {
     ) {
         let Some(open) = &self.open else { return };
         let (here, end) = (self.session.frame, open.document.frames.len());
-        // Past the end the search goes on from the other end.
+        // From the other end of the document back to the shown frame.
         let around = || {
             if forward {
                 (0..here).find(|index| open.frame(*index).is_some_and(&wanted))
@@ -52,7 +57,7 @@ impl App {
         }
     }
 
-    /// Why the shown frame cannot be accepted, and what to do about it; none if it can.
+    /// Why the shown frame cannot be accepted, and a remedy. None if it can.
     #[must_use]
     pub fn unacceptable(&self) -> Option<String> {
         let frame = self.frame()?;
@@ -81,6 +86,8 @@ impl App {
         })
     }
 
+    /// Accepts the shown frame as a reference; one step of undo. Goes to the next frame to do
+    /// unless `stay`. Asks first if the frame looks wrong.
     pub(super) fn accept(&mut self, stay: bool) {
         if let Some(reason) = self.unacceptable() {
             self.session.notify(Level::Info, reason);
@@ -95,11 +102,12 @@ impl App {
         }
         self.session.retract(Command::AcceptAnyway);
         self.session.doubted = None;
-        // What comes next in the list is asked before this frame leaves it.
+        // The next row must be found now, because the accepted frame will leave the list.
         let listed = self
             .review
             .next(self.session.frame, true)
             .filter(|_| self.session.panel == SidePanel::Review);
+        // Write the solution, the status and the line check into the frame.
         if self.begin("Accept") {
             let solved = self.current.solved().cloned();
             if let Some(frame) = self.frame_mut() {
@@ -111,6 +119,8 @@ impl App {
             }
             self.record_paint();
             self.commit();
+            // What follows from the acceptance: a clip that was tracked before follows the
+            // correction, and the message says how much is left.
             self.carry_correction();
             self.refresh_review();
             let used_for_training = self.frame().is_some_and(Frame::is_used_for_training);
@@ -127,7 +137,7 @@ impl App {
         }
     }
 
-    /// Asks for the reason; a frame that is marked already loses the mark.
+    /// Asks for the reason of a rejection. On a rejected frame, removes the mark instead.
     pub(super) fn ask_reject(&mut self, whole_shot: bool) {
         let Some(frame) = self.frame() else { return };
         if frame.status == FrameStatus::Rejected && !whole_shot {
@@ -150,9 +160,12 @@ impl App {
         self.session.mode = Mode::Rejecting { whole_shot };
     }
 
+    /// Rejects the shown frame or its shot for a reason; one step of undo. Then goes to the next
+    /// frame to do.
     pub(super) fn reject_as(&mut self, reason: RejectReason) {
         let whole_shot = matches!(self.session.mode, Mode::Rejecting { whole_shot: true });
         self.session.mode = Mode::Idle;
+        // The next row must be found before the frame leaves the list.
         let in_list = self.session.panel == SidePanel::Review && !whole_shot;
         let listed = self
             .review
@@ -186,6 +199,7 @@ impl App {
         }
     }
 
+    /// Sets the comment of the shown frame; an empty one removes it.
     pub(super) fn set_comment(&mut self, comment: &str) {
         self.session.dialog = None;
         if self.begin("Comment") {

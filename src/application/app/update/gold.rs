@@ -1,4 +1,8 @@
-//! Gold frames: marked, chosen, clicked again blind, and the click noise that follows.
+//! Gold frames: marking and choosing them, clicking them again in a blind round, and using the
+//! click noise measured from that.
+//!
+//! In a blind round the user clicks the landmarks of gold frames again without seeing the labels.
+//! The differences between clicks on the same landmark show the annotator's click noise.
 
 use super::App;
 use crate::app::GoldWork;
@@ -10,11 +14,11 @@ use touchline_calibration::calibrate::{BulkChange, ENOUGH_REPEATS, choose_gold};
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{ClickNoise, EditKind, Repeat, Step, Target};
 
-/// What is said of everything that would show the label, or lead away from it.
+/// Shown when the user tries something that would show the label or leave the round.
 pub(super) const IN_ROUND: &str = "A blind round is under way: end it first (Esc).";
 
 impl App {
-    /// The blind round, while there is one.
+    /// The present blind round, if any.
     #[must_use]
     pub const fn round(&self) -> Option<&Reclick> {
         match &self.session.mode {
@@ -23,7 +27,7 @@ impl App {
         }
     }
 
-    /// What gold frames and their repeats say.
+    /// The values about gold frames and their repeats.
     #[must_use]
     pub fn gold(&self) -> &GoldWork {
         static NOTHING: LazyLock<GoldWork> = LazyLock::new(GoldWork::default);
@@ -32,7 +36,7 @@ impl App {
             .map_or(&NOTHING, |open| open.derived.last_gold())
     }
 
-    /// Whether an action would break a blind round; says so.
+    /// Whether an action would break the present blind round. Shows a message if so.
     pub(super) fn breaks_round(&mut self, action: &Action) -> bool {
         let breaks = self.round().is_some() && !action.is_blind();
         if breaks {
@@ -41,13 +45,14 @@ impl App {
         breaks
     }
 
-    /// Brings up to date what gold frames and their repeats say.
+    /// Updates the values about gold frames and their repeats.
     pub(super) fn refresh_gold(&mut self) {
         if let Some(open) = &mut self.open {
             open.derived.gold(&open.document);
         }
     }
 
+    /// Marks or unmarks the shown frame as gold.
     pub(super) fn toggle_gold(&mut self) {
         let Some(frame) = self.frame() else { return };
         let gold = !frame.gold;
@@ -68,7 +73,7 @@ impl App {
         }
     }
 
-    /// Makes the references gold that the program chose: one step of undo.
+    /// Marks references as gold that the program chooses; one step of undo.
     pub(super) fn choose_gold(&mut self) {
         let Some(open) = &self.open else { return };
         let chosen = choose_gold(&open.document);
@@ -93,7 +98,7 @@ impl App {
         }
     }
 
-    /// Begins a blind round, or ends the one that is under way.
+    /// Starts a blind round, or ends the present one.
     pub(super) fn click_again(&mut self) {
         if self.round().is_some() {
             self.end_round();
@@ -115,6 +120,7 @@ impl App {
         if open.history.is_open() {
             self.commit();
         }
+        // Hide whatever could show the label, and show the first frame of the round.
         self.session.points.selected = None;
         self.session.forget_placed();
         self.session.points.next_on_line = false;
@@ -126,7 +132,7 @@ impl App {
         self.show_asked();
     }
 
-    /// Shows the frame that is asked for; at the end of the round, ends it.
+    /// Shows the frame of the next landmark, or ends the round if there is none.
     fn show_asked(&mut self) {
         match self.round().map(|round| round.asked().cloned()) {
             Some(Some(Asked { frame, .. })) if frame != self.session.frame => {
@@ -146,8 +152,8 @@ impl App {
         }
     }
 
-    /// The button went down or the pointer moved with it down: the click follows within the
-    /// picture.
+    /// Handles the pressed button (`began`), or the pointer moved with it: the click follows the
+    /// pointer, but stays within the picture.
     pub(super) fn hold_again(&mut self, at: ImagePoint, began: bool) {
         let Some(size) = self.frame().map(|frame| frame.image_size) else {
             return;
@@ -167,7 +173,8 @@ impl App {
         }
     }
 
-    /// The button went up: the click is kept, and the next landmark is asked for.
+    /// Handles the released button: stores the click as a step of undo, and continues with the next
+    /// landmark.
     pub(super) fn release_again(&mut self) {
         let Some(round) = self.round_mut() else {
             return;
@@ -198,6 +205,7 @@ impl App {
         self.show_asked();
     }
 
+    /// Skips the present landmark.
     pub(super) fn skip_again(&mut self) {
         if let Some(round) = self.round_mut() {
             round.skip();
@@ -205,7 +213,7 @@ impl App {
         }
     }
 
-    /// Takes back the last click of the round and asks for it again.
+    /// Undoes the last click of the round, and asks for the same landmark again.
     pub(super) fn undo_again(&mut self) {
         let Some(round) = self.round_mut() else {
             return;
@@ -226,8 +234,8 @@ impl App {
         self.show_asked();
     }
 
-    /// Takes back the click of a landmark in this round: the last step, unless something else has
-    /// become that meanwhile.
+    /// Removes the click of a landmark in this round. This is an undo if the click is the last step
+    /// in the history, otherwise a new step.
     fn take_back_again(&mut self, asked: &Asked, round: u32) {
         let step = self.step_at(self.step_again(asked), asked.frame);
         let Some(open) = &mut self.open else { return };
@@ -254,12 +262,13 @@ impl App {
         self.commit();
     }
 
+    /// The name of the step that clicks a landmark again. Undo recognises the step by it.
     fn step_again(&self, asked: &Asked) -> String {
         let target = Target::Landmark(asked.landmark.clone());
         format!("Click {} again", self.label(&target))
     }
 
-    /// Ends the round; what was clicked stays.
+    /// Ends the round. Clicks of the round are kept.
     pub(super) fn end_round(&mut self) {
         let Some(clicked) = self.round().map(Reclick::clicked) else {
             return;
@@ -270,6 +279,7 @@ impl App {
         self.session.notify_with(Level::Info, text, offer);
     }
 
+    /// The result of a round as text, and the command to offer.
     fn describe_round(&self, clicked: usize) -> (String, Option<(&'static str, Command)>) {
         let own = &self.gold().own;
         let clicked = match clicked {
@@ -297,15 +307,16 @@ impl App {
         }
     }
 
-    /// The click noise that the document uses.
+    /// The annotator's click noise, if the document uses it.
     fn click_noise_in_use(&self) -> Option<ClickNoise> {
         self.open
             .as_ref()
             .and_then(|open| open.document.click_noise_in_use())
     }
 
+    /// Why the annotator's click noise cannot be used. None if it can.
     pub(super) fn why_not_own_noise(&self) -> Option<&'static str> {
-        /// Shown while the repeats are too few.
+        /// Shown while there are too few repeats.
         const TOO_FEW: &str = "At least 12 blind clicks of gold frames are needed.";
         const { assert!(ENOUGH_REPEATS == 12, "the message names the number") };
         match &self.gold().own.click_noise {
@@ -317,22 +328,22 @@ impl App {
         }
     }
 
+    /// Why the usual click noise cannot be used. None if it can.
     pub(super) fn why_not_usual_noise(&self) -> Option<&'static str> {
         self.click_noise_in_use()
             .is_none()
             .then_some("Your points already use the usual click noise.")
     }
 
-    /// From now on the clicks are weighted by the annotator's own click noise, as the repeats show
-    /// it now.
+    /// Weights the clicks by the annotator's own click noise as measured so far.
     pub(super) fn use_own_noise(&mut self) {
         if let Some(noise) = self.gold().own.click_noise.clone() {
             self.weight_clicks("Use my click noise", &noise);
         }
     }
 
-    /// The clicks are weighted by the usual click noise again; the annotator's stays in the
-    /// document.
+    /// Weights the clicks by the usual click noise again. The annotator's stays in the document,
+    /// unused.
     pub(super) fn use_usual_noise(&mut self) {
         if let Some(noise) = self.click_noise_in_use() {
             self.weight_clicks(
@@ -345,7 +356,7 @@ impl App {
         }
     }
 
-    /// One step of undo: every frame that clicks solved is solved again.
+    /// Stores a click noise and solves all frames from clicks again; one step of undo.
     fn weight_clicks(&mut self, step: &'static str, noise: &ClickNoise) {
         let Some(open) = &self.open else { return };
         let mut numbers = open.document.clone();

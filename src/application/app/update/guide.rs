@@ -1,13 +1,13 @@
-//! The user guide: opened at the page that speaks of what is shown, over the dialog that asked for
-//! it.
+//! Opens the user guide at the page about what is shown, on top of the dialog from which it was
+//! opened.
 
 use super::App;
 use crate::app::guide::GuidePage;
 use crate::app::session::{Dialog, SidePanel};
 
 impl App {
-    /// The page of the user guide that speaks of what is shown; none in a dialog that says
-    /// everything itself, or would lose what is typed into it.
+    /// The page of the user guide about what is shown. None in dialogs that explain themselves or
+    /// would lose typed text.
     #[must_use]
     pub fn guide_page(&self) -> Option<GuidePage> {
         Some(match &self.session.dialog {
@@ -38,6 +38,7 @@ impl App {
         })
     }
 
+    /// Opens the guide, and keeps the present dialog behind it.
     pub(super) fn open_guide(&mut self) {
         let Some(page) = self.guide_page() else {
             return;
@@ -46,14 +47,14 @@ impl App {
         self.session.dialog = Some(Dialog::Guide { page, behind });
     }
 
-    /// Another page of the open guide.
+    /// Shows another page of the open guide.
     pub(super) fn show_guide_page(&mut self, wanted: GuidePage) {
         if let Some(Dialog::Guide { page, .. }) = &mut self.session.dialog {
             *page = wanted;
         }
     }
 
-    /// Closes what lies on top: from the guide back to the dialog that it was opened from.
+    /// Closes the dialog. From the guide, returns to the dialog behind it.
     pub(super) fn close_dialog(&mut self) {
         self.session.dialog = match self.session.dialog.take() {
             Some(Dialog::Guide { page, behind }) => {
@@ -85,7 +86,7 @@ mod tests {
         assert_eq!(app.session.dialog, Some(Dialog::Preferences));
         app.update(Action::Command(Command::Cancel));
         assert_eq!(app.session.dialog, None);
-        // Without a dialog it opens where it was left.
+        // Without a dialog it opens at the page where it was closed.
         app.update(Action::Command(Command::Guide));
         assert_eq!(
             app.session.dialog,

@@ -1,12 +1,14 @@
-//! Closing the window or opening something else while edits are only in memory, or while another
-//! program has changed the document: nothing goes unasked.
+//! Closes the window or opens another document without losing edits: the program waits for pending
+//! writes, and asks the user if edits exist only in memory or another program has changed the
+//! document.
 
 use super::App;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Leaving, Mode, Saving};
 
 impl App {
-    /// Closes the window once everything is written.
+    /// Handles the user's wish to close the window: aborts a drag or an edit of numbers, and closes
+    /// the window as soon as everything is written.
     pub(super) fn close_requested(&mut self) {
         if let Mode::Dragging { .. } | Mode::Editing = self.session.mode {
             self.abort();
@@ -14,9 +16,12 @@ impl App {
         self.leave_document(Leaving::Close);
     }
 
-    /// Writes everything, then closes or opens something else; at once if there is nothing to
-    /// write. Where it cannot be written, takes its time when asked again, or another program has
-    /// changed the document, a dialog says what becomes of the edits.
+    /// Leaves the document for something else, as soon as everything is written.
+    ///
+    /// * Nothing to write (read-only, no edits, or a copy has all edits): leaves at once.
+    /// * Writing failed, the document was changed by another program, or the user repeats the wish
+    ///   while writing takes its time: asks what to do with the edits.
+    /// * Otherwise waits for the write.
     pub(super) fn leave_document(&mut self, leaving: Leaving) {
         let read_only = self
             .open
@@ -40,13 +45,15 @@ impl App {
             }
             self.session.disk.leaving = Some(leaving);
         }
-        // The disk may have room again.
+        // Tries again to write; the reason of a failure may have gone, such as a full disk.
         self.save();
     }
 
-    /// Every edit is on disk, in the document or in the journal: goes on with what waited for that.
-    /// What waits for the document itself goes on when the last request to write it is answered:
-    /// another program may have replaced what was written before.
+    /// Handles the end of a write: every edit is on disk, in the document or the journal. Continues
+    /// with what waited for that.
+    ///
+    /// Leaving waits for the answer to the last request to write the document itself, whose number
+    /// is `document`, because another program may have replaced an earlier version.
     pub(super) fn go_on_leaving(&mut self, document: Option<u64>) {
         let is_answered = document == Some(self.session.disk.save_requests);
         if self.session.disk.leaving.is_none() {
@@ -56,7 +63,7 @@ impl App {
         }
     }
 
-    /// What was to be done next is not done, and returned.
+    /// Gives up leaving, and returns what the user wanted.
     pub(super) fn stay(&mut self) -> Option<Leaving> {
         let leaving = self.session.disk.leaving.take()?;
         if leaving != Leaving::Close {
@@ -65,7 +72,8 @@ impl App {
         Some(leaving)
     }
 
-    /// Does what the open dialog warns of, if it is that one.
+    /// If the dialog about unsaved edits is open: closes it and leaves, because the user accepts
+    /// the loss or everything has been written meanwhile.
     pub(super) fn leave_unsaved(&mut self) {
         if let Some(Dialog::NotSaved(leaving)) = &self.session.dialog {
             let leaving = leaving.clone();
@@ -74,6 +82,7 @@ impl App {
         }
     }
 
+    /// Starts what the user wanted.
     fn leave(&mut self, leaving: Leaving) {
         match leaving {
             Leaving::Close => self.effects.push(Effect::Close),
@@ -82,12 +91,12 @@ impl App {
         }
     }
 
-    /// Whether edits are only in memory, and in no copy either.
+    /// Whether edits exist only in memory, and not in a copy either.
     pub(super) fn is_unsaved(&self) -> bool {
         matches!(self.session.disk.saving, Saving::Failed { .. }) && !self.is_copied()
     }
 
-    /// Whether a copy elsewhere holds every edit.
+    /// Whether a copy of the document contains every edit.
     fn is_copied(&self) -> bool {
         self.open
             .as_ref()

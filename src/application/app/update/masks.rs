@@ -1,4 +1,5 @@
-//! Masks: boxes whose pixels give no features.
+//! Masks: boxes in which no features are detected. They belong to a frame, to a camera, or to a
+//! camera with a range of frames.
 
 use super::App;
 use crate::app::choices::{MaskList, MaskScope, Scope};
@@ -6,10 +7,11 @@ use crate::app::session::Level;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Document, Extra, Frame, MaskSource, RangedMask, Step};
 
-/// A mask smaller than this is taken for an accidental drag, px.
+/// Minimum size of a drawn mask, px. A smaller box is an accidental drag.
 const SMALLEST_MASK_PX: f64 = 3.0;
 
 impl App {
+    /// Adds a mask to the shown frame or to its camera; one step of undo.
     pub(super) fn add_mask(&mut self, of_camera: bool, mask: PixelBox) {
         if !(mask.width >= SMALLEST_MASK_PX && mask.height >= SMALLEST_MASK_PX) {
             return;
@@ -32,6 +34,7 @@ impl App {
         });
     }
 
+    /// Removes a mask of the shown frame; one step of undo.
     pub(super) fn remove_mask(&mut self, list: MaskList, index: usize) {
         let step = match list {
             MaskList::Frame => self.step_at("Remove mask", self.session.frame),
@@ -42,7 +45,7 @@ impl App {
         });
     }
 
-    /// Why a mask of the shown frame cannot cover these frames; none if it can.
+    /// Why a mask of the shown frame cannot be extended or restricted to a scope. None if it can.
     #[must_use]
     pub fn why_not_scope(&self, scope: MaskScope) -> Option<&'static str> {
         let of_video = self.frame().is_some_and(|frame| frame.video.is_some());
@@ -60,7 +63,7 @@ impl App {
         }
     }
 
-    /// A mask covers other frames from now on: one step of undo.
+    /// Changes the frames that a mask covers; one step of undo.
     pub(super) fn scope_mask(&mut self, list: MaskList, index: usize, scope: MaskScope) {
         if let Some(reason) = self.why_not_scope(scope) {
             self.session.notify(Level::Info, reason);
@@ -84,7 +87,8 @@ impl App {
         );
     }
 
-    /// Changes masks as one step of undo.
+    /// Changes masks as one step of undo. `change` gets the document and the index of the shown
+    /// frame.
     pub(in crate::app) fn change_masks(
         &mut self,
         step: Step,
@@ -101,7 +105,7 @@ impl App {
     }
 }
 
-/// Takes a mask out of its list.
+/// Removes a mask from its list and returns it.
 fn take_mask(
     document: &mut Document,
     shown: usize,
@@ -132,7 +136,8 @@ fn take_mask(
     }
 }
 
-/// Writes a mask for some frames: with a range where they are of a video, else into each of them.
+/// Adds a mask for some frames: to the camera with a range of frames if they belong to a video,
+/// otherwise to each of the frames.
 fn put_mask(
     document: &mut Document,
     shown: usize,
@@ -145,6 +150,8 @@ fn put_mask(
         return;
     };
     let (here, camera) = (number(frame), frame.camera.clone());
+    // The first and last frame of the range; none for a mask of single frames. A range that the
+    // mask has already is cut at the shown frame.
     let range = match scope {
         MaskScope::All => Some((None, None)),
         MaskScope::Frame => None,
@@ -169,6 +176,7 @@ fn put_mask(
     let Some(camera) = document.camera_mut(&camera) else {
         return;
     };
+    // A mask for all frames that says nothing else belongs to the plain list.
     if (from, to, mask.source) == (None, None, MaskSource::ByHand) && mask.extra.is_empty() {
         camera.masks.push(mask.pixel_box);
     } else {

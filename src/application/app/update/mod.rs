@@ -1,4 +1,19 @@
-//! The only place that changes state: an action in, effects out.
+//! [`App::update`], the only function that changes state: it takes an action and returns effects.
+//!
+//! # Order
+//!
+//! 1. The action itself: `actions.rs` and `commands.rs` dispatch it to the file of its subject.
+//! 2. Results of operations that waited for the end of the user's change (`requests.rs`).
+//! 3. The derived values, from those that others depend on to those that depend on them.
+//! 4. What follows from the new state: the next step of the tour, operations that start without a
+//!    command, orders to the trainer, templates that must be read.
+//!
+//! # Steps of undo
+//!
+//! A change of the document is a step of undo: [`App::begin`], the change, [`App::commit`]. While a
+//! step is open, as during a drag, derived values follow the document but nothing is journalled;
+//! `commit` makes one edit of it for the journal, and [`App::abort`] restores the document.
+//! Suggestions of the program are edits for the journal, too, but no steps.
 
 mod actions;
 mod base;
@@ -41,7 +56,7 @@ use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Edit, EditKind, Frame, FrameStatus, Frames, Step};
 
 impl App {
-    /// An application with nothing open.
+    /// An application without a document.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self {
@@ -50,7 +65,7 @@ impl App {
         }
     }
 
-    /// The same application, which writes down when people click again.
+    /// The same application with a clock: repeated clicks are stored with their time.
     #[must_use]
     pub fn with_clock(self, clock: fn() -> jiff::Timestamp) -> Self {
         Self {
@@ -59,46 +74,51 @@ impl App {
         }
     }
 
-    /// The document that is open.
+    /// The open document.
     #[must_use]
     pub const fn open(&self) -> Option<&OpenProject> {
         self.open.as_ref()
     }
 
-    /// The frame that is shown.
+    /// The shown frame.
     #[must_use]
     pub fn frame(&self) -> Option<&Frame> {
         self.open.as_ref()?.frame(self.session.frame)
     }
 
-    /// The shown frame, solved.
+    /// The values derived from the shown frame, such as its camera.
     #[must_use]
     pub const fn current(&self) -> &Current {
         &self.current
     }
 
-    /// What waits to be looked at.
+    /// The suggestions that wait for review.
     #[must_use]
     pub const fn review(&self) -> &Review {
         &self.review
     }
 
-    /// What the quality page shows; nothing while it is closed.
+    /// The values on the quality page; empty while it is closed.
     #[must_use]
     pub const fn quality(&self) -> &Quality {
         &self.quality
     }
 
-    /// Changes state; what the outside then has to do is returned in order.
+    /// Carries out an action. Returns the effects in the order in which the shell must carry them
+    /// out.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
         let (readiness, revision) = (self.current.readiness, self.revision());
         self.tell_tour(&action);
+        // The action itself, then what waited for its end.
         self.apply(action);
         self.take_over_what_waited();
+        // Derived values. Whatever follows reads them.
         self.refresh_derived();
         if self.revision() != revision {
             self.tell_when_enough(readiness);
         }
+        // What follows from the changed document: the tour's next step, background work, the
+        // trainer, templates that are still to be read.
         self.advance_tour();
         self.start_unasked();
         self.tell_trainer();
@@ -110,8 +130,8 @@ impl App {
         self.open.as_ref().map(|open| open.revision)
     }
 
-    /// Works out again what follows from the document and the session and has changed, in the order
-    /// in which one rests on another.
+    /// Recomputes the derived values that are out of date. The order matters: later ones depend on
+    /// earlier ones.
     fn refresh_derived(&mut self) {
         let proposed = self.operations.proposed_base();
         self.current.refresh(
@@ -126,6 +146,8 @@ impl App {
         self.refresh_gold();
     }
 
+    /// Carries out an action itself, without what follows from it. A blind round refuses actions
+    /// that would break it.
     fn apply(&mut self, action: Action) {
         if self.breaks_round(&action) {
             return;
@@ -162,12 +184,13 @@ impl App {
         }
     }
 
-    /// Opens a step of undo on the shown frame; false (and said so) if nothing can be changed.
+    /// Opens a step of undo on the shown frame. Returns false, with a message, if the document is
+    /// read-only.
     pub(super) fn begin(&mut self, name: impl Into<String>) -> bool {
         self.begin_step(self.step_at(name, self.session.frame))
     }
 
-    /// A step of undo on the frame at a position.
+    /// A step of undo that names the frame at `position`, so that undo can show it.
     pub(super) fn step_at(&self, name: impl Into<String>, position: usize) -> Step {
         let frame = self
             .open
@@ -180,6 +203,8 @@ impl App {
         }
     }
 
+    /// Opens a step of undo and commits the one before. Returns false if the document is read-only
+    /// (with a message) or none is open.
     pub(super) fn begin_step(&mut self, step: Step) -> bool {
         if self.refuses_changes() {
             return false;
@@ -192,7 +217,7 @@ impl App {
         true
     }
 
-    /// Whether nothing can be changed; says so.
+    /// Whether the document is read-only; shows a message if so.
     pub(in crate::app) fn refuses_changes(&mut self) -> bool {
         let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else {
             return false;
@@ -202,14 +227,14 @@ impl App {
         true
     }
 
-    /// Closes the step of undo; what changed goes into the journal.
+    /// Commits the open step: updates what depends on changed bases and writes the change to the
+    /// journal.
     pub(super) fn commit(&mut self) {
         self.follow_base();
         self.close_step();
     }
 
-    /// Commits the step that is open, if one is: what was begun does not go on across what comes
-    /// next.
+    /// Commits the open step, if any, because the next action must not become a part of it.
     pub(super) fn commit_open_step(&mut self) {
         if self
             .open
@@ -220,7 +245,7 @@ impl App {
         }
     }
 
-    /// [`Self::commit`] for a step in which the frames follow their cameras already.
+    /// [`Self::commit`] for a step after which the frames match their cameras already.
     pub(super) fn close_step(&mut self) {
         let Some(open) = &mut self.open else { return };
         let name = open
@@ -230,11 +255,11 @@ impl App {
             .unwrap_or_default();
         let kind = open.history.open_kind();
         open.commit();
-        // Even where it is no step: one that was gone on with may have come back to where it began.
+        // Even an empty step is journalled: a resumed step may have returned to its initial state.
         self.journal(&name, kind);
     }
 
-    /// Gives the open step of undo up, and whatever was begun.
+    /// Aborts the open step of undo and ends the mode.
     fn abort(&mut self) {
         if let Some(open) = &mut self.open {
             open.abort();
@@ -243,7 +268,8 @@ impl App {
         self.clamp_selection();
     }
 
-    /// Passes what changed since the last time to the journal, with its meaning for undo and redo.
+    /// Writes what changed since the last edit to the journal. `kind` says what undo and redo make
+    /// of it.
     pub(in crate::app) fn journal(&mut self, name: &str, kind: EditKind) {
         let Some(open) = &mut self.open else { return };
         if let Some(edit) = open.take_edit(name, kind) {
@@ -251,7 +277,7 @@ impl App {
         }
     }
 
-    /// Passes an edit to the journal that the open document has taken in.
+    /// Writes an edit to the journal that the open document contains already.
     pub(in crate::app) fn journal_edit(&mut self, edit: Edit) {
         let Some(open) = &self.open else { return };
         self.effects.push(Effect::Journal {
@@ -263,7 +289,7 @@ impl App {
         }
     }
 
-    /// The shown frame, to change it within a step.
+    /// The shown frame, to be changed within an open step.
     pub(in crate::app) fn frame_mut(&mut self) -> Option<&mut Frame> {
         let index = self.session.frame;
         self.open
@@ -274,7 +300,7 @@ impl App {
             .map(|frame| &mut **frame)
     }
 
-    /// Solves the shown frame anew after its clicks changed, within a step.
+    /// Solves the shown frame again after its clicks changed, within an open step.
     pub(in crate::app) fn clicks_changed(&mut self) {
         let index = self.session.frame;
         let Some(open) = &mut self.open else { return };
@@ -284,6 +310,7 @@ impl App {
         {
             frame.status = frame.undecided();
         }
+        // Kept, so that the derived values need not solve the frame a second time.
         self.fresh = result.map(|result| FreshSolve {
             frame: index,
             version: open.document.version(),
@@ -302,8 +329,8 @@ impl App {
         }
     }
 
-    /// Shows and selects the same frames as before, after frames came or went. Where the shown one
-    /// went, its neighbour is shown.
+    /// After frames were added or removed: shows and selects the same frames as before, by their
+    /// ids. If the shown frame was removed, its neighbour is shown.
     fn follow_frames(&mut self, before: &Frames) {
         let Some(open) = &self.open else { return };
         let now = &open.document.frames;
@@ -330,8 +357,8 @@ impl App {
     }
 }
 
-/// Writes what a frame's clicks say into the frame: see [`record_outcome`]. None where there is
-/// nothing to solve with.
+/// Solves a frame from its clicks and writes the result into it; see [`record_outcome`]. None if
+/// there is nothing to solve with.
 fn solve_in_place(
     open: &mut OpenProject,
     index: usize,

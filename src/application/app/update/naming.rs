@@ -1,4 +1,4 @@
-//! Giving a click its name.
+//! Names of clicks: the list of candidates, automatic names, and changes of names.
 
 use super::App;
 use crate::app::Command;
@@ -8,7 +8,7 @@ use crate::app::session::{Level, Mode, Naming, OFFERED, PictureView};
 use touchline_documents::document::{BetterName, Frame, Target};
 
 impl App {
-    /// The label of a landmark or line; its id where the field lacks it.
+    /// The label of a landmark or line; its id if the field lacks it.
     #[must_use]
     pub fn label(&self, target: &Target) -> String {
         let label = self
@@ -18,14 +18,15 @@ impl App {
         label.unwrap_or_else(|| target.as_str()).to_owned()
     }
 
-    /// The names for a click of the shown frame, the likeliest first.
+    /// The candidates for a click of the shown frame, best first.
     fn ranked_names(&mut self, click: usize, lines: bool) -> Option<Naming> {
         let frame = self.session.frame;
         let contradicted = self.is_contradicted(frame);
         rank_names(self.open.as_mut()?, frame, click, lines, contradicted)
     }
 
-    /// Asks for the name of a click, with candidates at the cursor.
+    /// Shows the candidates for a click at the cursor. Lists lines if the next click is to be on a
+    /// line, or the click is on one already.
     pub(super) fn open_naming(&mut self, click: usize) {
         let lines = self.session.points.next_on_line
             || self
@@ -39,8 +40,8 @@ impl App {
         }
     }
 
-    /// Asks for the name of the first click that has none, in the middle of the picture where that
-    /// is zoomed.
+    /// Shows the candidates for the first click without a name. If the picture is magnified,
+    /// centres it on the click.
     pub(super) fn name_next(&mut self) {
         let Some(click) = self.frame().and_then(Frame::unnamed_click) else {
             return;
@@ -56,8 +57,8 @@ impl App {
         self.open_naming(click);
     }
 
-    /// Names a click that is being placed while there is just one plausible name; the name follows
-    /// the pointer.
+    /// While a click is being placed: names it if exactly one name is plausible, and removes the
+    /// name otherwise. Called for every movement, so the name follows the pointer.
     pub(super) fn name_if_certain(&mut self, click: usize) {
         let Some(naming) = self.ranked_names(click, self.session.points.next_on_line) else {
             return;
@@ -71,11 +72,12 @@ impl App {
         }
     }
 
-    /// Leaves the list of names; a click without a name stays and says so.
+    /// Closes the list of names.
     pub(super) fn leave_naming(&mut self) {
         self.session.mode = Mode::Idle;
     }
 
+    /// Filters the list by the text that the user typed.
     pub(super) fn type_name(&mut self, typed: String) {
         if let Mode::Naming(naming) = &mut self.session.mode {
             naming.typed = typed;
@@ -83,8 +85,8 @@ impl App {
         }
     }
 
-    /// Offers other names for the click that was just named by itself. Until one is taken it keeps
-    /// its name.
+    /// Shows other names for the click that was just named automatically. It keeps its name until
+    /// the user chooses another one.
     pub(super) fn refine_name(&mut self, typed: String) {
         let Some(click) = self
             .session
@@ -102,12 +104,14 @@ impl App {
         self.type_name(typed);
     }
 
+    /// Highlights a candidate in the list.
     pub(super) fn highlight_name(&mut self, index: usize) {
         if let Mode::Naming(naming) = &mut self.session.mode {
             naming.highlighted = index.min(naming.offered().len().saturating_sub(1));
         }
     }
 
+    /// Gives the click the candidate at an index in the list.
     pub(super) fn take_name(&mut self, index: usize) {
         let Mode::Naming(naming) = &self.session.mode else {
             return;
@@ -123,6 +127,7 @@ impl App {
         self.name_click(click, target);
     }
 
+    /// Lists lines or landmarks; without an open list, sets what the next click is.
     pub(super) fn offer_lines(&mut self, lines: bool) {
         if let Mode::Naming(naming) = &self.session.mode {
             let (click, refines, typed) = (naming.click, naming.refines, naming.typed.clone());
@@ -135,8 +140,9 @@ impl App {
         }
     }
 
-    /// A name picked elsewhere: it goes to the click that waits for one, else to the selected click
-    /// that has none, else to the next click in the picture.
+    /// Uses a name that the user chose elsewhere (on the map or in a panel). It goes to the click
+    /// that waits for a name, otherwise to the selected click if that has none, otherwise to the
+    /// next click in the picture. A landmark that is clicked already is selected.
     pub(super) fn pick(&mut self, target: Target) {
         let waiting = match &self.session.mode {
             Mode::Naming(naming) => Some(naming.click),
@@ -160,7 +166,7 @@ impl App {
         }
     }
 
-    /// Gives the clicks the names that fit: one step of undo.
+    /// Renames the clicks to the names that fit; one step of undo.
     pub(super) fn mend_names(&mut self) {
         let Some(found) = self.current.other_names() else {
             return;
@@ -183,8 +189,8 @@ impl App {
         }
     }
 
-    /// Warns of a name that nothing painted marks while no base is known: people click where the
-    /// curve looks widest.
+    /// Warns if a landmark is not marked by paint and the camera has no base yet: users then click
+    /// where a curve looks widest, which is a different point.
     pub(super) fn warn_of_unmarked(&mut self, target: &Target) {
         let (Target::Landmark(id), Some(field), None) =
             (target, self.current.field(), self.current.base)
@@ -205,7 +211,7 @@ impl App {
         self.session.notify(Level::Warning, text);
     }
 
-    /// Two clicks get each other's names: one step of undo.
+    /// Exchanges the names of two clicks; one step of undo.
     fn swap_names(&mut self, clicks: [usize; 2], names: [Target; 2]) {
         self.session.mode = Mode::Idle;
         self.session.points.next_on_line = false;
@@ -234,12 +240,15 @@ impl App {
         }
     }
 
+    /// Gives a click a name; one step of undo. If another click has that landmark already, the two
+    /// exchange their names, or the name is refused if this click has none to give.
     pub(super) fn name_click(&mut self, click: usize, target: Target) {
         let Some(frame) = self.frame() else { return };
         if click >= frame.clicks.len() {
             return;
         }
         let own = frame.clicks[click].target.clone();
+        // Several clicks may be on one line, but a landmark is only one point.
         let twin = frame.clicks.iter().enumerate().position(|(index, other)| {
             index != click
                 && matches!(target, Target::Landmark(_))

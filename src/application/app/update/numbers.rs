@@ -1,4 +1,8 @@
-//! Editing numbers: pan, tilt, focal length, the camera, the field.
+//! Edits of numbers: pan, tilt, focal length, cameras and fields.
+//!
+//! While the user drags a number, many edits form one step of undo: [`App::begin_edit`] opens it
+//! and [`App::end_edit`] closes it. An edit outside of such a step is a step of its own. During the
+//! step only the shown frame is solved again; all other frames follow at its end.
 
 use super::{App, solve_in_place};
 use crate::app::session::{Level, Mode};
@@ -10,14 +14,14 @@ use touchline_documents::document::{
 };
 
 impl App {
-    /// Opens a step of undo that a row of edits belongs to.
+    /// Opens a step of undo for a series of edits.
     pub(super) fn begin_edit(&mut self, name: &'static str) {
         if self.begin(name) {
             self.session.mode = Mode::Editing;
         }
     }
 
-    /// Opens a step of its own for an edit that none was opened for.
+    /// Makes an edit within the present series, or as a step of its own if there is none.
     fn within_edit(&mut self, step: Step, change: impl FnOnce(&mut Self)) {
         if self.session.mode == Mode::Editing {
             change(self);
@@ -28,6 +32,7 @@ impl App {
         }
     }
 
+    /// Sets pan, tilt and focal length of the shown frame by hand.
     pub(super) fn edit_ptz(&mut self, ptz: Ptz) {
         if !ptz.is_finite() {
             return;
@@ -36,6 +41,8 @@ impl App {
         self.within_edit(step, |app| {
             let base = app.current.base;
             let Some(frame) = app.frame_mut() else { return };
+            // A lens that varies with the focal length is evaluated at the new focal length. Any
+            // other lens stays.
             let lens = match (base, &frame.ptz) {
                 (Some(base), _) if base.distortion.slope_per_px() != 0.0 => {
                     Some(PtzCamera::new(base, ptz).lens())
@@ -58,6 +65,7 @@ impl App {
         });
     }
 
+    /// Changes a camera.
     pub(super) fn edit_camera(&mut self, camera: Camera) {
         if camera.position_m.is_some() != camera.base_from_world.is_some()
             && self.session.mode != Mode::Editing
@@ -71,11 +79,12 @@ impl App {
             if let Some(known) = open.document.camera_mut(&camera.id) {
                 *known = camera;
             }
-            // The shown frame follows at once, the others when the edit ends.
+            // The shown frame is solved now, the others when the edit ends.
             solve_if_by_clicks(open, app.session.frame);
         });
     }
 
+    /// Changes the field of the shown frame: its camera's own, or the document's.
     pub(super) fn edit_field(&mut self, field: FieldSpec) {
         self.within_edit(Step::on_document("Change field"), |app| {
             let shown = app.session.frame;
@@ -90,8 +99,8 @@ impl App {
         });
     }
 
-    /// Ends a row of edits. If a camera or the field changed, every frame that clicks solved is
-    /// solved again.
+    /// Ends a series of edits. If a camera or the field changed, solves all frames from clicks
+    /// again.
     pub(super) fn end_edit(&mut self) {
         if self.session.mode != Mode::Editing {
             return;
@@ -108,8 +117,8 @@ impl App {
             .and_then(|open| open.history.open_step().cloned());
         match (changed, step) {
             (Some(numbers), Some(step)) => {
-                // Begun anew from the document before: what the shown frame followed is part of the
-                // whole change.
+                // The step is aborted and made again as a bulk change, which starts from the
+                // document before the edit: the new solution of the shown frame is a part of it.
                 self.abort();
                 self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)), |_, _| ());
             }
@@ -117,7 +126,7 @@ impl App {
         }
     }
 
-    /// The size of the shown frame's field is known to be right.
+    /// Confirms the size of the shown frame's field; one step of undo.
     pub(super) fn confirm_field_size(&mut self) {
         let Some(spec) = self.shown_field_spec().cloned() else {
             return;
@@ -136,7 +145,7 @@ impl App {
         self.session.retract(Command::ConfirmFieldSize);
     }
 
-    /// Which field the shown frame has, by the document; the document's where there is no frame.
+    /// The specification of the shown frame's field, or the document's if there is no frame.
     #[must_use]
     pub fn shown_field_spec(&self) -> Option<&FieldSpec> {
         let open = self.open.as_ref()?;
@@ -146,7 +155,7 @@ impl App {
         )
     }
 
-    /// Says that the size of the field is assumed, with the way out.
+    /// Reports that the size of the field is assumed, if it is, and offers to confirm it.
     pub(in crate::app) fn tell_assumed_size(&mut self) {
         if let Some(told) = self
             .shown_field_spec()
@@ -157,7 +166,7 @@ impl App {
         }
     }
 
-    /// Clicks decide again, instead of numbers by hand.
+    /// Solves the shown frame from its clicks again, in place of numbers set by hand.
     pub(super) fn solve_again(&mut self) {
         if self.begin("Solve again") {
             if let Some(frame) = self.frame_mut() {
@@ -178,7 +187,8 @@ impl App {
         self.edit_ptz(other);
     }
 
-    /// The base of another document's camera becomes this camera's; its frames are solved with it.
+    /// Copies the base of another document's camera to the shown frame's camera, and solves its
+    /// frames with it.
     pub(super) fn camera_loaded(&mut self, loaded: &Camera) {
         let Some(known) = self.frame().map(|frame| frame.camera.clone()) else {
             return;
@@ -211,11 +221,13 @@ impl App {
     }
 }
 
-/// A camera with another one's base; numbers in px follow if the pictures differ in size.
+/// A copy of `camera` with the base of `loaded`. Numbers in px are scaled if the pictures differ in
+/// size. Masks are copied if the sizes are equal and the camera has none.
 fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
     let mut base = loaded.base()?;
     let scale = f64::from(camera.image_size.width) / f64::from(loaded.image_size.width.max(1));
     if camera.image_size != loaded.image_size {
+        // k₁ per 1000 px of focal length: pixels are in the denominator.
         base.principal_point.x *= scale;
         base.principal_point.y *= scale;
         base.distortion.at_focal_px *= scale;
@@ -231,7 +243,7 @@ fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
     Some(adopted)
 }
 
-/// Solves a frame again if its camera comes from clicks, or would have if there had been a base.
+/// Solves a frame again if its camera comes from clicks, or would if there were a base.
 fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
     if open.frame(index).is_some_and(is_by_clicks) {
         solve_in_place(open, index);

@@ -1,5 +1,5 @@
-//! Another program's version of the document, and edits of other versions: joined with what is
-//! open, or kept apart.
+//! Merges versions of the document: one that another program wrote, and edits to another version
+//! that were set aside.
 
 use super::App;
 use crate::app::Command;
@@ -12,7 +12,7 @@ use touchline_core::field::FieldError;
 use touchline_documents::document::{Document, Frame, Merged, Step, merge};
 use touchline_documents::store::{Orphan, OrphanEdits, Outside};
 
-/// Conflicts that are named; the rest is counted.
+/// Maximum number of conflicts that are listed by name.
 const NAMED: usize = 3;
 
 /// What is merged into the document.
@@ -25,7 +25,7 @@ enum MergeOf {
 }
 
 impl MergeOf {
-    /// How undo calls it.
+    /// The name of the step of undo.
     const fn step(self) -> &'static str {
         match self {
             Self::Outside => "Merge another program's changes",
@@ -33,7 +33,7 @@ impl MergeOf {
         }
     }
 
-    /// What is said before the names of what both sides changed.
+    /// The text before the list of what both sides changed.
     const fn describe_conflicts(self) -> &'static str {
         match self {
             Self::Outside => "Changed on both sides, your version is kept",
@@ -43,9 +43,10 @@ impl MergeOf {
 }
 
 impl App {
-    /// Another program wrote the document. Asked once, and whenever the document is to be left; the
-    /// row at the top keeps saying it. What the window holds is among the edits that are set aside
-    /// until somebody decides.
+    /// Handles a change of the document by another program. Opens the dialog once, and again
+    /// whenever the user wants to leave the document; in between a row at the top of the window
+    /// shows the state. Until the user decides, the window's version (`own`) is listed among the
+    /// edits that were set aside.
     pub(super) fn changed_outside(&mut self, path: PathBuf, own: Option<Orphan>) {
         let is_leaving = self.stay().is_some();
         if self.session.disk.changed_outside.replace(path).is_none() || is_leaving {
@@ -61,6 +62,7 @@ impl App {
         }
     }
 
+    /// Carries out the user's decision about the other program's version.
     pub(super) fn resolve_outside(&mut self, choice: OutsideChoice) {
         self.session.dialog = None;
         let Some(open) = &self.open else { return };
@@ -75,7 +77,8 @@ impl App {
         }
     }
 
-    /// Joins another program's changes with those made here; its version is set aside all the same.
+    /// Merges another program's changes with the user's. The other version is set aside in any
+    /// case.
     pub(super) fn merge_outside(&mut self, outside: &Outside) {
         let Some(open) = &self.open else { return };
         let merged = merge(&outside.base, &open.document, &outside.theirs);
@@ -84,7 +87,7 @@ impl App {
         }
     }
 
-    /// Says what was set aside beside the document.
+    /// Reports edits that were set aside beside the document.
     pub(super) fn tell_orphans(&mut self) {
         let count: usize = self
             .session
@@ -105,7 +108,7 @@ impl App {
         }
     }
 
-    /// Joins edits that were set aside with the document.
+    /// Merges edits that were set aside into the document.
     pub(super) fn merge_orphan(&mut self, orphan: PathBuf, edits: &OrphanEdits) {
         let Some(open) = &self.open else { return };
         let merged = edits.merged_into(&open.document);
@@ -117,6 +120,7 @@ impl App {
         }
     }
 
+    /// Handles the renaming of a file whose edits are merged.
     pub(super) fn orphan_put_away(&mut self, orphan: &Path, renamed: &Path) {
         self.session
             .disk
@@ -134,8 +138,9 @@ impl App {
         );
     }
 
-    /// Makes a joined document the open one, as one step of undo; the shown frame stays the same.
-    /// Frames that the other side solved on another base are solved again. What gave way is named.
+    /// Replaces the open document by a merged one, as one step of undo; the same frame stays shown.
+    /// Solves the frames again that the other side solved on another base. Lists conflicts and
+    /// replaced labels. Returns false if the document cannot be changed.
     fn take_merged(&mut self, merged: Merged, theirs: Option<&Document>, of: MergeOf) -> bool {
         let shown = self.frame().map(Frame::name);
         if !self.begin_step(Step::on_document(of.step())) {
@@ -163,13 +168,13 @@ impl App {
         self.session.mode = Mode::Idle;
         self.session.points.selected = None;
         self.session.frames_selected.clear();
-        // The frames follow their cameras already.
+        // `solve_after_merge` has updated the frames already.
         self.close_step();
         self.tell_merged(of, solved, &conflicts, &replaced);
         true
     }
 
-    /// Says what a merge did, and offers to take it back.
+    /// Reports the result of a merge, and offers to undo it.
     fn tell_merged(
         &mut self,
         of: MergeOf,
@@ -179,6 +184,7 @@ impl App {
     ) {
         let mut sentences = vec!["Both versions are merged.".to_owned()];
         let mut level = Level::Info;
+        // Conflicts and replaced labels make the message a warning.
         if !conflicts.is_empty() {
             sentences.push(format!(
                 "{}: {}.",
@@ -221,14 +227,13 @@ impl App {
     }
 }
 
-/// The frames in which a merge put something else in place of what a person made, or that it
-/// removed.
+/// The names of the frames in which a merge replaced or removed the user's label.
 fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
     let replaced = before.frames.iter().filter(|frame| frame.gives_way_in(now));
     replaced.map(|frame| frame.name()).collect()
 }
 
-/// The first of some names; the rest is counted.
+/// The first [`NAMED`] names as a list, and the number of the rest.
 fn name_some(names: &[String]) -> String {
     let named = &names[..names.len().min(NAMED)];
     let more = names.len() - named.len();

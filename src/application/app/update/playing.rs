@@ -1,11 +1,11 @@
-//! Playing the video, and going to a frame or a time.
+//! Plays the video, and goes to a frame number or a time.
 
 use super::App;
 use crate::app::place::Place;
 use crate::app::session::{Level, Mode};
 
 impl App {
-    /// Plays the video or pauses it; at its end it begins anew.
+    /// Plays or pauses the video. At the end, starts from the first frame.
     pub(super) fn toggle_playing(&mut self) {
         let playing = !self.session.video.playing;
         let last = self
@@ -18,8 +18,8 @@ impl App {
         self.session.video.playing = playing && self.session.mode == Mode::Idle;
     }
 
-    /// Shows the frame that was typed, or the one that is shown at a time of the shown frame's
-    /// video.
+    /// Shows the frame with a number, or the one at a time of the shown frame's video. If there is
+    /// none, the nearest.
     pub(super) fn go_to_place(&mut self, place: Place) {
         let Some(open) = &self.open else { return };
         let frame = match place {
@@ -33,6 +33,7 @@ impl App {
                 }
                 nearest.map(|(position, _)| position)
             }
+            // Only frames of the shown frame's video; if that has none, of any video.
             Place::Time(wanted_s) => {
                 let video = self.frame().and_then(|frame| frame.video.as_ref());
                 let timed =

@@ -1,5 +1,4 @@
-//! Suggestions that come and go: the forest's proposals, which of them are outdated, and batches
-//! that are discarded.
+//! Suggestions: takes in the forest's proposals, withdraws outdated ones, and discards batches.
 
 use super::App;
 use crate::app::effect::Effect;
@@ -11,8 +10,8 @@ use touchline_core::geometry::counted;
 use touchline_documents::document::Frame;
 
 impl App {
-    /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the
-    /// last one are dropped.
+    /// Takes in proposals as suggestions; they are journalled but are no step of undo. Proposals of
+    /// outdated forests are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) {
         let is_known = self.trainer_knows_document();
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else {
@@ -21,11 +20,14 @@ impl App {
         let Some(edit) = open.take_proposals(proposals) else {
             return;
         };
+        // If the trainer knew the document before, it only needs to know which of its answers are
+        // shown now.
         if is_known {
             let generation = open.forest_generation;
             self.tell_shown_answers(&edit, generation, false);
         }
         self.journal_edit(edit);
+        // A panic is an error of the program; only one is reported.
         let mistake = proposals
             .iter()
             .find_map(|proposal| match &proposal.outcome {
@@ -38,7 +40,7 @@ impl App {
         }
     }
 
-    /// Takes in cameras that were carried from what the forest proposed, in the same way.
+    /// Takes in cameras that were tracked from the forest's proposals, in the same way.
     pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) {
         let is_known = self.trainer_knows_document();
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else {
@@ -56,7 +58,7 @@ impl App {
         self.journal_edit(edit);
     }
 
-    /// Why the batch of the shown frame's suggestion cannot be discarded; none if it can.
+    /// Why the batch of the shown frame's suggestion cannot be discarded. None if it can.
     pub(super) fn why_not_discard_batch(&self) -> Option<&'static str> {
         if self.is_read_only() {
             return Some("The document is read-only.");
@@ -69,12 +71,12 @@ impl App {
             .then_some("Its batch of suggestions is gone.")
     }
 
-    /// The batch of what is suggested for the shown frame.
+    /// The batch of the shown frame's suggestion.
     fn shown_batch(&self) -> Option<BatchId> {
         self.open.as_ref()?.project.batch_shown_in(self.frame()?)
     }
 
-    /// Discards everything that was suggested together with what the shown frame shows.
+    /// Discards the suggestions of the same batch as the shown frame's.
     pub(super) fn discard_shown_batch(&mut self) {
         self.commit_open_step();
         if let Some(batch) = self.shown_batch() {
@@ -82,13 +84,14 @@ impl App {
         }
     }
 
-    /// Discards a batch of suggestions in the frames that nobody has touched since, and says what
-    /// that changed.
+    /// Discards a batch of suggestions in the frames that users have not changed since, and reports
+    /// the result.
     pub(in crate::app) fn discard_batch(&mut self, batch: BatchId) {
         let newest_forest = self.newest_forest();
         let Some(open) = &mut self.open else { return };
         let discarded = open.discard_batch(batch, newest_forest);
         let text = describe_discarded(&discarded);
+        // The trainer must not propose the same again.
         if let Some(refused) = discarded.refused {
             self.effects
                 .push(Effect::Trainer(TrainerOrder::Refused(refused)));
@@ -100,7 +103,7 @@ impl App {
         self.session.notify(Level::Info, text);
     }
 
-    /// The newest forest that the window has heard of.
+    /// The generation of the newest forest that has proposed anything or was reported.
     fn newest_forest(&self) -> u64 {
         let proposed = self.open.as_ref().map_or(0, |open| open.forest_generation);
         let learnt = self
@@ -112,8 +115,8 @@ impl App {
         proposed.max(learnt)
     }
 
-    /// Within a step that moved a camera: what was proposed for the old place goes, and accepted
-    /// lines stay on the picture where they were.
+    /// Within an open step that may have moved a camera: withdraws the proposals for its former
+    /// base, and turns and zooms other cameras from pictures so that their lines stay in place.
     pub(super) fn follow_base(&mut self) {
         let Some(open) = &mut self.open else { return };
         if !open.history.is_open() {
@@ -124,7 +127,7 @@ impl App {
         self.tell_withdrawn(withdrawn);
     }
 
-    /// Tells of proposals that were made for an old base.
+    /// Reports proposals that were withdrawn because they belong to a former base.
     pub(in crate::app) fn tell_withdrawn(&mut self, withdrawn: usize) {
         if withdrawn > 0 {
             let (proposals, were) = if withdrawn == 1 {
@@ -140,7 +143,7 @@ impl App {
     }
 }
 
-/// What discarding a batch of suggestions changed.
+/// The result of discarding a batch, as text.
 fn describe_discarded(
     Discarded {
         emptied,
@@ -163,7 +166,7 @@ fn describe_discarded(
     }
 }
 
-/// A count of frames with its verb: "1 frame has", "3 frames have".
+/// A number of frames with its verb, such as "1 frame has" or "3 frames have".
 fn frames_that(frames: usize, one: &str, many: &str) -> String {
     format!(
         "{} {}",

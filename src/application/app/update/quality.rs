@@ -1,4 +1,4 @@
-//! The quality page: opened, closed, left for a frame, and the part of the time that it shows.
+//! The quality page: opening and closing it, its camera and its time axis.
 
 use super::App;
 use crate::app::Command;
@@ -6,27 +6,30 @@ use crate::app::quality::{TimeAxis, zoomed};
 use crate::app::session::Mode;
 use touchline_documents::document::CameraId;
 
-/// One step of the zoom keys.
+/// Factor of one press of a zoom key.
 const ZOOM_STEP: f64 = 2.0;
 
 impl App {
+    /// Opens or closes the quality page.
     pub(in crate::app) fn toggle_quality(&mut self) {
         self.session.quality.open = !self.session.quality.open;
         if !self.session.quality.open {
             return;
         }
-        // What was begun in the picture does not go on behind the page.
+        // Actions in the picture end, because the page covers it.
         self.commit_open_step();
         self.session.mode = Mode::Idle;
         self.session.points.hover = None;
         self.session.points.next_on_line = false;
     }
 
+    /// Selects the camera of the page, and shows its whole time.
     pub(super) fn set_quality_camera(&mut self, camera: CameraId) {
         self.session.quality.camera = Some(camera);
         self.session.quality.span = None;
     }
 
+    /// Selects the unit of time, and shows the whole time.
     pub(super) fn set_time_axis(&mut self, axis: TimeAxis) {
         if self.session.quality.axis != axis {
             self.session.quality.axis = axis;
@@ -34,12 +37,13 @@ impl App {
         }
     }
 
+    /// Shows a part of the time, or all of it. An invalid span counts as none.
     pub(super) fn show_span(&mut self, span: Option<[f64; 2]>) {
         let is_one = |[from, upto]: &[f64; 2]| from.is_finite() && upto.is_finite() && from < upto;
         self.session.quality.span = span.filter(is_one);
     }
 
-    /// Shows a frame and one of its clicks instead of the page.
+    /// Closes the page, and shows a frame and optionally one of its clicks.
     pub(super) fn look_at(&mut self, frame: usize, click: Option<usize>) {
         self.session.quality.open = false;
         self.go_to(frame);
@@ -48,7 +52,8 @@ impl App {
         }
     }
 
-    /// Zooms the time axis around the shown frame, or around the middle where that is out of sight.
+    /// Zooms the time axis around the shown frame, or around the centre if the frame is not
+    /// visible.
     pub(super) fn zoom_time(&mut self, command: Command) {
         let course = &self.quality.course;
         let Some(whole) = course.whole else { return };

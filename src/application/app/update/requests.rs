@@ -1,4 +1,4 @@
-//! Requests of operations: started, and their reports received.
+//! Starts operations and receives their reports.
 
 use super::App;
 use crate::app::effect::Effect;
@@ -6,33 +6,33 @@ use crate::app::operation::{Job, Operation, Report};
 use crate::app::session::Mode;
 
 impl App {
-    /// Starts an operation. One of the same kind that is running is cancelled.
+    /// Starts an operation. Cancels a running one of the same kind.
     pub(in crate::app) fn start<O: Operation>(&mut self, operation: O) {
         let (running, job) = Job::new(self.last_request.advance(), operation);
         O::slot(self).replace(running);
         self.effects.push(Effect::Start(job));
     }
 
-    /// Takes a report, or lays it aside where its operation has to wait.
+    /// Applies a report, or keeps it for later if its operation must wait.
     pub(super) fn receive(&mut self, report: Report) {
         let waits = report.apply(self);
         self.waiting_reports.extend(waits);
     }
 
-    /// Takes the reports that no longer have to wait.
+    /// Tries the kept reports again; those that still must wait are kept again.
     pub(in crate::app) fn deliver_waiting_reports(&mut self) {
         for report in std::mem::take(&mut self.waiting_reports) {
             self.receive(report);
         }
     }
 
-    /// Whether a step of undo is open, as during a drag.
+    /// Whether a step of undo is open (as during a drag), or no document is.
     pub(in crate::app) fn is_amid_step(&self) -> bool {
         self.open.as_ref().is_none_or(|open| open.history.is_open())
     }
 
-    /// Whether the user is in the middle of a change, as of a drag, or one is being worked out:
-    /// results that change the document wait for its end.
+    /// Whether the user is in the middle of a change, or a change of many frames is being computed.
+    /// Results that change the document wait for its end.
     pub(in crate::app) fn is_amid_change(&self) -> bool {
         self.session.mode != Mode::Idle
             || self.operations.bulk_solve.is_running()
@@ -61,7 +61,7 @@ mod tests {
         app
     }
 
-    /// Starts a probe, as a command would.
+    /// Starts a probe as a command would.
     fn start(app: &mut App) -> Job {
         let Effect::Start(job) = app.start_probe(Probe::of([])) else {
             panic!("nothing was started")

@@ -1,4 +1,5 @@
-//! Reviewing proposals: the order, accepting several together, what is used for training.
+//! Review of suggestions: the next frame to review, acceptance of several together, and the choice
+//! of training frames.
 
 use super::App;
 use crate::app::Command;
@@ -9,15 +10,16 @@ use std::sync::Arc;
 use touchline_documents::document::{Frame, FrameStatus, Step};
 
 impl App {
-    /// Opens a panel on the right-hand side, or goes back to the frame.
+    /// Opens a side panel; if it is shown already, returns to the panel of the frame. Closes the
+    /// quality page.
     pub(super) fn toggle_panel(&mut self, panel: SidePanel) {
         let behind_page = std::mem::take(&mut self.session.quality.open);
         let is_shown = self.session.panel == panel && !behind_page;
         self.session.panel = if is_shown { SidePanel::Frame } else { panel };
     }
 
-    /// Goes to the next frame that somebody has to look at: along the review panel's list while it
-    /// is open.
+    /// Shows the next frame to do. While the review panel is open, this is the next row of its
+    /// list.
     pub(super) fn go_to_next_that_needs_me(&mut self, forward: bool) {
         let listed = self
             .review
@@ -29,21 +31,21 @@ impl App {
         }
     }
 
-    /// Goes to the frame whose label helps most.
+    /// Shows the frame whose label would help the forest most.
     pub(super) fn go_to_label_next(&mut self) {
         if let Some(next) = self.review.advice.next {
             self.go_to(next.frame);
         }
     }
 
-    /// Asks whether several suggestions are accepted together. What comes while the question stands
-    /// is not part of it.
+    /// Opens the sheet *Accept all*. Suggestions that arrive or change while it is open are not
+    /// part of it.
     pub(super) fn ask_accept_all(&mut self) {
         self.asked_to_accept = self.open.as_ref().map(|open| open.document.frames.clone());
         self.session.dialog = Some(Dialog::AcceptAll);
     }
 
-    /// A suggestion is accepted together with the others, or taken out of them.
+    /// Includes a suggestion in the common acceptance, or excludes it.
     pub(super) fn tick_suggestion(&mut self, index: usize, ticked: bool) {
         let Some(id) = self
             .open
@@ -60,7 +62,8 @@ impl App {
         }
     }
 
-    /// What is accepted together: by the choice, less what a person took out.
+    /// The suggestions that would be accepted: according to the choices in the panel, without those
+    /// that the user unticked.
     #[must_use]
     pub fn bulk_accept(&self) -> BulkAccept {
         let bulk = self.review.bulk(&self.session.review);
@@ -76,13 +79,14 @@ impl App {
         BulkAccept { unticked, ..bulk }
     }
 
-    /// What the sheet shows that asks for it; none while it is closed.
+    /// The content of the sheet *Accept all*; none while it is closed.
     #[must_use]
     pub const fn accept_sheet(&self) -> Option<&Arc<AcceptSheet>> {
         self.accept_sheet.as_ref()
     }
 
-    /// Brings the sheet up to date: how many are wrong is worked out only where something changed.
+    /// Updates the content of the sheet. The distribution of the number of wrong suggestions is
+    /// computed only if the content changed.
     pub(super) fn refresh_accept_sheet(&mut self) {
         let is_asked = self.session.dialog == Some(Dialog::AcceptAll);
         if !is_asked {
@@ -94,7 +98,7 @@ impl App {
         }
     }
 
-    /// Accepts every suggestion that the preview shows: one step of undo.
+    /// Accepts the suggestions of the sheet; one step of undo.
     pub(super) fn accept_all(&mut self) {
         self.session.dialog = None;
         let bulk = self.bulk_accept();
@@ -127,6 +131,7 @@ impl App {
         }
         self.commit();
         self.session.unticked.clear();
+        // Discarding the tracked cameras makes no sense once all of them are accepted.
         let waits = |frame: &Frame| is_suggested(frame) && frame.is_carried();
         if self
             .open
@@ -142,7 +147,7 @@ impl App {
         );
     }
 
-    /// Sets whether the forest is trained with a frame.
+    /// Uses a reference for training, or not; one step of undo.
     pub(super) fn set_use_for_training(&mut self, index: usize, used: bool) {
         let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else {
             return;
@@ -167,6 +172,7 @@ impl App {
         }
     }
 
+    /// Toggles whether the shown frame is used for training.
     pub(super) fn toggle_use_for_training(&mut self) {
         match self.frame().map(|frame| {
             (

@@ -1,4 +1,4 @@
-//! What belongs to the user changes, and is kept.
+//! Changes of the user's settings; each is written to disk.
 
 use super::App;
 use crate::app::action::SettingsAction;
@@ -7,7 +7,7 @@ use crate::app::settings::{PICTURE_MEMORY_MIB, text_size_within_limits};
 use crate::scene::OverlayStyle;
 
 impl App {
-    /// How the lines are drawn over the shown frame.
+    /// The style of the lines over the shown frame.
     #[must_use]
     pub fn overlay_style(&self) -> OverlayStyle {
         let template = self
@@ -17,7 +17,7 @@ impl App {
         self.settings.overlay_of(template)
     }
 
-    /// Changes one of the user's settings.
+    /// Changes a setting. Values outside their range are clamped.
     pub(super) fn set_setting(&mut self, action: SettingsAction) {
         let settings = &mut self.settings;
         match action {

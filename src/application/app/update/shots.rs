@@ -1,21 +1,21 @@
-//! The shots of a video, changed cut by cut.
+//! Changes of the shots of a video, one cut at a time.
 
 use super::App;
 use crate::app::session::Level;
 use touchline_documents::document::{Document, Frame, ShotsError, VideoShots};
 
 impl App {
-    /// A cut of the shown frame's video goes to another frame.
+    /// Moves a cut of the shown frame's video. `cut` and `to` are frame numbers of the video.
     pub(super) fn move_cut(&mut self, cut: u64, to: u64) {
         self.change_shots("Move cut", |shots, _, _| shots.move_cut(cut, to));
     }
 
-    /// A shot begins at the shown frame.
+    /// Starts a shot at the shown frame.
     pub(super) fn add_cut(&mut self) {
         self.change_shots("Cut before this frame", VideoShots::add);
     }
 
-    /// The shown frame's shot becomes part of the one before it.
+    /// Joins the shown frame's shot with the one before it.
     pub(super) fn remove_cut(&mut self) {
         self.change_shots("Join with previous shot", |shots, _, here| {
             let start = shots.start_of(here);
@@ -23,7 +23,7 @@ impl App {
         });
     }
 
-    /// The shots of the shown frame's video; none where it is of none.
+    /// The shots of the shown frame's video. None for a still image, or a video without shots.
     #[must_use]
     pub fn shots(&self) -> Option<VideoShots> {
         VideoShots::of(
@@ -32,8 +32,8 @@ impl App {
         )
     }
 
-    /// The first frame of the next shot, or of the shot before, is shown; the first press backwards
-    /// goes to the start of this one.
+    /// Shows the first frame of the next shot. Backwards: the first frame of this shot, or of the
+    /// one before if this is shown already.
     pub(super) fn go_to_shot(&mut self, forward: bool) {
         let (Some(shots), Some(open), Some(frame)) = (self.shots(), &self.open, self.frame())
         else {
@@ -65,7 +65,7 @@ impl App {
         }
     }
 
-    /// The cut that is nearest to the shown frame goes there.
+    /// Moves the cut that is nearest to the shown frame there.
     pub(super) fn move_cut_here(&mut self) {
         self.change_shots("Move the cut here", |shots, _, here| {
             let cuts = shots.starts().skip(1).map(|(from, _)| from);
@@ -76,8 +76,8 @@ impl App {
         });
     }
 
-    /// Changes the shots of the shown frame's video: one step of undo. A video without any has one
-    /// to begin with.
+    /// Changes the shots of the shown frame's video; one step of undo. A video without shots is
+    /// treated as one shot.
     fn change_shots(
         &mut self,
         step: &str,
@@ -101,6 +101,7 @@ impl App {
                 .max()
                 .unwrap_or(0)
         };
+        // A video without shots starts as one shot up to its last frame in the document.
         let mut shots = VideoShots::of(&open.document, &video.path)
             .unwrap_or_else(|| VideoShots::found(&open.document, &video.path, last(), &[]));
         if let Err(error) = change(&mut shots, &open.document, video.frame_index) {

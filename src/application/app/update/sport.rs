@@ -1,4 +1,4 @@
-//! The sport: which field the shown frame's camera looks at.
+//! The sport: selects the field of the shown frame's camera.
 
 use super::App;
 use crate::app::session::Level;
@@ -6,8 +6,8 @@ use touchline_core::field::builtin;
 use touchline_documents::document::{CROWN, FieldSpec};
 
 impl App {
-    /// How many points carry names of the shown frame's field: they have none of these in another
-    /// field.
+    /// Number of clicks that name landmarks or lines of the shown frame's field. They would lose
+    /// their meaning with another field.
     #[must_use]
     pub fn points_of_field(&self) -> usize {
         let Some((open, spec)) = self.open().zip(self.shown_field_spec()) else {
@@ -29,7 +29,7 @@ impl App {
             .sum()
     }
 
-    /// Another sport: its field takes the place of the shown one. One step of undo.
+    /// Replaces the shown frame's field by that of another sport; one step of undo.
     pub(super) fn choose_sport(&mut self, template: &str) {
         self.session.dialog = None;
         self.session.sport_guess = None;
@@ -45,7 +45,7 @@ impl App {
             return;
         };
         let title = chosen.title.clone();
-        // Parameters belong to a template; every field has a crown.
+        // Parameters belong to a template, except the crown, which every field has.
         let crown = spec.params.get(CROWN).copied();
         let mut changed = FieldSpec {
             extra: spec.extra.clone(),
@@ -59,9 +59,9 @@ impl App {
     }
 }
 
-/// The field that a file's name speaks of; none where it says nothing.
+/// The field template that a file's name suggests, if any.
 pub(super) fn guessed_from(name: &str) -> Option<&'static str> {
-    /// Words of names, and the fields that they mean; the more special come first.
+    /// Words in names, and the templates that they suggest. Special ones precede general ones.
     const WORDS: [(&str, &str); 20] = [
         ("nba", "basketball_nba"),
         ("wnba", "basketball_nba"),
@@ -90,6 +90,7 @@ pub(super) fn guessed_from(name: &str) -> Option<&'static str> {
         .iter()
         .find(|(word, _)| words.clone().any(|part| part == *word));
     found
+        // Without a separate word, one inside of a longer word; short ones would match by accident.
         .or_else(|| {
             WORDS
                 .iter()

@@ -1,5 +1,4 @@
-//! The tour on the demo match: begun when the demo is open, over when it is left or another
-//! document is opened.
+//! Starts, advances and ends the tour on the demo match.
 
 use super::App;
 use crate::app::Command;
@@ -8,7 +7,7 @@ use crate::app::session::{Level, Mode, is_to_do};
 use crate::app::tour::{Sight, Tour};
 
 impl App {
-    /// The tour is asked for: on the demo match that is open, else on the user's own copy.
+    /// Starts the tour on the open demo match; otherwise opens the user's copy of it first.
     pub(super) fn start_tour(&mut self) {
         self.tour_waits = true;
         if self.shows_demo() {
@@ -18,8 +17,8 @@ impl App {
         }
     }
 
-    /// Whether the open document is a copy of the demo match: a folder of that name with a camera
-    /// whose base is known.
+    /// Whether the open document is a copy of the demo match: its folder is called "demo", and it
+    /// has a camera with a base.
     fn shows_demo(&self) -> bool {
         self.open.as_ref().is_some_and(|open| {
             open.folder.file_name().is_some_and(|name| name == "demo")
@@ -31,7 +30,7 @@ impl App {
         })
     }
 
-    /// Whoever opens the demo for the first time is offered the tour.
+    /// Offers the tour when the demo match is opened and nothing has been done in it.
     pub(super) fn offer_tour(&mut self) {
         let is_new = self
             .open
@@ -44,17 +43,17 @@ impl App {
         }
     }
 
-    /// The tour ends where it is.
+    /// Ends the tour.
     pub(super) fn leave_tour(&mut self) {
         self.session.tour = None;
     }
 
-    /// The demo is open: the tour begins on a frame that nobody has worked on.
+    /// Starts a tour that was requested, on the first frame without work.
     pub(super) fn begin_waiting_tour(&mut self) {
         if !std::mem::take(&mut self.tour_waits) {
             return;
         }
-        // A copy that cannot be changed says so itself.
+        // A read-only document has its own message.
         let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else {
             return;
         };
@@ -76,7 +75,7 @@ impl App {
         self.session.tour = self.tour_sight().map(Tour::begin);
     }
 
-    /// What an action tells the tour before it is carried out.
+    /// Informs the tour of an action, before it is carried out.
     pub(super) fn tell_tour(&mut self, action: &Action) {
         let takes_point = matches!(
             action,
@@ -88,7 +87,7 @@ impl App {
         }
     }
 
-    /// The tour goes on where its step is done; not while a point is held or waits for its name.
+    /// Advances the tour if its step is done. Waits while the user drags or names a point.
     pub(super) fn advance_tour(&mut self) {
         if self.session.tour.is_none() || self.session.mode != Mode::Idle {
             return;
@@ -98,6 +97,7 @@ impl App {
         }
     }
 
+    /// The state of the document as the tour sees it.
     fn tour_sight(&self) -> Option<Sight> {
         let open = self.open.as_ref()?;
         Some(Sight::of(

@@ -1,4 +1,4 @@
-//! Keeping the background trainer informed.
+//! Keeps the background trainer up to date with the document and the settings.
 
 use super::App;
 use crate::app::effect::Effect;
@@ -6,7 +6,7 @@ use crate::app::trainer::{AnswerKey, TrainerOrder, TrainerState, TrainerStatus};
 use touchline_documents::document::{Change, Edit};
 
 impl App {
-    /// Why there is no trainer for what is open; none if there is one.
+    /// Why there is no trainer for the open document. None if there is one.
     #[must_use]
     pub fn no_trainer(&self) -> Option<&'static str> {
         let Some(open) = &self.open else {
@@ -20,8 +20,8 @@ impl App {
             .then_some("The document is read-only.")
     }
 
-    /// Tells the trainer what it does not know yet: the document once a step is done, the frame
-    /// that is shown, and whether proposals are to be snapped.
+    /// Sends the trainer what has changed since the last orders: the settings, the shown frame, and
+    /// the document. Nothing is sent during an open step.
     pub(super) fn tell_trainer(&mut self) {
         if self.no_trainer().is_some() {
             return;
@@ -31,6 +31,7 @@ impl App {
         };
         let trainer = &mut self.session.trainer;
         let version = Some(open.document.version());
+        // A new trainer starts unpaused.
         if trainer.told_version.is_none() && trainer.paused {
             self.effects
                 .push(Effect::Trainer(TrainerOrder::Pause(true)));
@@ -58,14 +59,14 @@ impl App {
         }
     }
 
-    /// Whether the trainer has been told of the document as it is now.
+    /// Whether the trainer has the present document.
     pub(super) fn trainer_knows_document(&self) -> bool {
         let version = self.open.as_ref().map(|open| open.document.version());
         version.is_some() && self.session.trainer.told_version == version
     }
 
-    /// Tells the trainer, which knew the document before, which of its answers the document shows
-    /// now. They are all that changed, so that it needs no other document.
+    /// Informs the trainer that the document now shows some of its answers. The trainer must have
+    /// had the document before; since nothing else changed, the document itself need not be sent.
     pub(super) fn tell_shown_answers(&mut self, edit: &Edit, generation: u64, is_carried: bool) {
         let key = |change: &Change| match change {
             Change::Frame { id, revision, .. } => Some(AnswerKey {
@@ -82,10 +83,12 @@ impl App {
             .push(Effect::Trainer(TrainerOrder::Shown(shown)));
     }
 
+    /// Stores the trainer's status.
     pub(super) fn trainer_reported(&mut self, status: TrainerStatus) {
         self.session.trainer.status = status;
     }
 
+    /// Pauses or resumes the trainer.
     pub(super) fn pause_trainer(&mut self) {
         let trainer = &mut self.session.trainer;
         trainer.paused = !trainer.paused;
@@ -93,7 +96,7 @@ impl App {
             .push(Effect::Trainer(TrainerOrder::Pause(trainer.paused)));
     }
 
-    /// Shows the features of the shown frame, or hides them.
+    /// Shows or hides the features of the shown frame.
     pub(super) fn show_features(&mut self) {
         let trainer = &mut self.session.trainer;
         trainer.show_features = !trainer.show_features;
@@ -103,7 +106,7 @@ impl App {
         )));
     }
 
-    /// What is kept of the trainer's state when another document is opened.
+    /// The part of the trainer's state that survives when another document is opened.
     pub(super) fn trainer_for_another(&self) -> TrainerState {
         TrainerState {
             paused: self.session.trainer.paused,

@@ -1,4 +1,4 @@
-//! The verdict on the shown frame.
+//! The verdict on the shown frame, including paint and neighbours.
 
 use super::App;
 use touchline_core::markings::LineVerdict;
@@ -6,8 +6,9 @@ use touchline_core::solve::{Judgement, Verdict};
 use touchline_documents::document::FrameStatus;
 
 impl App {
-    /// The verdict on the shown frame, the painted lines and its neighbours included: what these
-    /// contradict is looked at first.
+    /// The verdict on the shown frame. A good one becomes *check* if the painted lines or the
+    /// neighbouring frames contradict it. Neighbours also count for a reference without a verdict
+    /// of its own.
     #[must_use]
     pub fn judgement(&self) -> Option<Judgement> {
         let judgement = self.current.judgement.clone();
@@ -32,7 +33,7 @@ impl App {
                 .is_some_and(|frame| frame.status == FrameStatus::Reference)
         };
         let of_neighbours = || {
-            // A proposal tells of its neighbours itself.
+            // The panel shows a proposal's disagreement with its neighbours elsewhere.
             if judgement.is_none() && !is_reference() {
                 return None;
             }

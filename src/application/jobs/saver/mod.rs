@@ -1,11 +1,11 @@
-//! The thread that journals edits and writes documents.
+//! The saver: a thread that journals edits and writes documents.
 //!
-//! Every edit is flushed to disk before it is acknowledged; the document itself is written from
-//! time to time, on request and at closing. When the disk refuses, edits stay in memory, the
-//! refusal is reported, and the saver tries again.
+//! Every edit is flushed to the journal before it is acknowledged. The document itself is written
+//! at intervals, on request and on closing. When the disk refuses, edits stay in memory, the saver
+//! reports the refusal and tries again.
 //!
-//! With every edit comes the document that it led to, with what can be undone and redone in it: the
-//! saver writes what it is given.
+//! Each edit comes with the document that it led to and its history of undo and redo. The saver
+//! writes that; it keeps no history of its own.
 
 mod work;
 
@@ -18,19 +18,18 @@ use std::time::Duration;
 use touchline_documents::document::Edit;
 use touchline_documents::store::{DocumentStore, Orphan, Others, Outside, StoreError};
 
-/// How many reports may wait before the saver waits for its owner.
+/// Maximum number of waiting reports; beyond it the saver pauses.
 const MOST_REPORTS: usize = 256;
 
-/// Counts the edits of a session: the document after the edit of this number.
+/// The number of an edit in this run of the program, and of the document after it.
 pub type Revision = u64;
 
-/// How a saver behaves.
+/// Settings of the saver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SaverOptions {
-    /// How long edits may be in the journal alone before the document is written. Default: a
-    /// minute.
+    /// Maximum time for which edits are in the journal only. One minute by default.
     pub save_every: Duration,
-    /// How long to wait before trying again what the disk refused. Default: two seconds.
+    /// Time before another attempt after the disk has refused. Two seconds by default.
     pub retry_after: Duration,
 }
 
@@ -43,53 +42,53 @@ impl Default for SaverOptions {
     }
 }
 
-/// How long a saver that is closed waits for the disk. Every edit was journalled as it was made, so
-/// that seldom anything is left.
+/// Maximum time that closing waits for the disk. Edits are journaled at once, so that little is
+/// left then.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// What a saver says.
+/// What the saver reports.
 #[derive(Debug)]
 pub enum SaverReport {
-    /// Every edit up to this one is on disk, in the journal.
+    /// All edits up to `revision` are on disk, in the journal.
     Journaled {
         /// The last of them.
         revision: Revision,
-        /// When, local time.
+        /// Local time.
         at: jiff::civil::Time,
     },
-    /// The document was written and holds every edit up to this one.
+    /// The document was written with all edits up to `revision`.
     Saved {
         /// The last of them.
         revision: Revision,
-        /// When, local time.
+        /// Local time.
         at: jiff::civil::Time,
-        /// The last request of [`Saver::save`] that had been taken by then; 0 before the first.
+        /// The last request of [`Saver::save`] before the write; 0 before the first.
         request: u64,
-        /// Where the version of another program went, if it was replaced.
+        /// Where the version of another program was moved, if there was one.
         set_aside: Option<PathBuf>,
     },
-    /// The disk refused the journal or the document. Edits after this one are only in memory; it is
-    /// tried again.
+    /// The disk refused the journal or the document. Edits after `revision` are only in memory; the
+    /// saver tries again.
     Failed {
-        /// The last edit that is on disk, in the journal or the document.
+        /// The last edit on disk, in the journal or the document.
         revision: Revision,
-        /// What to tell the user.
+        /// Why.
         error: StoreError,
     },
-    /// Others changed the document; it is not written until somebody decides what becomes of their
-    /// version. Edits are still journaled.
+    /// Another program changed the document. It is not written until the user decides between the
+    /// versions. Edits are still journaled.
     ChangedOutside {
         /// The document's file.
         path: PathBuf,
-        /// What the window holds, as it was kept beside; none where it holds nothing of its own, or
-        /// where that was refused, which is reported, too.
+        /// The file with the user's own version. `None` if it has no own changes, or if it could
+        /// not be written, which [`SaverReport::Failed`] reports.
         own: Option<Orphan>,
     },
-    /// What others made of the document, as it was asked for.
+    /// The version of other programs, as requested.
     Outside(Box<Outside>),
-    /// The saver broke down; nothing is saved any more.
+    /// The saver panicked, or the disk does not answer. Nothing is saved any more.
     Broken {
-        /// What it said last.
+        /// The panic's message, or how long the disk has not answered.
         message: String,
     },
 }
@@ -97,19 +96,19 @@ pub enum SaverReport {
 /// What the saver is to do, in this order.
 #[derive(Default)]
 struct Orders {
-    /// Journal these, oldest first, each with the document that it led to. An edit can neither be
-    /// dropped nor wait elsewhere, so that their number has no bound.
+    /// Edits to journal, oldest first, each with the document that it led to. Their number is not
+    /// limited: none may be dropped.
     edits: Vec<(Edit, Snapshot)>,
-    /// Write the document.
+    /// Write the document, and what to do with the version of another program.
     save: Option<Others>,
-    /// The last request to write it.
+    /// The last request of [`Saver::save`].
     save_request: u64,
-    /// Report what others made of the document.
+    /// Report the version of other programs.
     read_outside: bool,
 }
 
 impl Orders {
-    /// All of them, if there are any.
+    /// Takes all orders; `None` if there are none.
     fn take(&mut self) -> Option<Self> {
         let Self {
             edits,
@@ -122,16 +121,16 @@ impl Orders {
     }
 }
 
-/// The handle of a saver; dropping it writes what is left.
+/// The handle of the saver. Dropping it writes what is left.
 pub struct Saver {
     worker: Worker<Orders, SaverReport>,
 }
 
 impl Saver {
-    /// Starts a saver for a document as it was opened.
+    /// Starts the saver of a document that has just been opened.
     ///
     /// # Errors
-    /// The system starts no thread.
+    /// The operating system gives no thread.
     pub fn start(
         store: impl DocumentStore + 'static,
         opened: Snapshot,
@@ -146,21 +145,22 @@ impl Saver {
         Ok(Self { worker })
     }
 
-    /// Hands over an edit and the document that it led to; never waits.
+    /// Orders an edit to be journaled; `to` is the document that it led to. Never blocks.
     pub fn edit(&self, edit: Edit, to: Snapshot) {
         self.order(|orders| orders.edits.push((edit, to)));
     }
 
-    /// Asks for the document to be written now, without being told when that is done; never waits.
+    /// Orders the document to be written now, without a request number. Never blocks.
     pub fn write(&self) {
         self.order(|orders| {
             orders.save.get_or_insert(Others::Stay);
         });
     }
 
-    /// Asks for the document to be written now; never waits. The report of a write names the last
-    /// request before it, so that an earlier write is not mistaken for the answer: another program
-    /// may have replaced the file in between.
+    /// Orders the document to be written now. Never blocks.
+    ///
+    /// [`SaverReport::Saved`] names the last request before the write, so that an earlier write is
+    /// not mistaken for the answer: another program may have replaced the file in between.
     pub fn save(&self, request: u64) {
         self.order(|orders| {
             orders.save.get_or_insert(Others::Stay);
@@ -168,25 +168,25 @@ impl Saver {
         });
     }
 
-    /// Asks for the document to be written although another program changed the file; that version
-    /// is set aside.
+    /// Orders the document to be written although another program changed the file; that version is
+    /// renamed. Never blocks.
     pub fn save_over(&self) {
         self.order(|orders| orders.save = Some(Others::SetAside));
     }
 
-    /// Asks for what others made of the document; never waits.
+    /// Orders a report about the version of other programs. Never blocks.
     pub fn read_outside(&self) {
         self.order(|orders| orders.read_outside = true);
     }
 
-    /// What has been reported since the last call.
+    /// The reports that have arrived since the last call.
     #[must_use]
     pub fn reports(&self) -> Vec<SaverReport> {
         self.worker.mailbox().take_reports()
     }
 
-    /// Writes what is left, ends the thread and returns its last reports. Waits for the disk; one
-    /// that does not answer is told of.
+    /// Writes what is left, ends the thread and returns its last reports. Blocks until the disk has
+    /// answered, at most 20 s; reports a disk that has not answered by then.
     #[must_use]
     pub fn close(mut self) -> Vec<SaverReport> {
         let (mut reports, has_ended) = self.worker.close(PATIENCE);

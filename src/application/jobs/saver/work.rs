@@ -1,4 +1,4 @@
-//! What the thread of the saver does.
+//! The loop of the saver's thread.
 
 use super::{Orders, Revision, SaverOptions, SaverReport};
 use crate::app::Snapshot;
@@ -8,20 +8,20 @@ use std::time::Instant;
 use touchline_documents::document::Edit;
 use touchline_documents::store::{DocumentStore, Others, StoreError};
 
-/// What the thread knows.
+/// The state of the saver's thread.
 pub(super) struct Work<'a> {
     store: Box<dyn DocumentStore>,
-    /// The document as it was given last.
+    /// The newest document.
     latest: Snapshot,
-    /// The last edit that journal or file holds.
+    /// The last edit on disk, in the journal or the document.
     journaled_revision: Revision,
-    /// The edits that lead from there to the latest document.
+    /// The edits from there to the newest document.
     to_journal: Vec<Edit>,
     /// The last request to write the document.
     save_request: u64,
-    /// Since when the document's file lacks edits.
+    /// Since when the document's file lacks edits; `None` if it has all.
     behind_since: Option<Instant>,
-    /// The journal was refused last time, and the user has been told.
+    /// Whether the last append to the journal failed; the failure is reported once.
     journal_refused: bool,
     options: SaverOptions,
     mailbox: &'a Mailbox<Orders, SaverReport>,
@@ -47,7 +47,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Works until it is closed, and then writes what is left.
+    /// Works until the mailbox closes, then writes what is left.
     pub(super) fn run(mut self) {
         loop {
             match self.mailbox.wait_for(self.due(), Orders::take) {
@@ -57,13 +57,14 @@ impl<'a> Work<'a> {
             }
         }
         self.journal();
-        // Another program may have replaced what was read or written here, and nobody else would
-        // keep what stood there.
+        // Also write if another program has replaced the file: its version is then kept beside the
+        // user's.
         if self.behind_since.is_some() || !matches!(self.store.since(), Ok(None)) {
             self.save(Others::Stay);
         }
     }
 
+    /// Carries out orders: edits first, then writing, then reading.
     fn obey(
         &mut self,
         Orders {
@@ -89,7 +90,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// When there is something to do of its own accord.
+    /// The time of the next attempt or write if no order arrives.
     fn due(&self) -> Option<Instant> {
         if self.journal_refused {
             return Instant::now().checked_add(self.options.retry_after);
@@ -97,11 +98,12 @@ impl<'a> Work<'a> {
         self.behind_since?.checked_add(self.options.save_every)
     }
 
+    /// Takes in an edit and the document that it led to.
     fn take(&mut self, edit: Edit, to: Snapshot) {
         let fitting = match edit.clone().apply(&mut self.latest.document) {
             Ok(()) => edit,
-            // In the journal it would cut off what follows it; what leads to the document is known
-            // all the same.
+            // An edit that does not apply would make the rest of the journal unreadable. Journal
+            // the difference of the documents instead.
             Err(misfit) => {
                 log::warn!("{}: {misfit}", edit.name);
                 Edit::between(&self.latest.document, &to.document, &edit.name)
@@ -112,6 +114,7 @@ impl<'a> Work<'a> {
         self.behind_since.get_or_insert_with(Instant::now);
     }
 
+    /// Tries the journal again, and writes the document if it is time.
     fn catch_up(&mut self) {
         self.journal();
         if self
@@ -122,7 +125,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Appends to the journal what it lacks: one edit, or several after a refusal.
+    /// Appends the pending edits to the journal: one, or several after a refusal.
     fn journal(&mut self) {
         let appended = if self.to_journal.is_empty() {
             Ok(())
@@ -141,7 +144,7 @@ impl<'a> Work<'a> {
                     });
                 }
             }
-            // Writing the document makes a journal anew that was deleted.
+            // The journal was deleted. Writing the document also creates a new one.
             Err(StoreError::Gone { .. }) if self.keep(Others::Stay).is_ok() => self.saved(None),
             Err(error) => {
                 if !self.journal_refused {
@@ -155,16 +158,19 @@ impl<'a> Work<'a> {
         }
     }
 
+    /// Writes the newest document and its history.
     fn keep(&mut self, others: Others) -> Result<Option<PathBuf>, StoreError> {
         self.store
             .keep(&self.latest.document, &self.latest.history, others)
     }
 
+    /// Writes the document and reports the outcome. If another program has changed it, the user's
+    /// version is written beside it.
     fn save(&mut self, others: Others) {
         match self.keep(others) {
             Ok(set_aside) => self.saved(set_aside),
             Err(error) => {
-                // Tried again after the usual time, not at once.
+                // Try again after the usual interval, not at once.
                 self.behind_since = self.behind_since.map(|_| Instant::now());
                 match error {
                     StoreError::ChangedOutside { path } => self.keep_own(path),
@@ -177,8 +183,8 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Keeps what the window holds beside the version that another program wrote, before anybody
-    /// decides between the two.
+    /// Writes the user's version beside the one of another program, before the user decides between
+    /// them.
     fn keep_own(&mut self, path: PathBuf) {
         let own = self
             .store
@@ -193,6 +199,7 @@ impl<'a> Work<'a> {
         self.report(SaverReport::ChangedOutside { path, own });
     }
 
+    /// Records and reports that the document was written.
     fn saved(&mut self, set_aside: Option<PathBuf>) {
         self.journal_refused = false;
         self.behind_since = None;
@@ -210,7 +217,7 @@ impl<'a> Work<'a> {
     fn read_outside(&mut self) {
         match self.store.since() {
             Ok(Some(outside)) => self.report(SaverReport::Outside(Box::new(outside))),
-            // It was changed back.
+            // The file has been restored to what the saver wrote.
             Ok(None) => self.save(Others::Stay),
             Err(error) => self.report(SaverReport::Failed {
                 revision: self.journaled_revision,

@@ -1,4 +1,8 @@
-//! The forest's answers so far, so that no frame is asked for twice without a reason.
+//! The forest's answers so far, so that it is queried again only for a reason.
+//!
+//! A frame is queried again if it or its camera has changed, if the document has lost the answer,
+//! if snapping was switched, or if a newer forest exists and the answer was missing, uncertain, or
+//! given by a forest with training samples that have since been withdrawn.
 
 use crate::app::AnswerKey;
 use std::collections::BTreeMap;
@@ -6,56 +10,60 @@ use touchline_calibration::proposals::{Asked, NoProposal, Proposal, RefusedFores
 use touchline_documents::document::{Document, Frame, FrameId, SolutionSource};
 use touchline_vision::relocalize::{CERTAIN, ForestModel};
 
-/// The answers so far, by frame.
+/// The last answer for each frame.
 #[derive(Debug, Default)]
 pub(super) struct AnswerCache {
     entries: BTreeMap<FrameId, Entry>,
-    /// Forests before this one were trained with something that was withdrawn since.
+    /// The first generation since the last withdrawal of a training sample. Answers of older
+    /// forests are unreliable.
     trusted_from: u64,
-    /// Frames in which answers were discarded, and the newest forest that is not asked for them
+    /// Frames of which answers were discarded, and the newest forest that is not queried for them
     /// again.
     refused: BTreeMap<FrameId, u64>,
-    /// Forests that go on under a later number, and that number.
+    /// Old and new generation of forests that were renumbered.
     renumbered: BTreeMap<u64, u64>,
 }
 
-/// How a frame is asked for.
+/// How the forest is queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Asking {
-    /// Which forest answers: later ones have greater numbers.
+    /// The forest: a later one has a greater number.
     pub(super) generation: u64,
-    /// Answers are snapped to the painted lines.
+    /// Whether answers are snapped to the painted lines.
     pub(super) snapping: bool,
 }
 
 #[derive(Debug)]
 struct Entry {
+    /// The state of the frame when the forest was queried.
     asked: Asked,
     by: Asking,
     answer: CachedAnswer,
-    /// The document holds it.
+    /// Whether the document has shown the answer.
     recorded: bool,
 }
 
-/// An answer.
+/// What the forest answered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum CachedAnswer {
     /// A camera, right with this probability.
     Camera(f64),
-    /// None that this forest knows; another may.
+    /// This forest finds no camera; another one may.
     NotFound,
-    /// None that any forest could find.
+    /// No forest can find a camera.
     Never,
 }
 
 impl AnswerCache {
-    /// Updates the cache for a new state of the document: drops answers that no longer apply or
-    /// that the document has lost.
+    /// Takes in a new state of the document: drops answers that no longer apply or that the
+    /// document has lost.
     pub(super) fn look_at(&mut self, document: &Document) {
         self.entries.retain(|id, entry| {
             let Some(frame) = document.frames.by_id(id) else {
                 return false;
             };
+            // Lost: the document once showed the answer, no longer does, and the frame is
+            // undecided.
             let held = is_by_forest(frame);
             let lost = entry.recorded && !held && frame.is_open();
             entry.recorded |= held;
@@ -63,7 +71,8 @@ impl AnswerCache {
             !lost && !is_edited && entry.asked.is_still(document, frame)
         });
         for frame in &document.frames {
-            // What an earlier session proposed.
+            // Proposals that the document already had when it was opened count as answers of
+            // generation 0.
             let confidence = frame
                 .solution
                 .as_ref()
@@ -88,8 +97,7 @@ impl AnswerCache {
         }
     }
 
-    /// Whether a forest is to be asked for a frame: not where an earlier one was sure, in the same
-    /// way.
+    /// Whether the forest is to be queried for a frame (see the page of the module).
     pub(super) fn wants(
         &self,
         document: &Document,
@@ -142,7 +150,7 @@ impl AnswerCache {
         self.entries.insert(proposal.frame.clone(), entry);
     }
 
-    /// The document shows an answer.
+    /// Records that the document shows an answer.
     pub(super) fn note_shown(&mut self, key: &AnswerKey) {
         let is_it = |entry: &&mut Entry| {
             entry.asked.revision == key.revision && entry.by.generation == key.generation
@@ -152,7 +160,7 @@ impl AnswerCache {
         }
     }
 
-    /// Forests that are not asked for some frames again.
+    /// Records that forests up to a generation are not queried for some frames again.
     pub(super) fn refuse(
         &mut self,
         RefusedForests {
@@ -160,7 +168,7 @@ impl AnswerCache {
             mut generation,
         }: RefusedForests,
     ) {
-        // Whoever refused it may not have heard of its later number.
+        // The sender may not know yet that the forest was renumbered.
         while let Some(later) = self.renumbered.get(&generation) {
             generation = *later;
         }
@@ -170,8 +178,8 @@ impl AnswerCache {
         }
     }
 
-    /// The forest of a generation goes on under the number of a later one: where it was refused, it
-    /// still is.
+    /// Renumbers a forest from `generation` to `later` (the same trees, other stated probabilities,
+    /// or read from disk) and keeps its refusals.
     pub(super) fn keep_refusing(&mut self, generation: u64, later: u64) {
         self.renumbered.insert(generation, later);
         self.refused
@@ -180,31 +188,31 @@ impl AnswerCache {
             .for_each(|refused| *refused = later);
     }
 
-    /// Whether a forest is not to answer for a frame, because what it answered was discarded.
+    /// Whether a forest is not queried for a frame because its answer was discarded.
     pub(super) fn is_refused(&self, frame: &FrameId, generation: u64) -> bool {
         self.refused
             .get(frame)
             .is_some_and(|newest| generation <= *newest)
     }
 
-    /// Answers of forests before this one are no longer reliable.
+    /// Marks the answers of all forests before `generation` as unreliable.
     pub(super) fn trust_from(&mut self, generation: u64) {
         self.trusted_from = generation;
     }
 
-    /// How many answers a forest has given in one way.
+    /// Number of answers to one kind of query.
     pub(super) fn given_by(&self, by: Asking) -> usize {
         self.entries.values().filter(|entry| entry.by == by).count()
     }
 
-    /// How many open frames have a camera proposed.
+    /// Number of undecided frames with a proposed camera.
     pub(super) fn answered(&self, document: &Document) -> usize {
         self.open(document)
             .filter(|entry| matches!(entry.answer, CachedAnswer::Camera(_)))
             .count()
     }
 
-    /// How many open frames have no answer.
+    /// Number of undecided frames for which the forest finds no camera.
     pub(super) fn unanswered(&self, document: &Document) -> usize {
         self.open(document)
             .filter(|entry| entry.answer == CachedAnswer::NotFound)
@@ -225,7 +233,7 @@ impl AnswerCache {
     }
 }
 
-/// Whether its camera was proposed by the forest.
+/// Whether the frame's camera is a proposal of the forest.
 fn is_by_forest(frame: &Frame) -> bool {
     frame.source() == Some(SolutionSource::Forest)
 }

@@ -1,4 +1,4 @@
-//! The backend of the trainer: the operations on forests and frames; tests use another one.
+//! The operations of the trainer on forests and frames, as a trait so that tests can replace them.
 
 use super::super::shared_pictures::{SharedPictures, SharedReader};
 use super::error::TrainerError;
@@ -23,18 +23,18 @@ use touchline_documents::document::{Document, Fields};
 use touchline_vision::media::FrameReader;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, TrainProgress};
 
-/// The operations of the trainer. Long ones ask their watch whether to go on.
+/// The operations of the trainer. Long ones end early when their progress answers `Break`.
 pub(super) trait Backend {
-    /// The forest that an earlier session stored, if it was trained with exactly this training set.
+    /// The stored forest of an earlier run, if it was trained on exactly this training set.
     ///
     /// # Errors
-    /// There is one, but it cannot be used.
+    /// The file exists, but cannot be used.
     fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError>;
 
-    /// A forest of these training frames; none where `progress` cancelled it.
+    /// Trains a forest on some frames of the document. `None` if `progress` ended it.
     ///
     /// # Errors
-    /// There cannot be one.
+    /// No forest can be trained.
     fn learn(
         &mut self,
         document: &Document,
@@ -43,8 +43,8 @@ pub(super) trait Backend {
         progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError>;
 
-    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines;
-    /// fewer where `progress`, which receives the number done, cancelled it.
+    /// Proposes cameras for some frames, with `snapping` aligned to the painted lines. Fewer than
+    /// asked for if `progress`, which receives the number of finished frames, ended it.
     fn propose(
         &mut self,
         document: &Document,
@@ -54,8 +54,8 @@ pub(super) trait Backend {
         progress: &Progress<'_, usize>,
     ) -> Vec<Proposal>;
 
-    /// Carries cameras through a window of a video, after a forest's answers; none where
-    /// `progress`, which receives the number of pictures done, cancelled it.
+    /// Propagates cameras through a window of a video, from its key frames. `None` if `progress`,
+    /// which receives the number of finished pictures, ended it.
     fn carry(
         &mut self,
         document: &Document,
@@ -64,8 +64,8 @@ pub(super) trait Backend {
         progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>>;
 
-    /// The accuracy of a forest of these training frames, and which of them contradict others; none
-    /// where `progress` cancelled it.
+    /// Measures the accuracy of a forest that is trained on these frames, and finds those that
+    /// contradict others. `None` if `progress` ended it.
     fn measure(
         &mut self,
         document: &Document,
@@ -73,7 +73,7 @@ pub(super) trait Backend {
         progress: &Progress<'_, Doing>,
     ) -> Option<Measured>;
 
-    /// How a forest uses a frame's features; none where the frame cannot be read.
+    /// How a forest uses the features of a frame. `None` if the frame cannot be read.
     fn features(
         &mut self,
         document: &Document,
@@ -81,31 +81,31 @@ pub(super) trait Backend {
         model: &ForestModel,
     ) -> Option<UsedFeatures>;
 
-    /// Why nothing is kept on disk, if so.
+    /// Why features or forest are not stored on disk, if they are not.
     fn not_kept(&self) -> Option<String>;
 
-    /// The folder of the document.
+    /// The folder of the document, from which its paths start.
     fn folder(&self) -> &Path;
 }
 
-/// A forest that has just been trained.
+/// A newly trained forest.
 pub(super) struct Learnt {
     pub(super) model: ForestModel,
-    /// The number of features it was trained with.
+    /// Number of features it was trained on.
     pub(super) features: usize,
-    /// Training frames that cannot be used.
+    /// Training frames that could not be used.
     pub(super) failed: Vec<UnusableReference>,
 }
 
-/// The accuracy of the forest, and suspicious references.
+/// The accuracy of a forest, and suspicious references.
 pub(super) struct Measured {
-    /// What the forest finds; none where there is nothing to leave out.
+    /// The accuracy. `None` if no reference can be left out.
     pub(super) quality: Option<Quality>,
-    /// References whose labels contradict others.
+    /// References that contradict others.
     pub(super) suspects: Vec<Suspect>,
 }
 
-/// The backend that trains and asks forests, with features stored beside the document.
+/// The backend of the program: stores features and forest beside the document.
 pub(super) struct ForestBackend {
     folder: PathBuf,
     place: WorkFolder,
@@ -113,15 +113,15 @@ pub(super) struct ForestBackend {
     reader: SharedReader,
     options: LearnOptions,
     relocalizing: RelocalizeOptions,
-    /// Why the forest was not kept, if so.
+    /// Why the forest could not be stored, if it could not.
     forest_refused: Option<String>,
 }
 
 impl ForestBackend {
-    /// The backend of a document at `file`; frames among `pictures` are not decoded again.
+    /// The backend of the document at `file`. Frames among `pictures` are not decoded again.
     pub(super) fn new(file: &Path, mailbox: Arc<TrainerMailbox>, pictures: SharedPictures) -> Self {
         let place = WorkFolder::beside(file);
-        // Counting the frames of a long video is given up when the document is closed.
+        // Counting the frames of a long video ends when the document is closed.
         let counting = Progress::new(move |_| {
             mailbox
                 .peek(|_| ())
@@ -172,6 +172,7 @@ impl Backend for ForestBackend {
         let Some(LearntForest { mut model, studied }) = learnt else {
             return Ok(None);
         };
+        // A forest that cannot be stored still answers; the window shows why it was not stored.
         self.forest_refused = keep_forest(&self.place, &mut model, training_set)
             .err()
             .map(|error| error.to_string());
@@ -214,10 +215,11 @@ impl Backend for ForestBackend {
             generation,
             options: self.relocalizing.clone(),
         };
-        // A field that is not valid is named where the document is opened.
+        // An invalid field is reported when the document is opened; without it lines are no
+        // evidence.
         let evidence = LineEvidence::of(document.at(&self.folder), &mut self.reader, snapping).ok();
         let mut made = Vec::with_capacity(frames.len());
-        // A few at a time, so that a pause is a pause.
+        // In small batches, so that a pause takes effect soon.
         for few in frames.chunks(rayon::current_num_threads()) {
             if progress.report(made.len()).is_break() {
                 break;
@@ -248,11 +250,13 @@ impl Backend for ForestBackend {
             .keys
             .first()
             .and_then(|place| document.frames.get(*place));
-        // A field that is not valid is named where the document is opened.
+        // An invalid field is reported when the document is opened.
         let Some((first, fields)) = first.zip(Fields::of(at).ok()) else {
             return Some(Vec::new());
         };
         let pictures = window.clip.frames.len();
+        // Progress counts following the points as the first half and reading the paint as the
+        // second.
         let of_clip = progress.part(|step| match step {
             ClipProgress::Following(done, _) => done / 2,
             ClipProgress::Painting(done, of) => pictures / 2 + pictures * done / (2 * of.max(1)),
@@ -283,7 +287,7 @@ impl Backend for ForestBackend {
                 )
             }
             Err(TrackClipError::Stopped) => None,
-            // The forest is asked for these frames instead.
+            // The window gives no camera; the forest is queried for these frames instead.
             Err(_) => Some(Vec::new()),
         }
     }
@@ -346,7 +350,7 @@ impl Backend for ForestBackend {
     }
 }
 
-/// What the trainer does while a forest learns, as the window shows it.
+/// Translates the progress of training for the window.
 fn doing_of(progress: LearningProgress) -> Doing {
     match progress {
         LearningProgress::Features { done, of } => Doing::Features(Share { done, of }),

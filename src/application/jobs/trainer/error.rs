@@ -1,16 +1,16 @@
-//! Why the trainer has no forest.
+//! Errors of recalling and training a forest.
 
 use super::kept_forest::KeptForestError;
 use thiserror::Error;
 use touchline_calibration::pipelines::LearnForestError;
 
-/// Why there is no forest of an earlier session, or cannot be a new one.
+/// Why no forest of an earlier run can be used, or no new one can be trained.
 #[derive(Debug, Error)]
 pub(super) enum TrainerError {
-    /// The forest of an earlier session is of no use.
+    /// The stored forest cannot be used.
     #[error("The stored forest is trained again: {0}")]
     Kept(#[from] KeptForestError),
-    /// It cannot be trained.
+    /// No forest can be trained.
     #[error(transparent)]
     Learn(#[from] LearnForestError),
 }

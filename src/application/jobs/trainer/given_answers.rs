@@ -1,25 +1,28 @@
-//! Answers that were given, until the document is heard to show them.
+//! Answers of the trainer that the application has not yet confirmed to show.
 //!
-//! A document that was on its way while the trainer answered lacks those answers. Once it is heard
-//! that they are shown, they are put in from here: cameras are carried from them.
+//! A document that was sent while the trainer answered lacks those answers. When the application
+//! confirms that it shows one ([`AnswerKey`]), the trainer copies the answer into its own document
+//! from here, because cameras are propagated from it.
 
 use crate::app::AnswerKey;
 use std::collections::BTreeMap;
 use touchline_documents::document::{Document, Frame, FrameId, Shared};
 
-/// Answers by frame, of each frame the last.
+/// The last answer for each frame.
 #[derive(Debug, Default)]
 pub(super) struct GivenAnswers(BTreeMap<FrameId, GivenAnswer>);
 
 #[derive(Debug)]
 struct GivenAnswer {
+    /// The forest that gave the answer.
     generation: u64,
-    /// The frame with the answer.
+    /// The frame with the answer recorded in it.
     answered: Shared<Frame>,
 }
 
 impl GivenAnswers {
-    /// A forest of this generation answered for a frame, or its answers were carried there.
+    /// Stores an answer for a frame, from a forest of this generation or propagated from its
+    /// answers.
     pub(super) fn give(&mut self, answered: &Shared<Frame>, generation: u64) {
         let given = GivenAnswer {
             generation,
@@ -28,7 +31,7 @@ impl GivenAnswers {
         self.0.insert(answered.id.clone(), given);
     }
 
-    /// Forgets the answers for frames that a document no longer has as they were.
+    /// Drops the answers for frames that the document lacks or that have changed since.
     pub(super) fn keep_fitting(&mut self, document: &Document) {
         self.0.retain(|id, given| {
             document
@@ -38,7 +41,7 @@ impl GivenAnswers {
         });
     }
 
-    /// Has a document show an answer that it is known to show.
+    /// Records in `document` the answer that the application shows, if it is the stored one.
     pub(super) fn show(&mut self, key: &AnswerKey, document: &mut Document) {
         let is_meant = |given: &GivenAnswer| {
             given.generation == key.generation && given.answered.is_carried() == key.is_carried
@@ -59,7 +62,7 @@ impl GivenAnswers {
 }
 
 impl GivenAnswer {
-    /// Whether a frame is the one that was answered, and nobody has decided on it.
+    /// Whether a frame is still in the state for which the answer was given, and undecided.
     fn fits(&self, frame: &Frame) -> bool {
         frame.is_open() && frame.revision == self.answered.revision
     }

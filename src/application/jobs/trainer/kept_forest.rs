@@ -1,4 +1,4 @@
-//! The forest of a document on disk, so that opening it again does not start from nothing.
+//! The forest stored beside a document, so that reopening the document does not train it again.
 
 use serde_json::Value;
 use std::io;
@@ -10,27 +10,27 @@ use touchline_documents::store::write_atomically;
 use touchline_vision::features::FeatureOptions;
 use touchline_vision::relocalize::{ForestFileError, ForestModel};
 
-/// The key in a forest's own document that says what it was taught.
+/// Key of the fingerprint of the training set, in the forest's own document.
 const TAUGHT: &str = "taught";
 
-/// Why the forest beside a document is of no use.
+/// Why the stored forest cannot be used.
 #[derive(Debug, Error)]
 pub(super) enum KeptForestError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("the forest cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is no whole forest.
+    /// The file is not a complete forest.
     #[error(transparent)]
     Forest(#[from] ForestFileError),
-    /// The document in it is none.
+    /// The document within the file cannot be read.
     #[error("the forest's document: {0}")]
     Document(#[from] ReadError),
 }
 
-/// Writes a forest beside its document, with what it was taught.
+/// Writes a forest beside its document, with the fingerprint of its training set.
 ///
 /// # Errors
-/// The folder cannot be made or written to. Nothing depends on it: the forest is made again.
+/// The folder cannot be created or written to. That is harmless: the forest can be trained again.
 pub(super) fn keep_forest(
     place: &WorkFolder,
     model: &mut ForestModel,
@@ -46,10 +46,11 @@ pub(super) fn keep_forest(
     write_atomically(&place.forest(), &model.to_bytes())
 }
 
-/// The forest beside a document, if it was taught exactly this with these features.
+/// The stored forest, if it was trained on exactly this training set and with these feature
+/// options.
 ///
 /// # Errors
-/// There is one, but it is damaged or cannot be read.
+/// The file exists, but is damaged or cannot be read.
 pub(super) fn kept_forest(
     place: &WorkFolder,
     training_set: &TrainingSet,

@@ -1,4 +1,4 @@
-//! What the trainer is to do, and how it reports.
+//! The orders of the trainer, and its reports.
 
 use super::TrainerReport;
 use crate::app::{AnswerKey, Doing, TrainerOrder, TrainerStatus};
@@ -8,36 +8,36 @@ use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{CarriedProposal, Proposal, RefusedForests, UsedFeatures};
 use touchline_documents::document::{Document, FrameId};
 
-/// The shortest time between two progress reports.
+/// Minimum time between two reports of mere progress.
 const TELL_EVERY: Duration = Duration::from_millis(200);
 
-/// The current orders of the trainer.
+/// The current orders.
 #[derive(Clone, Default)]
 pub(super) struct Orders {
     /// The newest document.
     pub(super) document: Option<Document>,
-    /// Counts documents.
+    /// Number of documents received so far.
     pub(super) edition: u64,
-    /// Answers that documents before the newest came to show since the orders were taken last.
+    /// Answers that earlier documents came to show since the orders were last taken.
     pub(super) shown_before: Vec<AnswerKey>,
-    /// Answers that the newest document has come to show since then.
+    /// Answers that the newest document came to show since then.
     pub(super) shown: Vec<AnswerKey>,
-    /// Forests that were refused since then.
+    /// Answers that the user discarded since then.
     pub(super) refused: Vec<RefusedForests>,
-    /// The frame that is shown.
+    /// The shown frame.
     pub(super) frame: Option<FrameId>,
-    /// The features of the shown frame are wanted.
+    /// Whether to report the features of the shown frame.
     pub(super) features: bool,
-    /// It rests.
+    /// Whether the trainer rests.
     pub(super) paused: bool,
-    /// Proposals are snapped to the painted lines.
+    /// Whether proposals are snapped to the painted lines.
     pub(super) snapping: bool,
-    /// Counts all orders.
+    /// Number of orders received so far.
     pub(super) number: u64,
 }
 
 impl Orders {
-    /// Takes an order in; returns the document that it replaces.
+    /// Applies an order; returns the document that it replaces.
     pub(super) fn take_in(&mut self, order: TrainerOrder) -> Option<Document> {
         self.number += 1;
         match order {
@@ -56,7 +56,7 @@ impl Orders {
         None
     }
 
-    /// The current orders. What came since they were taken last is handed out once.
+    /// A copy of the current orders. Lists are moved out, so that each entry is returned once.
     fn take(&mut self) -> Self {
         let shown_before = std::mem::take(&mut self.shown_before);
         let (shown, refused) = (
@@ -72,23 +72,24 @@ impl Orders {
     }
 }
 
-/// The trainer's side of its mailbox; any of its threads may report.
+/// The trainer's side of the mailbox. Any thread of the trainer may report.
 pub(super) struct TrainerMailbox {
     mailbox: Arc<Mailbox<Orders, TrainerReport>>,
     told: Mutex<Told>,
 }
 
-/// The last status that was reported, and when.
+/// The last reported status and its time.
 #[derive(Default)]
 struct Told {
-    /// Without the time that is left.
+    /// The status without the estimated remaining time.
     status: TrainerStatus,
     at: Option<Instant>,
-    /// What was begun, and when.
+    /// The first report of the current step and its time, from which the remaining time is
+    /// estimated.
     begun: Option<(Doing, Instant)>,
 }
 
-/// Whether work has gone on from an earlier state to a later one.
+/// Whether `later` is progress of the same step as `earlier`.
 fn is_part_of(earlier: Doing, later: Doing) -> bool {
     let done = |doing: Doing| doing.share().map_or(0, |share| share.done);
     earlier.is_kind_of(later) && done(earlier) <= done(later)
@@ -102,23 +103,23 @@ impl TrainerMailbox {
         }
     }
 
-    /// Looks at the newest orders; none when it is time to end.
+    /// Reads the current orders; `None` when the thread is to end.
     pub(super) fn peek<T>(&self, look: impl FnOnce(&Orders) -> T) -> Option<T> {
         (!self.mailbox.is_closing()).then(|| self.mailbox.look(look))
     }
 
-    /// Takes the newest orders; none when it is time to end.
+    /// Takes the current orders; `None` when the thread is to end.
     pub(super) fn take_orders(&self) -> Option<Orders> {
         (!self.mailbox.is_closing()).then(|| self.mailbox.update(|state| state.orders.take()))
     }
 
-    /// Waits for an order after that of a number, but not beyond a time.
+    /// Waits for an order other than that of `number`, at most until a time.
     pub(super) fn wait(&self, number: u64, until: Option<Instant>) {
         self.mailbox
             .wait_for(until, |orders| (orders.number != number).then_some(()));
     }
 
-    /// Leaves a status in place of the one before. Mere progress is reported now and then.
+    /// Replaces the status report. Mere progress is reported at most every [`TELL_EVERY`].
     pub(super) fn report(&self, status: &TrainerStatus) {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
         if told.status == *status {
@@ -132,6 +133,7 @@ impl TrainerMailbox {
         if mere_progress && told.at.is_some_and(|at| at.elapsed() < TELL_EVERY) {
             return;
         }
+        // Estimate the remaining time from the first report of this step.
         let now = Instant::now();
         let begun = told
             .begun
@@ -151,7 +153,7 @@ impl TrainerMailbox {
             .report_instead(report, |before| matches!(before, TrainerReport::Status(_)));
     }
 
-    /// Leaves what was made of features, in place of what was left before.
+    /// Replaces the report about features.
     pub(super) fn show_features(&self, used: UsedFeatures) {
         let report = TrainerReport::Features(Box::new(used));
         self.mailbox.report_instead(report, |before| {
@@ -159,12 +161,12 @@ impl TrainerMailbox {
         });
     }
 
-    /// Leaves cameras that were carried; waits for room.
+    /// Reports propagated cameras; blocks until there is room.
     pub(super) fn carry(&self, carried: Vec<CarriedProposal>) {
         self.mailbox.report(TrainerReport::Carried(carried));
     }
 
-    /// Leaves the proposals of one forest; waits for room.
+    /// Reports proposals of one forest; blocks until there is room.
     pub(super) fn propose(&self, proposals: Vec<Proposal>) {
         self.mailbox.report(TrainerReport::Proposals(proposals));
     }

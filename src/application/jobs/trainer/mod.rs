@@ -1,18 +1,34 @@
-//! The trainer: a forest is trained on the accepted references and proposes cameras for all other
+//! The trainer: trains a forest on the accepted references and proposes cameras for all other
 //! frames.
 //!
-//! Its owner passes the document after what people did, which is cheap: only the newest one waits,
-//! so that a burst of references is one change. Of its own answers the trainer hears by their keys
-//! which ones the document shows, and which were discarded: the same forest is not asked for those
-//! again.
+//! # Orders
 //!
-//! A thread then decides what has to be done: train, ask the forest for frames, measure its
-//! accuracy. Added references let a running training finish; a changed or withdrawn one stops it.
-//! After each training at least as much time is spent on proposals, so that somebody who accepts
-//! without a pause sees them.
+//! The owner sends the document after each edit. That is cheap: only the newest document waits, so
+//! that several new references are one change. The owner also sends which of the trainer's answers
+//! the document shows (by [`AnswerKey`](crate::app::AnswerKey)), and which were discarded: the same
+//! forest is not queried for those again.
 //!
-//! The work runs on threads of its own, one fewer than the machine has: the window keeps one. What
-//! causes a panic is reported and not tried again until something changes.
+//! # Steps
+//!
+//! The thread (`work.rs`) repeats the first of these steps that is due:
+//!
+//! | step | when | file |
+//! |---|---|---|
+//! | recall a stored forest | once, before the first training | `kept_forest.rs` |
+//! | train | the training set is new and older than [`TrainerOptions::settle`] | `backend.rs` |
+//! | show features | the user looks at the features of a frame | `backend.rs` |
+//! | query the forest near the shown frame and once per shot | no answer yet | `answer_cache.rs` |
+//! | measure accuracy | once for each forest | `backend.rs` |
+//! | query the forest for all other frames | no answer yet | `answer_cache.rs` |
+//! | propagate cameras between the key frames of a video | key frames have answers | `windows.rs` |
+//! | query the forest between key frames | propagation gave no camera | `answer_cache.rs` |
+//!
+//! Added references let a running training finish; a changed or withdrawn one stops it
+//! (`watch.rs`). After each training, proposals take precedence for as long as the training took,
+//! at most 20 s, so that a user who accepts without a pause sees results.
+//!
+//! The work runs on threads of its own, one fewer than the machine has: the window keeps one. Work
+//! that panics is reported and not repeated until its input changes.
 
 mod answer_cache;
 mod backend;
@@ -37,18 +53,18 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How many reports may wait to be fetched before the trainer pauses; with each come up to some 64
+/// Maximum number of waiting reports; beyond it the trainer pauses. A report holds about 64
 /// proposals.
 const MOST_REPORTS: usize = 16;
 
-/// How the trainer behaves.
+/// Settings of the trainer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TrainerOptions {
-    /// How long references must have stayed as they are before training begins. Default: 0.4 s.
+    /// Time for which the training set must be unchanged before training begins. 0.4 s by default.
     pub settle: Duration,
-    /// How long proposals are gathered before they are reported together. Default: 0.5 s.
+    /// Time for which proposals are gathered into one report. 0.5 s by default.
     pub gather: Duration,
-    /// Threads to work on; none takes one fewer than the machine has, but one at least.
+    /// Number of threads. By default one fewer than the machine has, at least one.
     pub threads: Option<usize>,
 }
 
@@ -62,17 +78,17 @@ impl Default for TrainerOptions {
     }
 }
 
-/// The trainer of an open document. Dropping it ends its thread.
+/// The handle of the trainer of an open document. Dropping it ends the thread.
 pub struct Trainer {
     worker: Worker<Orders, TrainerReport>,
 }
 
 impl Trainer {
-    /// Starts the trainer of a document at `file`; frames among `pictures` are not decoded again.
-    /// It does nothing before it gets the document.
+    /// Starts the trainer of the document at `file`. Frames among `pictures` are not decoded again.
+    /// It does nothing before it receives the document.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The operating system gives no thread.
     pub fn start(
         file: PathBuf,
         options: TrainerOptions,
@@ -84,7 +100,7 @@ impl Trainer {
         })
     }
 
-    /// Starts a trainer with the backend that `make` sets up on its thread.
+    /// Starts a trainer; `make` creates its backend on the trainer's thread.
     fn start_with<B: Backend>(
         options: TrainerOptions,
         wake: Wake,
@@ -105,17 +121,17 @@ impl Trainer {
         Ok(Self { worker })
     }
 
-    /// Sends the trainer an order; never waits.
+    /// Sends an order; never blocks.
     pub fn tell(&self, order: TrainerOrder) {
         let replaced = self
             .worker
             .mailbox()
             .update(|state| state.orders.take_in(order));
-        // Letting go of a document may take a while.
+        // Dropping a large document may take a while; do it outside the lock.
         drop(replaced);
     }
 
-    /// What it has to say since the last call.
+    /// The reports that have arrived since the last call.
     #[must_use]
     pub fn poll(&self) -> Vec<TrainerReport> {
         self.worker.mailbox().take_reports()

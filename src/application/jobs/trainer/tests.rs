@@ -1,5 +1,5 @@
-//! The trainer with a backend that the test controls: it reports what it begins and continues when
-//! the test lets it.
+//! The trainer with a backend that the test controls: it reports each piece of work that it begins
+//! and continues when the test lets it.
 
 use super::answer_cache::{AnswerCache, Asking};
 use super::backend::{Backend, Learnt, Measured};
@@ -31,7 +31,7 @@ use touchline_vision::relocalize::{
 
 const SIZE: ImageSize = ImageSize::new(64, 36);
 
-/// What the stand-in has begun.
+/// A piece of work that the backend has begun.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Begun {
     Recall,
@@ -42,12 +42,12 @@ enum Begun {
     Measure,
 }
 
-/// How what it has begun comes out.
+/// How the work ends.
 enum Let {
     Well,
     Fail,
     Panic,
-    /// Goes on until its watch ends it.
+    /// Runs until its watch ends it.
     Stopped,
 }
 
@@ -59,7 +59,7 @@ struct StandIn {
 
 impl StandIn {
     fn begin(&self, what: Begun) -> Let {
-        // When the test has let go: come out well.
+        // When the test has dropped the controller, the work succeeds.
         self.begun.send(what).unwrap_or_default();
         self.orders.recv().unwrap_or(Let::Well)
     }
@@ -243,7 +243,7 @@ fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64)
     }
 }
 
-/// The test's side.
+/// The test's control over the backend.
 struct Controller {
     trainer: Option<Trainer>,
     begun: Receiver<Begun>,
@@ -298,7 +298,7 @@ impl Controller {
         self.tell(TrainerOrder::Document(Box::new(document.clone())));
     }
 
-    /// Waits for the next piece of work, checks it, and lets it out.
+    /// Waits for the next piece of work, checks it, and lets it end.
     fn expect(&self, begun: &Begun, answer: Let) {
         assert_eq!(self.begun.recv().unwrap(), *begun);
         self.go.send(answer).unwrap();
@@ -329,13 +329,13 @@ impl Controller {
         self.until(|status| status.doing == Doing::Nothing && status.forest.is_some());
     }
 
-    /// Nothing has been begun that was not expected.
+    /// Checks that no other work has begun.
     fn nothing_begun(&self) {
         assert_eq!(self.begun.try_recv().ok(), None);
     }
 }
 
-/// Frames of which the first few are references.
+/// A document of which the first few frames are references.
 fn document(references: usize, others: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut main = Camera::new("main".into(), SIZE);
@@ -437,8 +437,7 @@ fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_agai
     controller.expect(&Begun::Measure, Let::Well);
     controller.until_idle();
 
-    // Answers that are certain are kept when something is added, and asked for again when something
-    // is withdrawn.
+    // Certain answers stay when a reference is added, and are queried again when one is withdrawn.
     for (index, proposal) in controller.proposals.drain(..).enumerate() {
         proposal.record(&mut all.frames[3 + index]);
     }
@@ -503,7 +502,7 @@ fn every_stage_can_be_paused_and_taken_up_again() {
     controller.until_idle();
 }
 
-/// Frames of a video that follow each other; the first is a reference.
+/// Consecutive frames of a video; the first is a reference.
 fn video(frames: usize) -> Document {
     let mut all = document(1, frames - 1);
     for index in 0..frames {
@@ -531,12 +530,11 @@ fn of_a_video_the_forest_answers_key_frames_and_the_rest_is_carried() {
     controller.tell(TrainerOrder::Pause(false));
     controller.expect(&keys, Let::Well);
     controller.until_idle();
-    // Key frames too are adjusted with the others; a person's is not.
+    // Tracking also adjusts key frames that the forest answered, but not the user's reference.
     assert_eq!(controller.carried.len(), 60);
     controller.nothing_begun();
 
-    // The document that shows it all, and one in which the frames near the other end are looked at,
-    // ask for nothing more.
+    // A document that shows all cameras, and a shown frame near the other end, cause no more work.
     for proposal in controller.proposals.drain(..) {
         proposal.record(all.frames.by_id_mut(&proposal.frame).unwrap());
     }
@@ -548,7 +546,7 @@ fn of_a_video_the_forest_answers_key_frames_and_the_rest_is_carried() {
     controller.until_idle();
     controller.nothing_begun();
 
-    // Another reference between them: all is carried again, from it too.
+    // Another reference between the key frames: the whole window is propagated again.
     accept(&mut all.frames[30], 30.5);
     all.frames[30].solution = None;
     controller.document(&all);
@@ -678,7 +676,7 @@ fn a_panic_is_shown_and_work_goes_on() {
         "{:?}",
         controller.status
     );
-    // Not again for the same references, unless somebody asks.
+    // Training is not repeated with the same references unless the user pauses and resumes.
     all.frames[1].comment = Some("rain".to_owned());
     controller.document(&all);
     controller.until(|status| status.doing == Doing::Nothing);
@@ -715,7 +713,7 @@ fn a_panic_is_shown_and_work_goes_on() {
 fn the_forest_of_an_earlier_session_serves_and_a_damaged_one_is_made_again() {
     let mut controller = Controller::start(0.95);
     let mut all = document(1, 2);
-    // What an earlier session proposed and is certain is not asked for.
+    // A certain proposal of an earlier run is not queried again.
     proposal(&document(1, 2), 1, 1, 0.97).record(&mut all.frames[1]);
     controller.document(&all);
     controller.expect(&Begun::Recall, Let::Well);
@@ -755,7 +753,7 @@ fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_asked_again() {
     controller.until_idle();
     controller.nothing_begun();
 
-    // In another session only what is not as it is wanted is asked for.
+    // In another run only the frame that is not snapped is queried.
     let controller = Controller::start(0.99);
     controller.tell(TrainerOrder::Snap(true));
     controller.document(&all);
@@ -763,7 +761,7 @@ fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_asked_again() {
     controller.expect(&Begun::Propose(vec![3]), Let::Well);
 }
 
-/// A forest's answers, not snapped.
+/// A query without snapping.
 const fn by(generation: u64) -> Asking {
     Asking {
         generation,
@@ -817,7 +815,7 @@ fn frames_whose_answer_the_document_lost_are_asked_again() {
     let mut answer_cache = AnswerCache::default();
     answer_cache.enter(&proposal(&all, 2, 1, 0.95), by(1));
     answer_cache.look_at(&moved);
-    // With the base everything that was taught is another.
+    // With another base, everything that the forest was trained on is different.
     answer_cache.trust_from(2);
     assert!(
         answer_cache.wants(&moved, 2, &forest, by(2)),
@@ -849,13 +847,13 @@ fn a_forest_whose_answers_were_discarded_is_not_asked_for_them_again() {
         controller.proposals.iter().map(key).collect(),
     ));
     controller.tell(TrainerOrder::Refused(refused(1)));
-    // The document has lost both answers, and only one of them was discarded.
+    // The document has lost both answers, of which only one was discarded.
     controller.document(&all);
     controller.expect(&Begun::Propose(vec![3]), Let::Well);
     controller.until_idle();
     controller.nothing_begun();
 
-    // A forest that has learnt more is asked.
+    // A newer forest is queried.
     all.frames.push(document(3, 0).frames[2].clone());
     controller.document(&all);
     controller.expect(&Begun::Learn(vec![0, 1, 4]), Let::Well);

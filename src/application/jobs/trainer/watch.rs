@@ -1,4 +1,4 @@
-//! Who hears how far a long piece of work has come, and decides whether it goes on.
+//! Reports the progress of a long step and decides whether it continues.
 
 use super::mailbox::TrainerMailbox;
 use crate::app::{Doing, TrainerStatus};
@@ -6,22 +6,23 @@ use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::proposals::{TrainingFrames, TrainingSet};
 
-/// Reports the progress of a piece of work, and ends it when it is no longer wanted.
+/// Reports the progress of a step and ends it when its result is no longer needed.
 pub(super) struct Watch<'a> {
     mailbox: &'a TrainerMailbox,
     status: TrainerStatus,
     until: Until,
-    /// The edition of the document that was looked at last.
+    /// The edition of the document that was checked last; a mutex because the step's threads share
+    /// it.
     looked_at: Mutex<u64>,
 }
 
-/// What ends a piece of work, besides a pause.
+/// What ends a step, besides a pause and closing.
 pub(super) enum Until {
-    /// Nothing.
+    /// Nothing else.
     Done,
-    /// Part of this training set was withdrawn; added references may wait.
+    /// A sample of this training set was changed or withdrawn. Added ones do not end the step.
     Unlearnt(TrainingSet),
-    /// The training set changed.
+    /// The training set differs from this one in any way.
     Changed(TrainingSet),
 }
 
@@ -40,7 +41,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Reports what is being done; a break if it is to end.
+    /// Reports what is being done; answers `Break` if the step is to end.
     pub(super) fn tell(&self, doing: Doing) -> ControlFlow<()> {
         self.mailbox.report(&TrainerStatus {
             doing,
@@ -53,7 +54,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Whether the work is to go on.
+    /// Whether the step is to continue. Looks at a new document only once.
     pub(super) fn is_wanted(&self) -> bool {
         let mut looked_at = self
             .looked_at
@@ -79,7 +80,8 @@ impl<'a> Watch<'a> {
             Until::Changed(learning) => taught() == *learning,
         };
         if !wanted {
-            // Every other thread that asks must stop, too.
+            // The answer is cached by edition: make the other threads of the step compare again,
+            // and stop.
             *looked_at = u64::MAX;
         }
         wanted

@@ -1,4 +1,8 @@
-//! Which windows of videos cameras have been carried through, and from what.
+//! Windows of videos through which cameras are propagated, and from which frames that was done.
+//!
+//! Consecutive frames of a video need not be queried one by one. The forest answers for key frames,
+//! and tracking propagates their cameras to the frames between. A window is due when its key frames
+//! have been queried and the known cameras in it differ from those of the last propagation.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,24 +11,24 @@ use touchline_calibration::proposals::{CarriedProposal, KeyWindow};
 use touchline_core::camera::Ptz;
 use touchline_documents::document::{Document, Frame, FrameId, FramePtz, FrameStatus, Shared};
 
-/// The windows of a document.
+/// The windows of a document, and what they have given.
 #[derive(Debug, Default)]
 pub(super) struct Windows {
-    /// The document as it was looked at last.
+    /// The document that was looked at last.
     of: Option<Document>,
     all: Vec<KeyWindow>,
-    /// Whether a place in the document lies between key frames.
+    /// For each frame of the document: whether it lies between key frames.
     between: Vec<bool>,
-    /// From what cameras were carried, by the first frame of each window.
+    /// The known cameras of the last propagation, by the first frame of the window.
     carried: BTreeMap<FrameId, Vec<Known>>,
-    /// Frames that got a camera here, and whether the document has shown it.
+    /// Frames that received a propagated camera, and whether the document has shown it.
     given: BTreeMap<FrameId, bool>,
-    /// Those of them that the forest answered, as its answer has them: what is carried is carried
-    /// from that.
+    /// Key frames of those as the forest answered them. Propagation starts from the answers, not
+    /// from cameras that it adjusted itself.
     answered: BTreeMap<FrameId, Shared<Frame>>,
 }
 
-/// A frame from which cameras are carried.
+/// A frame from which cameras are propagated.
 #[derive(Clone, Debug, PartialEq)]
 struct Known {
     frame: FrameId,
@@ -32,9 +36,11 @@ struct Known {
 }
 
 impl Windows {
-    /// Updates the windows for a new state of the document; where it has lost a camera that was
-    /// carried, that is done again.
+    /// Takes in a new state of the document. Windows that have lost a propagated camera become due
+    /// again.
     pub(super) fn look_at(&mut self, document: &Document, folder: &Path) {
+        // Windows depend on the videos and their frames only, so that most edits leave them as they
+        // are.
         if !self
             .of
             .as_ref()
@@ -47,6 +53,7 @@ impl Windows {
             }
         }
         self.of = Some(document.clone());
+        // Find the frames that once showed a propagated camera, no longer do, and are undecided.
         let mut lost = Vec::new();
         self.given.retain(|id, recorded| {
             let frame = document.frames.by_id(id);
@@ -58,6 +65,7 @@ impl Windows {
             *recorded |= is_held;
             !is_lost && frame.is_some()
         });
+        // Forget the propagation through their windows, so that it is repeated.
         if !lost.is_empty() {
             let id_of = |place: &usize| document.frames.get(*place).map(|frame| &frame.id);
             for window in &self.all {
@@ -73,8 +81,8 @@ impl Windows {
         }
     }
 
-    /// A document in which key frames are as the forest answered them, not as they were adjusted
-    /// with the frames between.
+    /// The document with key frames as the forest answered them, not as adjusted together with the
+    /// frames between.
     pub(super) fn with_answers(&self, mut document: Document) -> Document {
         for (id, answered) in &self.answered {
             if let Some(frame) = document.frames.by_id_mut(id)
@@ -88,25 +96,25 @@ impl Windows {
         document
     }
 
-    /// Whether the forest is not asked for a frame as long as cameras may be carried to it.
+    /// Whether a frame lies between key frames, so that the forest is queried for it last.
     pub(super) fn holds_back(&self, place: usize) -> bool {
         self.between.get(place).copied().unwrap_or(false)
     }
 
-    /// Whether a frame has its camera from here.
+    /// Whether a frame received its camera by propagation.
     pub(super) fn has_given(&self, frame: &FrameId) -> bool {
         self.given.contains_key(frame)
     }
 
-    /// The document shows the camera that was carried to a frame.
+    /// Records that the document shows the propagated camera of a frame.
     pub(super) fn note_shown(&mut self, frame: &FrameId) {
         if let Some(is_shown) = self.given.get_mut(frame) {
             *is_shown = true;
         }
     }
 
-    /// How many frames lie in windows through which cameras are to be carried, where the forest is
-    /// wanted for some frames.
+    /// Number of frames in windows that are due. `wanted` says whether an answer for a frame is
+    /// missing.
     pub(super) fn waiting(&self, document: &Document, wanted: impl Fn(usize) -> bool) -> usize {
         let due = self
             .all
@@ -115,8 +123,8 @@ impl Windows {
         due.map(|window| window.between.len()).sum()
     }
 
-    /// The window nearest to a place through which cameras are to be carried now; the forest is
-    /// `wanted` for some frames.
+    /// The due window nearest to the index `current`. `wanted` says whether an answer for a frame
+    /// is missing.
     pub(super) fn due(
         &self,
         document: &Document,
@@ -137,6 +145,8 @@ impl Windows {
         due.min_by_key(distance)
     }
 
+    /// Whether all key frames have been queried, some camera is known, and it differs from the last
+    /// propagation; the first time, whether a frame between needs a camera.
     fn is_due(
         &self,
         window: &KeyWindow,
@@ -151,6 +161,7 @@ impl Windows {
         else {
             return false;
         };
+        // Wait until the forest has been queried for all key frames.
         let is_asked = !window.keys.iter().any(|place| wanted(*place));
         is_asked
             && !known.is_empty()
@@ -160,8 +171,8 @@ impl Windows {
             }
     }
 
-    /// Stores what came of a window; those of its cameras are left that are news: not where a
-    /// person decided, or had cameras carried.
+    /// Records the result of a window. Returns the cameras that are new: not those of frames that a
+    /// person decided or that the user had tracked.
     pub(super) fn enter(
         &mut self,
         window: &KeyWindow,
@@ -176,6 +187,7 @@ impl Windows {
             self.carried
                 .insert(first.id.clone(), known(window, document));
         }
+        // Cameras from an earlier propagation are replaced; those that the user tracked stay.
         let is_news = |carried: &CarriedProposal| {
             let frame = document.frames.by_id(&carried.frame);
             frame.is_some_and(|frame| {
@@ -201,8 +213,9 @@ impl Windows {
     }
 }
 
-/// The frames of a window from which cameras are carried: its key frames, and what people decided
-/// between them. Where the forest was asked for others, that alone is no reason to carry anew.
+/// The frames from which cameras are propagated: key frames, and frames between that a person
+/// decided. Answers of the forest between key frames do not count; they are no reason to repeat the
+/// propagation.
 fn known(window: &KeyWindow, document: &Document) -> Vec<Known> {
     let places = window
         .clip

@@ -1,4 +1,8 @@
-//! What the trainer does next, and doing it.
+//! The loop of the trainer's thread: chooses the next step by priority, does it, and repeats.
+//!
+//! [`Work::next`] says which step comes next; the page of the module ([`super`]) lists them. A step
+//! is short (four frames) or ends early when its [`Watch`] says so, so that new orders take effect
+//! soon. A panic within a step becomes `trouble` in the status.
 
 use super::TrainerOptions;
 use super::answer_cache::{AnswerCache, Asking};
@@ -21,16 +25,16 @@ use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, FieldSpec, FrameId};
 use touchline_vision::relocalize::{CameraForest, ForestModel};
 
-/// Frames that are asked for at a time; orders are looked at in between.
+/// Frames for which the forest is queried per step. Between steps the thread looks at its orders.
 const BATCH: usize = 4;
 
-/// Proposals are reported at the latest when this many are waiting.
+/// Proposals are reported at the latest when this many are gathered.
 const GATHER_MOST: usize = 64;
 
-/// After a training proposals have their turn, but no longer than this.
+/// Maximum time that proposals take precedence over the next training.
 const LONGEST_TURN: Duration = Duration::from_secs(20);
 
-/// What is known and what has been done.
+/// The state of the trainer's thread.
 pub(super) struct Work<C> {
     mailbox: Arc<TrainerMailbox>,
     backend: C,
@@ -43,43 +47,50 @@ pub(super) struct Work<C> {
     changed: Instant,
     forest: Option<Forest>,
     generation: u64,
-    /// The disk was looked at for a forest.
+    /// Whether the disk has been searched for a stored forest.
     recalled: bool,
-    /// There can be no forest of this.
+    /// The training set with which training failed; it is not tried again.
     failed: Option<TrainingSet>,
-    /// Until then proposals have their turn.
+    /// Until then proposals take precedence over the next training.
     turn_until: Instant,
     answer_cache: AnswerCache,
     given_answers: GivenAnswers,
     windows: Windows,
-    /// Frames between key frames that cameras have been carried to, as long as there are more.
+    /// Frames between key frames to which cameras have been propagated since the last time that
+    /// none was due. For the progress display.
     carried: usize,
     queue: Queue,
-    /// The frame whose features were shown last, and by which forest.
+    /// The frame for which features were shown last, and the generation of that forest.
     shown: Option<(FrameId, u64)>,
+    /// The generation of the forest of which the accuracy was measured last.
     measured: u64,
+    /// Proposals that have not been reported yet.
     gathered: Vec<Proposal>,
     gathered_since: Instant,
     status: TrainerStatus,
 }
 
-/// The forest that answers.
+/// The forest in use.
 struct Forest {
     model: Arc<ForestModel>,
     training_set: TrainingSet,
 }
 
-/// Frames to ask for, and what the queue was made for.
+/// Frames for which the forest is to be queried, and the state for which the queue was made.
 #[derive(Default)]
 struct Queue {
+    /// The surroundings of the shown frame, and one frame of each shot.
     first: VecDeque<usize>,
+    /// All others except `between`.
     rest: VecDeque<usize>,
-    /// Frames of videos between key frames: asked for only where no camera was carried to them.
+    /// Frames of videos between key frames. The forest is queried for them only if no camera was
+    /// propagated to them.
     between: VecDeque<usize>,
+    /// The edition of the document, the shown frame and the query.
     made_for: Option<(u64, Option<FrameId>, Asking)>,
 }
 
-/// What is to be done next.
+/// A step of the trainer.
 enum Step {
     Recall,
     Learn,
@@ -87,7 +98,7 @@ enum Step {
     Propose(Vec<usize>),
     Carry(Box<KeyWindow>),
     Measure,
-    /// Wait for an order, but not beyond a time.
+    /// Wait for an order, at most until a time.
     Wait(Doing, Option<Instant>),
 }
 
@@ -121,7 +132,7 @@ impl<C: Backend> Work<C> {
         }
     }
 
-    /// Works until it is stopped.
+    /// Works until the mailbox closes.
     pub(super) fn run(mut self) {
         while let Some(orders) = self.mailbox.take_orders() {
             self.take_in(orders);
@@ -146,11 +157,13 @@ impl<C: Backend> Work<C> {
         }
     }
 
+    /// Takes in the orders that have arrived since the last step.
     fn take_in(&mut self, mut orders: Orders) {
         for refused in orders.refused.drain(..) {
             self.answer_cache.refuse(refused);
         }
-        // What was shown before the newest document, and is not in it, is lost.
+        // Apply the answers that older documents came to show first: if the newest document lacks
+        // one of them, the answer was lost.
         self.note_shown(std::mem::take(&mut orders.shown_before));
         if self.orders.paused && !orders.paused {
             // Pausing and resuming is how the user retries.
@@ -159,6 +172,7 @@ impl<C: Backend> Work<C> {
         if orders.edition != self.orders.edition
             && let Some(document) = &orders.document
         {
+            // Rebuild what depends on the document.
             self.windows.look_at(document, self.backend.folder());
             self.document = self.windows.with_answers(document.clone());
             self.given_answers.keep_fitting(&self.document);
@@ -189,7 +203,8 @@ impl<C: Backend> Work<C> {
         self.orders = orders;
     }
 
-    /// The document has come to show these answers.
+    /// Records which answers the document has come to show, and copies those that this copy of it
+    /// lacks.
     fn note_shown(&mut self, keys: Vec<AnswerKey>) {
         for key in keys {
             if key.is_carried {
@@ -201,6 +216,7 @@ impl<C: Backend> Work<C> {
         }
     }
 
+    /// The first step that is due, in the order of the table on the module's page.
     fn next(&mut self) -> Step {
         if self.orders.paused {
             return Step::Wait(Doing::Paused, None);
@@ -211,9 +227,11 @@ impl<C: Backend> Work<C> {
         }
         let taught = self.forest.as_ref().map(|forest| &forest.training_set);
         let is_taught = taught == Some(&self.training_set);
-        // A forest that was trained with something withdrawn is no longer used.
+        // A forest is usable only if none of its training samples has been changed or withdrawn.
         let serves = taught.is_some_and(|taught| self.training_set.contains(taught));
         let is_due = !is_taught && self.failed.as_ref() != Some(&self.training_set);
+        // Train when the training set has been unchanged for a while. After the last training,
+        // proposals of a usable forest come first.
         let mut due = None;
         if is_due {
             if !self.recalled {
@@ -230,6 +248,8 @@ impl<C: Backend> Work<C> {
             }
             due = Some(settled.max(turn));
         }
+        // Query the forest: the shown frame's features, frames near it, the accuracy, all other
+        // frames.
         if serves {
             let is_shown = |id: &FrameId| matches!(&self.shown, Some((shown, by)) if shown == id && *by == self.generation);
             if self.orders.features
@@ -247,6 +267,8 @@ impl<C: Backend> Work<C> {
             if let Some(frames) = self.take_from_queue(|queue| &mut queue.rest) {
                 return Step::Propose(frames);
             }
+            // Then propagate cameras between key frames, and query the forest for what that left
+            // out.
             if let Some(window) = self.due_window() {
                 return Step::Carry(Box::new(window));
             }
@@ -265,7 +287,7 @@ impl<C: Backend> Work<C> {
         )
     }
 
-    /// What was found out about a reference holds while it is in the training set as it was.
+    /// Drops what was found out about references that were changed or withdrawn.
     fn forget_changed(&mut self, before: &TrainingSet) {
         let is_unchanged = |id: &FrameId| {
             let position = self.document.frames.position_of(id);
@@ -289,7 +311,7 @@ impl<C: Backend> Work<C> {
             .collect();
     }
 
-    /// Nothing is taught any more.
+    /// Drops the forest: no training sample is left.
     fn forget(&mut self) {
         if self.forest.take().is_some() {
             self.answer_cache.trust_from(self.generation + 1);
@@ -303,6 +325,7 @@ impl<C: Backend> Work<C> {
         };
     }
 
+    /// Looks for a forest that an earlier run of the program stored.
     fn recall(&mut self) {
         self.recalled = true;
         match self.backend.recall(&self.training_set) {
@@ -311,17 +334,19 @@ impl<C: Backend> Work<C> {
                     references: self.training_frames.frames.len(),
                     ..facts(&model)
                 };
-                // It answered in an earlier session.
+                // The forest already answered in an earlier run; what was discarded then stays
+                // discarded.
                 self.answer_cache
                     .keep_refusing(self.generation, self.generation + 1);
                 self.take_forest(model, self.training_set.clone(), facts);
             }
             Ok(None) => {}
-            // Training it again solves the problem.
+            // Not fatal: a new forest is trained instead.
             Err(error) => self.status.trouble = Some(error.to_string()),
         }
     }
 
+    /// Trains a forest; ends early if a training sample is changed or withdrawn.
     fn learn(&mut self) {
         let begun = Instant::now();
         let (document, training_frames) =
@@ -369,8 +394,11 @@ impl<C: Backend> Work<C> {
         self.status.not_kept = self.backend.not_kept();
     }
 
+    /// Puts a forest into use under a new generation.
     fn take_forest(&mut self, model: ForestModel, training_set: TrainingSet, facts: ForestFacts) {
         self.generation += 1;
+        // If it lacks samples of the one before, something was withdrawn: earlier answers are
+        // unreliable.
         if self
             .forest
             .as_ref()
@@ -389,10 +417,13 @@ impl<C: Backend> Work<C> {
         self.survey();
     }
 
+    /// Queries the forest for some frames and records the answers.
     fn propose(&mut self, frames: &[usize]) {
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else {
             return;
         };
+        // Progress counts every answer of this forest. Frames between key frames count once they
+        // are next.
         let done = self.answer_cache.given_by(self.asking());
         let queue = &self.queue;
         let between = if queue.rest.is_empty() {
@@ -433,6 +464,7 @@ impl<C: Backend> Work<C> {
             };
             frames.iter().map(none).collect()
         });
+        // Ended early: the remaining frames return to the queue.
         if proposals.len() < frames.len() {
             self.queue.made_for = None;
         }
@@ -441,7 +473,8 @@ impl<C: Backend> Work<C> {
         }
         for proposal in &proposals {
             self.answer_cache.enter(proposal, asked);
-            // What is carried begins from what was just answered.
+            // Propagation starts from these cameras, before the application has sent a document
+            // that shows them.
             if let Some(frame) = self
                 .document
                 .frames
@@ -458,7 +491,7 @@ impl<C: Backend> Work<C> {
         }
     }
 
-    /// The next window through which cameras are to be carried.
+    /// The nearest window through which cameras can be propagated.
     fn due_window(&self) -> Option<KeyWindow> {
         let (model, asking) = (&self.forest.as_ref()?.model, self.asking());
         let wanted = |index| {
@@ -470,6 +503,7 @@ impl<C: Backend> Work<C> {
             .cloned()
     }
 
+    /// Propagates cameras through a window and reports those that are new.
     fn carry(&mut self, window: &KeyWindow) {
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else {
             return;
@@ -497,7 +531,7 @@ impl<C: Backend> Work<C> {
             backend.carry(document, window, generation, &carrying)
         }));
         let carried = match carried {
-            // What was ended is begun again.
+            // Ended early: the window stays due.
             Ok(None) => return,
             Ok(Some(carried)) => carried,
             Err(panic) => {
@@ -515,6 +549,8 @@ impl<C: Backend> Work<C> {
             .filter(|carried| !is_refused(carried))
             .collect();
         let news = self.windows.enter(window, &self.document, carried);
+        // Key frames keep the forest's answer in this copy of the document; propagation starts from
+        // that.
         for carried in &news {
             let is_key = |place: usize| window.keys.contains(&place);
             if let Some(place) = self
@@ -533,7 +569,7 @@ impl<C: Backend> Work<C> {
         }
     }
 
-    /// Somebody looks at the features of a frame.
+    /// Reports how the forest uses the features of the shown frame.
     fn show_features(&mut self, frame: usize) {
         self.shown = Some((self.document.frames[frame].id.clone(), self.generation));
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else {
@@ -544,7 +580,7 @@ impl<C: Backend> Work<C> {
             backend.features(document, frame, &model)
         })) {
             Ok(Some(used)) => self.mailbox.show_features(used),
-            // The picture is missing: the viewport says so.
+            // The picture cannot be read; the viewport already says so.
             Ok(None) => {}
             Err(panic) => {
                 self.status.trouble = Some(broke_down("looking at features", panic.as_ref()));
@@ -552,7 +588,7 @@ impl<C: Backend> Work<C> {
         }
     }
 
-    /// Reports what has been gathered.
+    /// Reports the gathered proposals.
     fn hand_over(&mut self) {
         if self.gathered.is_empty() {
             return;
@@ -566,6 +602,7 @@ impl<C: Backend> Work<C> {
         self.status.unanswered = self.answer_cache.unanswered(&self.document);
     }
 
+    /// Measures the accuracy of the forest by leaving references out.
     fn measure(&mut self) {
         let document = self.document.clone();
         let training_frames = &self.training_frames.frames;
@@ -580,7 +617,7 @@ impl<C: Backend> Work<C> {
             let progress = Progress::new(|doing| watch.tell(doing));
             backend.measure(&document, training_frames, &progress)
         }));
-        // What was ended is begun again, and so is what is out of date.
+        // If this ended early, or the training set has changed, it is measured again.
         match measured {
             Ok(None) => return,
             Ok(Some(_)) if !watch.is_wanted() => return,
@@ -598,8 +635,9 @@ impl<C: Backend> Work<C> {
         self.measured = self.generation;
     }
 
-    /// Where references that were left out got wrong answers that were stated to be certain, the
-    /// forest states less, and what it has answered is asked again.
+    /// Lowers the forest's stated probabilities if references that were left out got wrong answers
+    /// stated as certain. The result is a new generation, so that earlier answers are queried
+    /// again.
     fn bound(&mut self, quality: &Quality) {
         let shown = quality.shown();
         let (Some(forest), Some(facts)) = (&self.forest, &self.status.forest) else {
@@ -616,14 +654,14 @@ impl<C: Backend> Work<C> {
         self.take_forest(model, training_set, facts);
     }
 
-    /// Draws the maps of what references see.
+    /// Maps what the references of each camera see.
     fn survey(&mut self) {
         let training_frames = &self.training_frames.frames;
         self.status.coverage =
             Coverage::of_cameras(self.document.at(self.backend.folder()), training_frames).into();
     }
 
-    /// The next frames of a part of the queue.
+    /// The next [`BATCH`] frames of a part of the queue for which an answer is missing.
     fn take_from_queue(
         &mut self,
         part: fn(&mut Queue) -> &mut VecDeque<usize>,
@@ -644,7 +682,7 @@ impl<C: Backend> Work<C> {
         (!taken.is_empty()).then_some(taken)
     }
 
-    /// Brings the queue up to date; whether a frame is to be asked for.
+    /// Rebuilds the queue if what it was made for has changed; returns whether it has a frame.
     fn has_to_ask(&mut self) -> bool {
         let Some(forest) = &self.forest else {
             return false;
@@ -675,7 +713,7 @@ impl<C: Backend> Work<C> {
             && self.queue.between.is_empty())
     }
 
-    /// How frames are asked for now.
+    /// The query of the moment: which forest, with or without snapping.
     const fn asking(&self) -> Asking {
         Asking {
             generation: self.generation,
@@ -683,8 +721,7 @@ impl<C: Backend> Work<C> {
         }
     }
 
-    /// Where the shown frame stands in the document; the first frame before anything was said of
-    /// it.
+    /// The index of the shown frame in the document; the first frame before any order named one.
     fn current(&self) -> Option<usize> {
         match &self.orders.frame {
             Some(id) => self.document.frames.position_of(id),
@@ -698,7 +735,7 @@ impl<C: Backend> Work<C> {
     }
 }
 
-/// What a forest is made of.
+/// The size of a forest.
 fn facts(model: &ForestModel) -> ForestFacts {
     let count = |of: fn(&CameraForest) -> usize| model.cameras.iter().map(of).sum();
     ForestFacts {

@@ -6,15 +6,15 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2};
 use touchline_core::score::{camera_error, iou_part};
 use touchline_documents::document::{Document, Frame, FrameStatus, Target};
 
-/// Two clicks closer than this mean the same point, whatever its name, px at 1920 px width: five
-/// sigmas of the difference of two ordinary clicks.
+/// Two clicks nearer than this show the same point, px at 1920 px width: five sigmas of the
+/// difference of two ordinary clicks.
 const SAME_SPOT_PX: f64 = 15.0;
 
 /// If a corner of the picture shows no ground within this distance, it is represented by a point
 /// that far along its ray, m.
 const FAR_M: f64 = 300.0;
 
-/// How two annotators agree on a frame.
+/// The agreement of two annotators on a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameAgreement {
     /// Name of the frame in messages.
@@ -27,7 +27,8 @@ pub struct FrameAgreement {
     pub lone_clicks: [Vec<LandmarkId>; 2],
     /// Points that the two name differently.
     pub names: Vec<NameDispute>,
-    /// The difference of their cameras; none unless both have one that a person made or accepted.
+    /// The difference of their cameras; none unless both frames have one that a person made or
+    /// accepted.
     pub cameras: Option<CameraAgreement>,
     /// Whether the pictures differ in size; the frame is then not compared.
     pub sizes_differ: bool,
@@ -44,7 +45,8 @@ pub struct ClickPair {
     pub offset_px: Vec2,
 }
 
-/// A point that two annotators name differently: one says near, the other far.
+/// A point that two annotators name differently, for example one as a near and the other as a far
+/// landmark.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NameDispute {
     /// Its name by the first and by the second annotator.
@@ -58,17 +60,17 @@ pub struct NameDispute {
 /// The difference of two cameras of a frame: the second minus the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraAgreement {
-    /// Intersection over union of the part of the field that the picture shows; none where it shows
-    /// none.
+    /// Intersection over union of the part of the field that the picture shows; none if it shows
+    /// nothing of the field.
     pub iou_part: Option<f64>,
     /// Distance between the projections of what the worst corner of the picture shows, px at 1920
     /// px width; infinite if the other camera does not see it.
     pub worst_corner_px: f64,
-    /// Pan of the optical axis.
+    /// Difference of the optical axes' pan.
     pub pan: Angle,
-    /// Tilt of the optical axis.
+    /// Difference of the optical axes' tilt.
     pub tilt: Angle,
-    /// Focal length, per cent of the first's.
+    /// Difference of the focal lengths, per cent of the first.
     pub focal_percent: f64,
 }
 
@@ -123,7 +125,7 @@ impl Seen<'_> {
 
     /// The camera that this annotator made or accepted.
     fn camera(&self) -> Option<PtzCamera> {
-        // Suggestions and rejected frames are not the annotator's own statement.
+        // Suggestions and rejected frames do not state what the annotator thinks.
         let own = !matches!(
             self.frame.status,
             FrameStatus::Suggested | FrameStatus::Rejected
@@ -132,7 +134,7 @@ impl Seen<'_> {
     }
 }
 
-/// Compares a frame. `field` is that of the first document.
+/// Compares two frames of the same picture. `field` is that of the first document.
 pub(super) fn frame_agreement(
     first: &Seen<'_>,
     second: &Seen<'_>,
@@ -170,8 +172,8 @@ pub(super) fn frame_agreement(
         .map(|(id, ..)| (*id).clone())
         .collect();
     let cameras = (first.camera(), second.camera());
-    // Whether two landmarks coincide in the picture depends on the camera; either annotator's will
-    // do.
+    // Whether two landmarks coincide in the picture depends on the camera. Either annotator's
+    // camera is exact enough.
     found.names = disputed_names(&ones, &others, scale, |a, b| {
         let camera = cameras.0.as_ref().or(cameras.1.as_ref());
         camera.is_some_and(|camera| lie_together(camera, field, a, b, scale))

@@ -1,8 +1,8 @@
-//! Comparison of two documents of the same frames: how well two annotators agree.
+//! The agreement of two annotators: comparison of two documents of the same frames.
 //!
-//! Neither is the truth. Compared are clicks on the same landmarks, the names given to the same
-//! points, and the cameras. Clicks on lines take no part, because they may lie anywhere on their
-//! line. All distances are px at 1920 px width, so that pictures of any size count alike; offsets
+//! Neither document is the truth. Clicks on the same landmarks, the names given to the same points,
+//! and the cameras are compared. Clicks on lines are not, because they may lie anywhere on their
+//! line. All distances are px at 1920 px width, so that pictures of all sizes count alike. Offsets
 //! point from the first document to the second.
 
 mod frame;
@@ -18,7 +18,7 @@ use touchline_core::geometry::quantile;
 use touchline_core::score::{ClickScatter, Summary};
 use touchline_documents::document::{DocumentAt, Fields, Frame, FrameStatus};
 
-/// How two annotators agree.
+/// The agreement of two annotators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agreement {
     /// The frames that both have labelled, in the first's order.
@@ -32,7 +32,7 @@ pub struct Agreement {
     /// The click noise of one annotator, px, if both have the same; none if there are too few
     /// clicks. A landmark that the two understand differently counts as noise.
     pub noise: Option<ClickScatter>,
-    /// The same along x (right) and y (down).
+    /// The same along x (to the right) and along y (down).
     pub noise_by_axis: [Option<ClickScatter>; 2],
     /// Number of clicks with equal positions to the last digit: one document copied them from the
     /// other. They take no part in distances and noise.
@@ -52,7 +52,7 @@ pub struct LoneFrame {
     pub rejected: bool,
 }
 
-/// The agreement of the two on a landmark.
+/// The agreement on one landmark.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandmarkAgreement {
     /// Id of the landmark.
@@ -63,8 +63,8 @@ pub struct LandmarkAgreement {
     pub median_px: f64,
     /// 90th percentile of the distance, px.
     pub p90_px: f64,
-    /// Median offset from the first to the second, px: large if the two understand the landmark
-    /// differently.
+    /// Median offset from the first to the second, px. It is large if the annotators understand the
+    /// landmark differently.
     pub offset_px: Vec2,
     /// Click noise of one annotator, px; none if there are too few frames.
     pub noise: Option<ClickScatter>,
@@ -104,7 +104,8 @@ impl Agreement {
     }
 }
 
-/// Compares two documents. Frames are matched by where their pictures lie, by SHA-256, or by name.
+/// Compares two documents. Frames are matched by the location of their pictures, by SHA-256, or by
+/// name.
 ///
 /// # Errors
 /// A field of the first document is not valid.
@@ -167,6 +168,7 @@ fn is_labelled(frame: &Frame) -> bool {
     }
 }
 
+/// The entry of a frame that only one annotator has labelled.
 fn lone_frame(
     frame: &Frame,
     other: Option<&Frame>,
@@ -182,8 +184,8 @@ fn lone_frame(
     }
 }
 
-/// Statistics over all frames and by landmark. Copies count for neither, because they are no second
-/// measurement.
+/// Computes the statistics of all frames and of each landmark. Copied clicks are left out, because
+/// they are not independent measurements.
 fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
     let pairs = || frames.iter().flat_map(|frame| &frame.clicks);
     let own = || pairs().filter(|pair| !pair.is_copy());
@@ -210,6 +212,7 @@ fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
     }
 }
 
+/// The statistics of one landmark.
 fn landmark_agreement(landmark: &LandmarkId, pairs: &[&ClickPair]) -> LandmarkAgreement {
     let sorted = |values: &dyn Fn(&ClickPair) -> f64| {
         let mut values: Vec<f64> = pairs.iter().map(|pair| values(pair)).collect();

@@ -1,4 +1,4 @@
-//! Groups of frames.
+//! Groups of frames and the summaries of their scores.
 
 use super::{Evaluation, FrameResult, FrameScores, Measure};
 use touchline_core::score::{SigmaCoverage, Summary};
@@ -30,8 +30,8 @@ impl GroupKind {
     }
 }
 
-/// A group of frames and its scores. Errors are those of frames with a camera: read them together
-/// with the completeness.
+/// A group of frames and its scores. Errors are those of frames with a camera, so the completeness
+/// belongs to them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameGroup {
     /// Criterion of the group.
@@ -140,6 +140,7 @@ impl Evaluation {
         groups
     }
 
+    /// Adds the groups of one criterion, if there is more than one.
     fn add(
         &self,
         groups: &mut Vec<FrameGroup>,
@@ -165,6 +166,7 @@ impl Evaluation {
     }
 }
 
+/// The bin of a frame's field of view, as text.
 fn view_bin(frame: &FrameResult) -> Option<String> {
     let from = (frame.view?.degrees() / VIEW_BIN_DEG).floor() * VIEW_BIN_DEG;
     Some(format!("{from:.0}–{:.0}°", from + VIEW_BIN_DEG))

@@ -10,13 +10,13 @@ pub enum Measure {
     IouWhole,
     /// The angle between the rotations.
     Rotation,
-    /// Pan of the optical axis.
+    /// Error of the optical axis's pan.
     Pan,
-    /// Tilt of the optical axis.
+    /// Error of the optical axis's tilt.
     Tilt,
-    /// Focal length, px.
+    /// Error of the focal length, px.
     Focal,
-    /// Focal length, per cent.
+    /// Error of the focal length, per cent.
     FocalPercent,
     /// Distance of the centres of projection.
     Position,
@@ -65,7 +65,7 @@ impl Measure {
         Self::Sigmas,
     ];
 
-    /// Its key in files; the unit is in it.
+    /// Its key in files, including the unit.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -90,7 +90,7 @@ impl Measure {
         }
     }
 
-    /// Label for people, with the unit.
+    /// Its label for readers, including the unit.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {

@@ -1,9 +1,9 @@
 //! Comparison of an estimate with the truth: the cameras of one document against those of another
 //! document of the same frames.
 //!
-//! The truth may hold cameras, clicks or both; what it lacks is not measured. A truth of clicks
-//! alone (real frames) measures errors of lines and landmarks in the picture, not those of pan,
-//! tilt and focal length.
+//! The truth may contain cameras, clicks or both; measures that need the others are left out. A
+//! truth of clicks alone (real frames) gives errors of lines and landmarks in the picture, but not
+//! of pan, tilt and focal length.
 
 mod groups;
 mod measure;
@@ -28,7 +28,7 @@ use touchline_documents::document::{DocumentAt, Fields};
 /// The comparison of an estimate with a truth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
-    /// Every frame of which the truth holds a camera or clicks, in its order.
+    /// The frames with a camera or clicks in the truth, in its order.
     pub frames: Vec<FrameResult>,
     /// Names of the estimate's frames without a truth.
     pub without_truth: Vec<String>,
@@ -77,7 +77,7 @@ pub enum Unscored {
         /// The warning with the reason.
         reason: Option<String>,
     },
-    /// The pictures differ in size: px of one are not px of the other.
+    /// The pictures differ in size, so their px are not comparable.
     #[error(
         "the truth's picture is {} × {} px, the estimate's {} × {} px", truth.width, truth.height, estimate.width, estimate.height
     )]
@@ -111,11 +111,11 @@ pub enum EvaluationError {
     NoTruth,
 }
 
-/// Compares an estimate with a truth. Frames are matched by where their pictures lie, by
-/// SHA-256, or by name; rejected frames of the truth take no part.
+/// Compares an estimate with a truth. Frames are matched by the location of their pictures, by
+/// SHA-256, or by name. Rejected frames of the truth are left out.
 ///
 /// # Errors
-/// A field is not valid, or the truth holds nothing to compare with.
+/// A field is not valid, or the truth contains nothing to compare with.
 pub fn evaluate(
     truth: DocumentAt<'_>,
     estimate: DocumentAt<'_>,
@@ -126,7 +126,8 @@ pub fn evaluate(
     let true_fields = fields(truth, "truth")?;
     let estimated_fields = fields(estimate, "estimate")?;
     let partners = matched(truth, estimate);
-    // Frames of which the truth knows something; without any there is nothing to evaluate.
+    // The frames for which the truth has a camera or clicks. Without any, there is nothing to
+    // evaluate.
     let known: Vec<usize> = (0..truth.frames.len())
         .filter(|&index| is_known(&truth, &truth.frames[index]))
         .collect();
@@ -156,7 +157,7 @@ pub fn evaluate(
         }
     };
     let frames: Vec<FrameResult> = known.par_iter().map(one).collect();
-    // The estimate's frames that no known frame was matched to.
+    // The estimate's frames to which no such frame was matched.
     let mut has_truth = vec![false; estimate.frames.len()];
     for partner in known.iter().filter_map(|&index| partners[index]) {
         has_truth[partner] = true;
@@ -173,12 +174,14 @@ pub fn evaluate(
     })
 }
 
+/// Whether the truth has a camera or a named click for a frame that is not rejected.
 fn is_known(truth: &Document, frame: &Frame) -> bool {
     frame.status != FrameStatus::Rejected
         && (truth.pointed(frame).is_some()
             || frame.clicks.iter().any(|click| click.target.is_some()))
 }
 
+/// Scores the frame that the truth's frame was matched to, or says why there is no score.
 fn score_frame(
     truth: &TrueFrame,
     estimate: &Document,

@@ -21,14 +21,14 @@ pub struct FrameScores {
     /// Distance of each click from which the estimate was made, px; infinite if the estimate does
     /// not show its target.
     pub clicks_px: Vec<f64>,
-    /// Distance of each click from which it was not made, px.
+    /// Distance of each other click, px.
     pub held_out_px: Vec<f64>,
-    /// Distances on the ground of those of them that are on ground landmarks, m.
+    /// Distances on the ground of those other clicks that are on ground landmarks, m.
     pub held_out_m: Vec<f64>,
 }
 
 impl FrameScores {
-    /// The value of a measure; none if the frame does not give it.
+    /// The value of a measure; none if it cannot be computed for the frame.
     #[must_use]
     pub fn get(&self, measure: Measure) -> Option<f64> {
         self.values[measure as usize]
@@ -39,7 +39,7 @@ impl FrameScores {
     }
 }
 
-/// The measures of the frame by their keys, and the distances of the clicks.
+/// The measures by their keys, and the distances of all clicks.
 impl Serialize for FrameScores {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
@@ -65,7 +65,7 @@ pub(super) struct TrueFrame<'a> {
 /// Scores the estimate's camera in a frame of the truth.
 ///
 /// # Errors
-/// A click of the truth names something that the estimate's field lacks.
+/// A click of the truth is on a target that the estimate's field lacks.
 pub(super) fn scores(
     truth: &TrueFrame,
     estimate: &Frame,
@@ -74,8 +74,8 @@ pub(super) fn scores(
     let mut scores = FrameScores::default();
     let size = truth.frame.image_size;
     add_clicks(&mut scores, truth.frame, estimate, shown)?;
-    // The lines for JaC: projected by the true camera if there is one, else those that were
-    // clicked.
+    // The annotation for JaC: lines as the true camera shows them if there is one, otherwise the
+    // clicked lines.
     let annotated = match &truth.camera {
         Some(true_camera) => {
             add_camera(
@@ -101,6 +101,7 @@ pub(super) fn scores(
     Ok(scores)
 }
 
+/// Adds the measures that compare the estimated camera with a true one.
 fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, size: ImageSize) {
     // The errors of the parameters, then those of the field in the picture and on the ground.
     let error = camera_error(truth.camera, estimate.camera);
@@ -136,6 +137,7 @@ fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, s
     scores.set(Measure::LandmarksOnGround, mean(&on_ground));
 }
 
+/// Adds the error in units of the stated sigmas, if a covariance is stated.
 fn add_sigmas(scores: &mut FrameScores, truth: &PtzCamera, estimate: &PtzCamera, frame: &Frame) {
     let error = error_in_own_bases(truth, estimate);
     let stated = frame
@@ -150,10 +152,11 @@ fn add_sigmas(scores: &mut FrameScores, truth: &PtzCamera, estimate: &PtzCamera,
     );
 }
 
-/// The error of the estimate in pan (deg), tilt (deg) and focal length (px), each camera relative
-/// to its own base, as the stated covariance is. The error includes the part of the base's error
-/// that pan and tilt compensate. Relative to the true base, it would include the rotation between
-/// the bases as well. Both pans are relative to the pan gauge, which is arbitrary.
+/// The error of the estimate in pan (°), tilt (°) and focal length (px). Each camera is taken
+/// relative to its own base, as the stated covariance is. The error includes the part of the base's
+/// error that pan and tilt compensate; relative to the true base, it would also include the
+/// rotation between the bases. Pans are relative to the base's pan gauge, because the zero of pan
+/// is arbitrary.
 fn error_in_own_bases(truth: &PtzCamera, estimate: &PtzCamera) -> Vec3 {
     let [true_pan, pan] =
         [truth, estimate].map(|camera| camera.ptz().pan + camera.base().in_pan_gauge().1);
@@ -166,7 +169,7 @@ fn error_in_own_bases(truth: &PtzCamera, estimate: &PtzCamera) -> Vec3 {
 }
 
 /// Adds the distances of the truth's clicks. A click counts as used if the estimate's frame has a
-/// click on the same target that takes part in its solve; all others are held out.
+/// click on the same target that takes part in its solve. All others count as held out.
 fn add_clicks(
     scores: &mut FrameScores,
     truth: &Frame,
@@ -207,6 +210,7 @@ fn add_clicks(
     Ok(())
 }
 
+/// The distance of a click on the ground, m; none if its target is not a landmark on the ground.
 fn on_ground_m(
     shown: FieldView,
     target: Option<&Target>,
@@ -221,7 +225,7 @@ fn on_ground_m(
     }
 }
 
-/// The clicks on lines, by line.
+/// The clicks on lines, grouped by line.
 fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
     let mut annotated: Vec<AnnotatedLine> = Vec::new();
     for click in &truth.frame.clicks {

@@ -1,4 +1,4 @@
-//! The user's edits and the suggestions, against what is shown, journalled and undone.
+//! Edits of the user and suggestions: the view, the journal, and undo.
 
 use super::super::suggestions::KEPT_BASES;
 use super::*;
@@ -65,7 +65,7 @@ fn suggest_camera(frame: &mut Frame, pan_deg: f64, source: SolutionSource) {
     frame.status = FrameStatus::Suggested;
 }
 
-/// A document as the window edits it, with its history and everything that was journalled.
+/// A document as the window edits it, with its history and all journalled edits.
 struct Desk {
     start: Document,
     project: Project,
@@ -467,24 +467,24 @@ fn a_forest_whose_answers_were_discarded_is_not_listened_to_again() {
 /// An event of a project.
 #[derive(Clone, Copy, Debug)]
 enum Happening {
-    /// The forest answers for a frame: a pan, or nothing found.
+    /// The forest answers for a frame: a pan, or no camera.
     Answer(usize, Option<f64>),
     /// Another forest is trained.
     Learn,
-    /// Cameras are tracked from a frame on.
+    /// Cameras are tracked from a frame to the frames after it.
     Carry(usize, f64),
-    /// The camera is found by autocalibration at a height, with its frames.
+    /// Autocalibration finds the camera at a height, with its frames.
     Find(f64, f64),
-    /// The batch that a frame shows is discarded.
+    /// The user discards the batch that a frame shows.
     Discard(usize),
     Accept(usize),
     Comment(usize, u8),
     Click(usize, f64),
-    /// The camera is moved to a height, and what was suggested for the old one is withdrawn.
+    /// The base moves to a height, and the suggestions for the old one are withdrawn.
     Move(f64),
     Undo,
     Redo,
-    /// The document is written, and opened again with its history.
+    /// The document is written and opened again with its history.
     Reopen,
 }
 
@@ -563,7 +563,7 @@ impl Desk {
     }
 }
 
-/// How often each property is tried, always in the same way.
+/// Number of random cases per property. The seeds are fixed.
 fn trials(seed: u64) -> ProptestConfig {
     ProptestConfig {
         rng_seed: RngSeed::Fixed(seed),

@@ -1,11 +1,11 @@
-//! Where everything of a figure stands.
+//! Layout of a figure: positions of axes, legend, series and text.
 
 use super::shape::{Anchor, Drawing, PALETTE, Rgb, Shape};
 use super::ticks::Ruler;
 use super::typeface::Typeface;
 use super::{Figure, FigureError, Line, Mark, Series};
 
-/// The size of a figure without title and legend, px. Printed 84 mm wide, a column, the text is 7.5
+/// Size of a figure without title and legend, px. Printed 84 mm wide (a column), the text is 7.5
 /// points high.
 const WIDTH: f64 = 420.0;
 const HEIGHT: f64 = 288.0;
@@ -20,7 +20,7 @@ const LEGEND_SAMPLE: f64 = 26.0;
 const LEGEND_GAP: f64 = 14.0;
 const TITLE_ROW: f64 = 22.0;
 
-/// The rectangle between the axes.
+/// The rectangle between the axes, px, and the axes.
 struct Plot {
     left: f64,
     right: f64,
@@ -31,7 +31,7 @@ struct Plot {
 }
 
 impl Plot {
-    /// Where a point lies; none for one that an axis has no place for.
+    /// The position of a point, px; none if an axis cannot show it, such as 0 on a logarithmic one.
     fn at(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let (right, up) = (self.x.share(x)?, self.y.share(y)?);
         Some([
@@ -40,6 +40,7 @@ impl Plot {
         ])
     }
 
+    /// Whether a position is inside the plot, within half a px.
     fn contains(&self, [x, y]: [f64; 2]) -> bool {
         let slack = 0.5;
         x >= self.left - slack
@@ -50,6 +51,7 @@ impl Plot {
 }
 
 impl Figure {
+    /// Lays the figure out from top to bottom: title, legend, plot, labels.
     pub(super) fn laid_out(&self) -> Result<Drawing, FigureError> {
         let typeface = Typeface::load()?;
         let points = || self.series.iter().flat_map(|series| &series.points);
@@ -61,6 +63,7 @@ impl Figure {
             .copied();
         let x = Ruler::new(&self.x, points().map(|point| point[0]));
         let y = Ruler::new(&self.y, points().map(|point| point[1]).chain(bars));
+        // The widest number of the y axis determines the left margin.
         let widest = y
             .ticks
             .iter()
@@ -94,6 +97,7 @@ impl Figure {
         })
     }
 
+    /// Adds grid, tick marks, numbers, frame, labels and title.
     fn add_axes(&self, shapes: &mut Vec<Shape>, plot: &Plot) {
         let Plot {
             left,
@@ -115,6 +119,7 @@ impl Figure {
             anchor,
             upright,
         };
+        // Grid lines, tick marks and numbers of both axes.
         for (value, label) in &plot.x.ticks {
             let Some(share) = plot.x.share(*value) else {
                 continue;
@@ -145,6 +150,7 @@ impl Figure {
                 false,
             ));
         }
+        // The frame covers the ends of the grid lines.
         let frame = vec![
             [left, top],
             [right, top],
@@ -158,6 +164,7 @@ impl Figure {
             colour: INK,
             dashes: &[],
         });
+        // Labels and title, centred on their side of the plot.
         let middle = f64::midpoint(left, right);
         shapes.push(text(
             &self.x.label,
@@ -184,7 +191,7 @@ impl Figure {
         }
     }
 
-    /// Writes the legend in rows above the plot; how many rows it has.
+    /// Adds the legend, in rows above the plot. Returns the number of rows.
     fn add_legend(
         &self,
         shapes: &mut Vec<Shape>,
@@ -227,6 +234,7 @@ fn colour(series: &Series) -> Rgb {
     PALETTE[series.colour % PALETTE.len()]
 }
 
+/// Adds a series: error bars, then the line, then the marks.
 fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
     let stroke = |points| Shape::Path {
         points,
@@ -244,7 +252,7 @@ fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
             }
         }
     }
-    // A line breaks where a point has no place, and ends at the frame.
+    // The line is interrupted at points that an axis cannot show, and clipped at the frame.
     let mut run: Vec<[f64; 2]> = Vec::new();
     for point in series
         .points
@@ -271,7 +279,7 @@ fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
     }
 }
 
-/// The parts of a line that lie within the plot.
+/// The parts of a polyline inside the plot.
 fn within_frame(plot: &Plot, line: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
     for pair in line.windows(2) {
@@ -286,7 +294,7 @@ fn within_frame(plot: &Plot, line: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     parts
 }
 
-/// A piece cut to the plot (Liang, Barsky 1984).
+/// Clips a segment to the plot (Liang, Barsky 1984).
 fn cut(plot: &Plot, from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
     let along = [to[0] - from[0], to[1] - from[1]];
     let (mut start, mut end) = (0.0f64, 1.0f64);
@@ -307,7 +315,7 @@ fn cut(plot: &Plot, from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
         }
     }
     let at = |share: f64| [from[0] + along[0] * share, from[1] + along[1] * share];
-    // Whole ends keep their digits, so that the next piece goes on from them.
+    // Ends that are not clipped stay exact, because `within_frame` joins pieces with equal ends.
     (start <= end).then(|| {
         [
             if start == 0.0 { from } else { at(start) },
@@ -316,6 +324,7 @@ fn cut(plot: &Plot, from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
     })
 }
 
+/// Adds a line in the style of a series.
 fn add_line(shapes: &mut Vec<Shape>, series: &Series, points: Vec<[f64; 2]>) {
     let dashes: &'static [f64] = match series.line {
         Line::None => return,
@@ -331,6 +340,7 @@ fn add_line(shapes: &mut Vec<Shape>, series: &Series, points: Vec<[f64; 2]>) {
     });
 }
 
+/// Adds a mark of a series at a position.
 fn add_mark(shapes: &mut Vec<Shape>, series: &Series, [x, y]: [f64; 2]) {
     let (colour, r) = (colour(series), MARK_RADIUS);
     match series.mark {

@@ -1,15 +1,14 @@
-//! Figures that can stand in a paper: labelled axes with units, legends, error bars, as SVG and
-//! PNG.
+//! Diagrams for publication, as SVG and PNG: labelled axes with units, legends, error bars.
 //!
-//! A [`Figure`] is laid out once into a few kinds of shapes, which [`Figure::to_svg`] writes and
-//! [`Figure::to_png`] paints: both show the same, and neither needs a font library or a GPU.
-//! Colours are those of Okabe and Ito, apart for the colour-blind too; marks and dashes differ as
-//! well, for print in grey.
+//! A [`Figure`] is laid out once into a few kinds of shapes. [`Figure::to_svg`] writes these, and
+//! [`Figure::to_png`] rasterises them, so that both files agree. Neither needs a system font or a
+//! GPU. Colours are those of Okabe and Ito, which remain distinct with colour vision deficiency.
+//! Marks and dashes differ as well, for printing in grey.
 //!
-//! Two of the figures were drawn through `plotters` 0.3 as well, and looked worse: its bitmaps do
-//! not smooth wide lines and round every coordinate to a pixel, its SVG has whole pixels only, and
-//! its legend covers data and shows no dashes or marks. Layout would have stayed here anyway; only
-//! the writing of SVG and the filling of polygons, some 300 lines, would have gone.
+//! Why not `plotters` 0.3? Two of the figures were drawn with it for comparison. Its bitmaps do not
+//! smooth wide lines and round every coordinate to a pixel, its SVG has integer coordinates only,
+//! and its legend covers data and shows no dashes or marks. Using it would save only the SVG writer
+//! and the polygon filling, some 300 lines.
 
 mod layout;
 mod raster;
@@ -24,58 +23,58 @@ pub use ticks::Ruler;
 
 use thiserror::Error;
 
-/// A diagram with two axes; its legend stands above them, where it hides nothing.
+/// A diagram with two axes. The legend is above the axes, where it covers no data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What stands above it; empty: nothing.
+    /// The title above it; empty for none.
     pub title: String,
-    /// The axis to the right.
+    /// The horizontal axis.
     pub x: Axis,
-    /// The axis upwards.
+    /// The vertical axis.
     pub y: Axis,
-    /// What is drawn, the first one at the bottom.
+    /// The series, in drawing order: later ones cover earlier ones.
     pub series: Vec<Series>,
 }
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What it shows, with the unit.
+    /// The quantity and its unit.
     pub label: String,
     /// Linear or logarithmic.
     pub scale: Scale,
-    /// Where it begins and ends; none: as the series need.
+    /// First and last number; none to fit the series.
     pub range: Option<[f64; 2]>,
 }
 
-/// How numbers lie along an axis.
+/// The spacing of numbers along an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Equal steps.
     #[default]
     Linear,
-    /// Equal factors; numbers that are not positive are left out.
+    /// Equal factors. Numbers that are not positive are not drawn.
     Log,
 }
 
 /// A series of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Its name in the legend; empty: none there.
+    /// Its name in the legend; empty for no entry.
     pub name: String,
     /// Its points.
     pub points: Vec<[f64; 2]>,
-    /// Error bars: from and to, for each point. Empty: none.
+    /// Error bars: low and high end for each point. Empty for none.
     pub bars: Vec<[f64; 2]>,
-    /// What marks its points.
+    /// The mark at each point.
     pub mark: Mark,
     /// The line through them.
     pub line: Line,
-    /// Its colour: 0 black, then seven that are easy to distinguish, then again.
+    /// Its colour: 0 is black, 1 to 7 are seven other colours. Higher numbers repeat them.
     pub colour: usize,
 }
 
-/// What marks a point.
+/// The mark at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mark {
     /// Nothing.
@@ -83,7 +82,7 @@ pub enum Mark {
     /// A disc.
     #[default]
     Disc,
-    /// A small disc, where there are many points.
+    /// A small disc, for many points.
     Dot,
     /// A square.
     Square,
@@ -98,7 +97,7 @@ pub enum Mark {
 pub enum Line {
     /// None.
     None,
-    /// Drawn through.
+    /// Continuous.
     #[default]
     Solid,
     /// Dashes.
@@ -107,19 +106,19 @@ pub enum Line {
     Dotted,
 }
 
-/// Why a figure has no picture.
+/// Why a figure could not be drawn.
 #[derive(Debug, Error)]
 pub enum FigureError {
-    /// The font that comes with the program is damaged.
+    /// The font that is built into the program is damaged.
     #[error("the program's typeface cannot be read: {0}")]
     Typeface(#[from] ab_glyph::InvalidFont),
-    /// The picture cannot be made or encoded.
+    /// The PNG cannot be encoded.
     #[error("the figure cannot be written as PNG: {0}")]
     Png(#[from] image::ImageError),
 }
 
 impl Axis {
-    /// A linear axis from what the series need.
+    /// A linear axis that fits the series.
     #[must_use]
     pub fn linear(label: &str) -> Self {
         Self {
@@ -129,7 +128,7 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis.
+    /// A logarithmic axis that fits the series.
     #[must_use]
     pub fn log(label: &str) -> Self {
         Self {
@@ -138,7 +137,7 @@ impl Axis {
         }
     }
 
-    /// The same axis from here to there.
+    /// Sets the first and the last number of the axis.
     #[must_use]
     pub fn within(self, from: f64, to: f64) -> Self {
         Self {
@@ -149,7 +148,7 @@ impl Axis {
 }
 
 impl Series {
-    /// A line with discs, coloured by its number.
+    /// A solid line with discs in a colour of the palette.
     #[must_use]
     pub fn new(name: &str, colour: usize, points: Vec<[f64; 2]>) -> Self {
         Self {
@@ -162,26 +161,26 @@ impl Series {
         }
     }
 
-    /// With error bars: from and to, for each point.
+    /// Sets error bars: low and high end for each point.
     #[must_use]
     pub fn with_bars(self, bars: Vec<[f64; 2]>) -> Self {
         Self { bars, ..self }
     }
 
-    /// With another mark.
+    /// Sets the mark.
     #[must_use]
     pub fn marked(self, mark: Mark) -> Self {
         Self { mark, ..self }
     }
 
-    /// With another line.
+    /// Sets the line.
     #[must_use]
     pub fn lined(self, line: Line) -> Self {
         Self { line, ..self }
     }
 
-    /// The share of values up to each, as a staircase: a cumulative distribution. `of` is how many
-    /// there are with those that have no value, which count as never reached.
+    /// The cumulative distribution of values, as a staircase. `of` is the number of all cases,
+    /// including those without a value, which the curve never reaches.
     #[must_use]
     pub fn cumulative(name: &str, colour: usize, values: &[f64], of: usize) -> Self {
         let mut sorted: Vec<f64> = values
@@ -200,7 +199,7 @@ impl Series {
 }
 
 impl Figure {
-    /// A figure with these axes and nothing in it.
+    /// An empty figure with these axes.
     #[must_use]
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
         Self {
@@ -211,22 +210,22 @@ impl Figure {
         }
     }
 
-    /// With one more series.
+    /// Adds a series.
     #[must_use]
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
     }
 
-    /// The figure as SVG; text stays text.
+    /// The figure as SVG. Text remains text.
     ///
     /// # Errors
-    /// The program's typeface cannot be read (it measures the text).
+    /// The program's typeface, which measures the text, cannot be read.
     pub fn to_svg(&self) -> Result<String, FigureError> {
         Ok(svg::write(&self.laid_out()?, &self.title))
     }
 
-    /// The figure as PNG, at 300 dots an inch for a column 84 mm wide.
+    /// The figure as PNG, 84 mm wide (a column) at 300 dots per inch.
     ///
     /// # Errors
     /// The program's typeface cannot be read, or the PNG cannot be encoded.

@@ -1,5 +1,5 @@
-//! A drawing as pixels: every shape is a few closed outlines, whose coverage of each pixel
-//! `ab_glyph_rasterizer` gives.
+//! Rasterises a drawing. Every shape becomes closed outlines, and `ab_glyph_rasterizer` computes
+//! how much of each pixel they cover.
 
 use super::FigureError;
 use super::shape::{Drawing, Rgb, Shape};
@@ -8,17 +8,17 @@ use ab_glyph_rasterizer::{Point, Rasterizer, point};
 use image::{ImageFormat, Rgb as Pixel, RgbImage};
 use std::io::Cursor;
 
-/// Pixels for a px of the drawing: 420 px become 992 pixels, 84 mm at 300 dots an inch.
+/// Pixels per px of the drawing: 420 px become 992 pixels, which is 84 mm at 300 dots per inch.
 pub const SCALE: f64 = 992.0 / 420.0;
-/// Corners of a drawn circle.
+/// Number of corners of the polygon that approximates a circle.
 const CIRCLE_CORNERS: u32 = 24;
 
-/// The drawing as PNG.
+/// Rasterises a drawing and encodes it as PNG.
 pub fn png(drawing: &Drawing) -> Result<Vec<u8>, FigureError> {
     painted(drawing, |_| {})
 }
 
-/// The drawing as PNG, over what `before` puts on the white sheet.
+/// The same, after `before` has drawn into the white picture.
 pub fn painted(
     drawing: &Drawing,
     before: impl FnOnce(&mut RgbImage),
@@ -39,6 +39,7 @@ pub fn painted(
     Ok(png.into_inner())
 }
 
+/// Draws one shape.
 fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
     match shape {
         Shape::Path {
@@ -65,7 +66,7 @@ fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
             upright,
         } => {
             let place = |[x, y]: [f32; 2]| {
-                // Upright text runs upwards.
+                // Rotate by 90° anticlockwise: upright text runs from bottom to top.
                 let [x, y] = if *upright { [y, -x] } else { [x, y] }.map(f64::from);
                 scaled([at[0] + x, at[1] + y])
             };
@@ -91,6 +92,7 @@ enum Piece {
 }
 
 impl Piece {
+    /// All points, some repeated: the piece lies within their bounding box.
     fn points(&self) -> [Point; 4] {
         match *self {
             Self::Line(a, b) => [a, b, a, b],
@@ -118,6 +120,7 @@ fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     (0..CIRCLE_CORNERS).map(corner).collect()
 }
 
+/// The outlines of text in pixels. `place` maps a point of the text to the picture.
 fn curves(strokes: &[Stroke], place: impl Fn([f32; 2]) -> Point) -> Vec<Piece> {
     let mut at = point(0.0, 0.0);
     let mut pieces = Vec::with_capacity(strokes.len());
@@ -142,7 +145,7 @@ fn curves(strokes: &[Stroke], place: impl Fn([f32; 2]) -> Point) -> Vec<Piece> {
     pieces
 }
 
-/// A line as wide as a pen: a rectangle for each piece, a disc at each bend.
+/// Draws a line: a rectangle for each segment, a disc at each bend.
 fn stroke(picture: &mut RgbImage, points: &[[f64; 2]], width: f64, colour: Rgb) {
     let half = width / 2.0;
     for pair in points.windows(2) {
@@ -165,8 +168,8 @@ fn stroke(picture: &mut RgbImage, points: &[[f64; 2]], width: f64, colour: Rgb) 
     }
 }
 
-/// The parts of a line that are drawn, by lengths of pen down and pen up in turn; all of it without
-/// any.
+/// Splits a line into its dashes. `dashes` are lengths of pen down and pen up in turn; if empty,
+/// the line is returned whole.
 fn dashed(points: &[[f64; 2]], dashes: &[f64]) -> Vec<Vec<[f64; 2]>> {
     if dashes.is_empty() || dashes.iter().any(|length| *length <= 0.0) {
         return vec![points.to_vec()];
@@ -177,6 +180,7 @@ fn dashed(points: &[[f64; 2]], dashes: &[f64]) -> Vec<Vec<[f64; 2]>> {
     for pair in points.windows(2) {
         let (mut from, to) = (pair[0], pair[1]);
         let mut length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        // Cut the segment where the current dash or gap ends.
         while length > left {
             let share = left / length;
             from = [
@@ -201,7 +205,7 @@ fn dashed(points: &[[f64; 2]], dashes: &[f64]) -> Vec<Vec<[f64; 2]>> {
     parts
 }
 
-/// Lays a colour over what closed outlines cover.
+/// Blends a colour into the picture, by the share of each pixel that the closed outlines cover.
 fn fill(picture: &mut RgbImage, outlines: &[Piece], colour: Rgb) {
     let corners = || outlines.iter().flat_map(Piece::points);
     let low = corners().fold(point(f32::INFINITY, f32::INFINITY), |low, p| {
@@ -210,6 +214,7 @@ fn fill(picture: &mut RgbImage, outlines: &[Piece], colour: Rgb) {
     let high = corners().fold(point(f32::NEG_INFINITY, f32::NEG_INFINITY), |high, p| {
         point(high.x.max(p.x), high.y.max(p.y))
     });
+    // Rasterise within the bounding box only, with a margin for partly covered pixels.
     let origin = point(low.x.floor() - 1.0, low.y.floor() - 1.0);
     let (width, height) = (
         (high.x - origin.x).ceil() + 2.0,

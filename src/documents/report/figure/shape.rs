@@ -1,4 +1,4 @@
-//! What a laid-out figure consists of.
+//! The shapes of a laid-out figure.
 
 /// A colour, red, green, blue.
 pub type Rgb = [u8; 3];
@@ -15,7 +15,7 @@ pub const PALETTE: [Rgb; 8] = [
     [120, 120, 120],
 ];
 
-/// A drawing: its size in px and its shapes, the first one at the bottom.
+/// A drawing: its size, px, and its shapes in drawing order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     pub width: f64,
@@ -23,10 +23,10 @@ pub struct Drawing {
     pub shapes: Vec<Shape>,
 }
 
-/// Something drawn; y runs down.
+/// A shape. Coordinates and widths are px, y down.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// A line through points.
+    /// A polyline. `dashes` are lengths of pen down and pen up in turn, px; empty for a solid line.
     Path {
         points: Vec<[f64; 2]>,
         width: f64,
@@ -41,7 +41,8 @@ pub enum Shape {
         radius: f64,
         colour: Rgb,
     },
-    /// Text; `at` is on its baseline.
+    /// Black text. `at` is a point of its baseline, at the `anchor`. Upright text runs from bottom
+    /// to top.
     Text {
         text: String,
         at: [f64; 2],
@@ -51,7 +52,7 @@ pub enum Shape {
     },
 }
 
-/// Which part of a text lies at its place.
+/// The part of a text that lies at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     Start,

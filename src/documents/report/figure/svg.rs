@@ -3,7 +3,7 @@
 use super::shape::{Anchor, Drawing, Rgb, Shape};
 use std::fmt::Write as _;
 
-/// The drawing as a document; `title` is what screen readers say.
+/// The SVG document of a drawing; `title` is for screen readers.
 pub fn write(drawing: &Drawing, title: &str) -> String {
     let (width, height) = (number(drawing.width), number(drawing.height));
     let mut out = format!(
@@ -101,7 +101,7 @@ fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// px with two digits, without trailing zeros.
+/// Formats px with at most two decimals, without trailing zeros.
 fn number(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -1,14 +1,14 @@
-//! Where an axis has its numbers.
+//! Tick marks of an axis.
 
 use super::{Axis, Scale};
 
-/// An axis with numbers on it.
+/// An axis with its range and its tick marks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ruler {
     scale: Scale,
     from: f64,
     to: f64,
-    /// Numbers and how they are written.
+    /// The ticks' values and labels.
     pub ticks: Vec<(f64, String)>,
 }
 
@@ -16,8 +16,8 @@ pub struct Ruler {
 const WANTED: f64 = 5.0;
 
 impl Ruler {
-    /// The ruler of an axis for some values. Without a range of its own the axis is as long as the
-    /// values need, and ends at numbers.
+    /// The ruler of an axis for these values. Without a range of its own, the axis fits the values
+    /// and begins and ends at a tick mark.
     #[must_use]
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
         let usable = values
@@ -42,19 +42,22 @@ impl Ruler {
         Self::linear(range, true, wanted)
     }
 
-    /// A linear ruler over these values with about this number of tick marks, one at either end.
+    /// A linear ruler over these values with about this number of tick marks, including one at
+    /// either end.
     #[must_use]
     pub fn around(range: [f64; 2], wanted: f64) -> Self {
         Self::linear(range, false, wanted)
     }
 
-    /// Where it begins and ends.
+    /// The first and the last value.
     #[must_use]
     pub const fn range(&self) -> [f64; 2] {
         [self.from, self.to]
     }
 
+    /// A linear ruler. Unless the range is fixed, it is extended to multiples of the step.
     fn linear([from, to]: [f64; 2], fixed: bool, wanted: f64) -> Self {
+        // A single value gets a range of width 1 around it.
         let (from, to) = if from < to {
             (from, to)
         } else {
@@ -66,7 +69,9 @@ impl Ruler {
         } else {
             ((from / step).floor() * step, (to / step).ceil() * step)
         };
+        // As many decimals as the step needs.
         let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
+        // Tolerance for rounding: a tick mark at either end of the range is included.
         let first = (from / step - 1e-9).ceil() as i64;
         let last = (to / step + 1e-9).floor() as i64;
         let ticks = (first..=last).map(|number| {
@@ -84,6 +89,8 @@ impl Ruler {
         }
     }
 
+    /// A logarithmic ruler. Unless the range is fixed, it is extended to 1, 2 or 5 times a power of
+    /// ten.
     fn log(from: f64, to: f64, fixed: bool) -> Self {
         let (from, to) = if from < to {
             (from, to)
@@ -96,8 +103,8 @@ impl Ruler {
             (round_down(from), round_up(to))
         };
         let decades = (to / from).log10();
-        // Within one or two decades the numbers between help; over many, every other power is
-        // enough.
+        // Up to 1.5 decades, label 1, 2 and 5 of each. Over more than six, label every other power
+        // or fewer.
         let between: &[f64] = if decades <= 1.5 {
             &[1.0, 2.0, 5.0]
         } else {
@@ -111,7 +118,7 @@ impl Ruler {
         let inside: Vec<f64> = ticks
             .filter(|value| *value >= from * (1.0 - 1e-9) && *value <= to * (1.0 + 1e-9))
             .collect();
-        // All numbers of an axis are written alike.
+        // All labels of an axis have the same form: decimal or exponential.
         let plain = inside.iter().all(|value| (1e-4..1e6).contains(value));
         let ticks = inside
             .into_iter()
@@ -124,7 +131,8 @@ impl Ruler {
         }
     }
 
-    /// Where a number lies, from 0 to 1 along the axis; none where it has no place.
+    /// The position of a number along the axis, 0 to 1 within its range; none if a logarithmic axis
+    /// cannot show it.
     #[must_use]
     pub fn share(&self, value: f64) -> Option<f64> {
         let share = match self.scale {
@@ -136,7 +144,7 @@ impl Ruler {
     }
 }
 
-/// Of 1, 2 and 5 times a power of ten the nearest one.
+/// The number of the form 1, 2 or 5 times a power of ten that is nearest by ratio.
 fn nice_step(rough: f64) -> f64 {
     let power = 10f64.powf(rough.log10().floor());
     let off = |factor: &f64| (factor * power / rough).ln().abs();
@@ -147,6 +155,7 @@ fn nice_step(rough: f64) -> f64 {
         * power
 }
 
+/// The largest number of the form 1, 2 or 5 times a power of ten that is at most `value`.
 fn round_down(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     [5.0, 2.0, 1.0]
@@ -156,6 +165,7 @@ fn round_down(value: f64) -> f64 {
         .unwrap_or(power)
 }
 
+/// The smallest number of the form 1, 2 or 5 times a power of ten that is at least `value`.
 fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0, 10.0]

@@ -1,16 +1,16 @@
-//! The typeface of figures: the width of text, and its outlines.
+//! The typeface of figures: width and outlines of text.
 
 use super::shape::Anchor;
 use ab_glyph::{Font as _, FontRef, InvalidFont, OutlineCurve, PxScale, ScaleFont as _};
 
 const TYPEFACE: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 
-/// The typeface that comes with the program.
+/// The typeface that is built into the program.
 pub struct Typeface {
     font: FontRef<'static>,
 }
 
-/// A curve of a letter, px, y down.
+/// A piece of a letter's outline, from the end of the piece before; px, y down.
 pub enum Stroke {
     Begin([f32; 2]),
     Line([f32; 2]),
@@ -25,7 +25,8 @@ impl Typeface {
         })
     }
 
-    /// `ab_glyph` scales by ascent less descent, the web by the em.
+    /// The scale for a font size in px per em, as SVG has it. `ab_glyph` scales by the font's
+    /// height (ascent minus descent) instead.
     fn scale(&self, size: f64) -> PxScale {
         let em = self.font.units_per_em().unwrap_or(1000.0);
         PxScale::from(size as f32 * self.font.height_unscaled() / em)
@@ -39,7 +40,7 @@ impl Typeface {
             .sum()
     }
 
-    /// The outlines of text at the origin of its baseline.
+    /// The outlines of text, px, y down, with the anchor at the origin of the baseline.
     pub fn outlines(&self, text: &str, size: f64, anchor: Anchor) -> Vec<Stroke> {
         let scale = self.scale(size);
         let factor = scale.y / self.font.height_unscaled();
@@ -64,6 +65,7 @@ impl Typeface {
                             (a, Stroke::Cubic(at(b), at(c), at(d)), d)
                         }
                     };
+                    // A curve that does not start where the last one ended begins a new contour.
                     if end != Some(from) {
                         strokes.push(Stroke::Begin(at(from)));
                     }

@@ -1,4 +1,4 @@
-//! The page of datasets: what goes into one, and what it will hold.
+//! The page of datasets: what goes into one, and what it will contain.
 
 use super::frames::frames;
 use super::parts::{cameras_of, left_out, line, notes};
@@ -12,7 +12,7 @@ use touchline_documents::exchange::{
     DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting,
 };
 
-/// Shows the page.
+/// Shows the page: options above, the plan of the dataset below.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
     let transfer = &panel.app.operations.transfer;
@@ -58,6 +58,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
+/// How pictures get into the dataset, and which.
 fn pictures(ui: &mut Ui, options: &mut DatasetOptions) {
     ui.horizontal(|ui| {
         ui.label("Pictures");
@@ -101,6 +102,7 @@ fn pictures(ui: &mut Ui, options: &mut DatasetOptions) {
     });
 }
 
+/// Whether and how the frames are split into training, validation and test.
 fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
     ui.horizontal(|ui| {
         let mut divided = options.splitting.is_some();
@@ -134,6 +136,7 @@ fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
                 .accessible_name("Seed")
                 .on_hover_text("Another seed gives another split.");
         }
+        // Shares of 0 %, 0 % and 0 % divide nothing, so the default shares return.
         let shares: u32 = splitting.shares.iter().sum();
         options.splitting = divided.then_some(if shares == 0 {
             Splitting::default()
@@ -143,7 +146,8 @@ fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
     });
 }
 
-/// What the dataset will hold.
+/// Shows what the dataset will contain: numbers of frames and pictures, of each split and origin,
+/// and what is left out.
 fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
     let palette = ui.palette();
     let size = describe_bytes(plan.picture_bytes);

@@ -1,4 +1,5 @@
-//! The formats: what each is, and what it does not hold of these frames.
+//! The pages of exports and imports: a list of formats, what each is, its options, and what the
+//! result would be.
 
 use super::frames::frames;
 use super::options::{export_options, import_options};
@@ -11,10 +12,10 @@ use touchline_application::app::{Action, sentence};
 use touchline_core::geometry::counted;
 use touchline_documents::exchange::{About, Format, JoinedPair};
 
-/// The width of the list of formats, points.
+/// Width of the list of formats, points.
 const LIST: f32 = 210.0;
 
-/// The page of exports.
+/// Shows the page of exports.
 pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.operations.transfer.format;
     ui.horizontal_top(|ui| {
@@ -45,7 +46,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The page of imports.
+/// Shows the page of imports.
 pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.operations.transfer.import_format;
     ui.horizontal_top(|ui| {
@@ -72,7 +73,7 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The list of formats; the one that was clicked.
+/// Shows the list of formats. Returns the one that was clicked.
 fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format> {
     let mut clicked = None;
     let column = vec2(LIST, ui.available_height());
@@ -94,7 +95,7 @@ fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format>
     clicked
 }
 
-/// What a format is.
+/// Describes a format: conventions, programs that read it, what it cannot express.
 fn about(ui: &mut Ui, format: Format) {
     let palette = ui.palette();
     let About { conventions, users } = format.about();
@@ -106,7 +107,8 @@ fn about(ui: &mut Ui, format: Format) {
     }
 }
 
-/// What the export would be.
+/// Shows what the export would be: frames and files, whether reading it again gives the same, and
+/// what is lost.
 fn exported(panel: &Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
     let Some(found) = &panel.app.operations.transfer.found else {
@@ -141,7 +143,7 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// What the import brings.
+/// Shows what the import would bring.
 fn imported(panel: &Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
     let Some(found) = &panel.app.operations.transfer.found else {
@@ -184,8 +186,8 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Which imported frame is taken for which frame of the document, so that a wrong match is seen
-/// before it is taken over.
+/// Lists which imported frame was matched to which frame of the document, so that the user sees a
+/// wrong match before it is merged.
 fn pairs(ui: &mut Ui, pairs: &[JoinedPair]) {
     let palette = ui.palette();
     if pairs.is_empty() {

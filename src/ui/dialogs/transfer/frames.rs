@@ -1,13 +1,13 @@
-//! Which frames an export or a dataset takes.
+//! The choice of frames for an export or a dataset.
 
 use egui::{ComboBox, DragValue, Ui};
 use touchline_documents::document::{CameraId, FrameStatus};
 use touchline_documents::exchange::FrameChoice;
 
-/// The confidence that is asked for first, per cent.
+/// Confidence at which the choice begins, per cent.
 const USUAL_PERCENT: f64 = 90.0;
 
-/// Which frames: by status, camera and confidence.
+/// The choice by status, camera and confidence.
 pub fn frames(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
     ui.horizontal_wrapped(|ui| {
         statuses(ui, choice);
@@ -19,7 +19,7 @@ pub fn frames(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
     });
 }
 
-/// Which frames by camera: one, or all.
+/// The choice by camera: one, or all.
 fn of_camera(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
     let text = match choice.cameras.as_slice() {
         [] => "all cameras",
@@ -48,7 +48,7 @@ fn of_camera(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
     combo.response.on_hover_text("Only frames of this camera.");
 }
 
-/// Which frames by confidence.
+/// The choice by confidence.
 fn confident(ui: &mut Ui, choice: &mut FrameChoice) {
     let mut asked = choice.min_confidence.is_some();
     let tip = "Frames whose stated confidence is lower are left out. References that were clicked state none and stay.";
@@ -69,7 +69,7 @@ fn confident(ui: &mut Ui, choice: &mut FrameChoice) {
     choice.min_confidence = asked.then_some(percent / 100.0);
 }
 
-/// Which frames by status; none chosen means all that are not rejected.
+/// The choice by status. An empty list means all that are not rejected.
 fn statuses(ui: &mut Ui, choice: &mut FrameChoice) {
     ui.label("Frames");
     for (status, name, tip) in [
@@ -92,6 +92,7 @@ fn statuses(ui: &mut Ui, choice: &mut FrameChoice) {
         let is_all = choice.statuses.is_empty();
         let mut chosen = is_all || choice.statuses.contains(&status);
         if ui.checkbox(&mut chosen, name).on_hover_text(tip).changed() {
+            // The first change replaces "all" by a list, from which the status is then removed.
             if is_all {
                 choice.statuses = vec![
                     FrameStatus::Reference,

@@ -1,4 +1,5 @@
-//! Exports, datasets and imports: what will be written or taken over is shown before.
+//! The dialog for exports, datasets and imports. It shows what will be written or merged before
+//! anything happens.
 
 mod dataset;
 mod formats;
@@ -17,12 +18,12 @@ use touchline_application::app::transfer::{TransferAction, TransferTab};
 use touchline_application::app::{Action, Command, ViewAction};
 use touchline_core::progress::Share;
 
-/// The sheet's size, points.
+/// Size of the dialog, points.
 const SIZE: egui::Vec2 = vec2(820.0, 560.0);
-/// The height below the page: the line of progress and the buttons.
+/// Height below the page for progress and buttons, points.
 const FOOT: f32 = 36.0;
 
-/// The pages and their titles.
+/// The pages, with titles and tooltips.
 const TABS: [(TransferTab, &str, &str); 3] = [
     (
         TransferTab::Export,
@@ -65,6 +66,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
+/// The choice of the page.
 fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         for (tab, title, tip) in TABS {
@@ -83,13 +85,14 @@ fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The buttons, and what is under way.
+/// The buttons, and the progress of what is going on.
 fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
     let transfer = &panel.app.operations.transfer;
     let (tab, is_looking) = (transfer.tab, transfer.is_looking());
     let is_ready = parts::is_ready(transfer);
     let mut push = |action| panel.actions.push(Action::Transfer(action));
+    // While a dataset or export is written, it can only be stopped.
     if let Some(running) = transfer.writing() {
         let written = running.progress().copied();
         if ui
@@ -102,7 +105,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         progress(ui, written);
         return;
     }
-    // With the focus on nothing Enter means the main button.
+    // Without the focus on a control, Enter means the main button.
     let entered = is_ready
         && ui.memory(|memory| memory.focused().is_none())
         && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
@@ -117,6 +120,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
             "Read them and show what they bring; nothing is changed yet.",
         ),
     };
+    // An import needs two steps, choosing the files and merging them. The others need one.
     if tab == TransferTab::Import {
         let take = ui.add_enabled(is_ready, Button::new("Import").fill(palette.accent_ground));
         let take = take
@@ -156,6 +160,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
+/// The progress of writing.
 fn progress(ui: &mut Ui, written: Option<Share>) {
     let (share, text) = match written {
         Some(written) => (

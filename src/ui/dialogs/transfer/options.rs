@@ -1,4 +1,4 @@
-//! What a format may be told: only what it knows is asked.
+//! The options of formats. Only those that a format understands are shown.
 
 use super::typed::Typed;
 use egui::{ComboBox, DragValue, Ui};
@@ -8,7 +8,7 @@ use touchline_documents::exchange::{
     Recording, Timecode, Zoom,
 };
 
-/// The options of an export that its format knows.
+/// The options of an export in this format.
 pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) {
     if !format.is_of_points() && format != Format::Json {
         size(
@@ -88,9 +88,10 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
     }
 }
 
-/// What happens where frames of a video are missing.
+/// What an export does with missing frames of a video.
 fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
     ui.label("Missing frames");
+    // The number that is offered when interpolation is chosen.
     let mut most = if let Gaps::Interpolate(most) = *gaps {
         most
     } else {
@@ -131,7 +132,7 @@ fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
     }
 }
 
-/// What an import may be told.
+/// The options of an import of this format.
 pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) {
     if format.is_of_points() {
         labels(ui, options);
@@ -141,6 +142,7 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
         &mut options.size,
         "Of pictures that are not here, where the files do not say it.",
     );
+    // FreeD states zoom as a raw number, so its meaning and the sensor are needed.
     if matches!(format, Format::FreeD | Format::FreeDCsv) {
         ui.horizontal(|ui| {
             let mut chosen = options.zoom.clone().unwrap_or_default();
@@ -151,7 +153,7 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
     }
 }
 
-/// The size of pictures.
+/// The size of pictures, px.
 fn size(ui: &mut Ui, size: &mut Option<ImageSize>, tip: &str) {
     let text = |size: &ImageSize| format!("{} × {}", size.width, size.height);
     let typed = Typed {
@@ -165,7 +167,7 @@ fn size(ui: &mut Ui, size: &mut Option<ImageSize>, tip: &str) {
     ui.horizontal(|ui| typed.show(ui, size));
 }
 
-/// The frame rate.
+/// The frame rate, frames per second.
 fn rate(ui: &mut Ui, rate: &mut Option<Rate>) {
     let tip = "25, 29.97 or 30000/1001; open: from the frames' times.";
     let typed = Typed {
@@ -179,7 +181,7 @@ fn rate(ui: &mut Ui, rate: &mut Option<Rate>) {
     typed.show(ui, rate);
 }
 
-/// The width of the sensor.
+/// The width of the sensor, mm.
 fn sensor(ui: &mut Ui, width_mm: &mut Option<f64>) {
     let read = |text: &str| {
         text.parse()
@@ -214,7 +216,7 @@ fn start(ui: &mut Ui, start: &mut Option<Timecode>) {
     typed.show(ui, start);
 }
 
-/// What a zoom value means.
+/// The meaning of zoom values.
 fn zoom(ui: &mut Ui, zoom: &mut Zoom) {
     ui.label("Zoom values are");
     for (meaning, name, tip) in [
@@ -239,7 +241,7 @@ fn zoom(ui: &mut Ui, zoom: &mut Zoom) {
     }
 }
 
-/// What the Common Data Format wants to know of a recording.
+/// The properties of a recording that the Common Data Format requires.
 fn recording(ui: &mut Ui, recording: &mut Recording) {
     let any = |text: &str| Some(text.to_owned());
     ui.horizontal(|ui| {
@@ -290,7 +292,7 @@ fn recording(ui: &mut Ui, recording: &mut Recording) {
     });
 }
 
-/// What labels mean, for formats of points.
+/// The meaning of labels, for formats of points.
 fn labels(ui: &mut Ui, options: &mut ImportOptions) {
     const MAPS: [(LabelMap, &str); 4] = [
         (LabelMap::Touchline, "names of touchline"),

@@ -1,4 +1,4 @@
-//! What the pages of the dialog share.
+//! Parts that the pages of the dialog share.
 
 use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, RichText, Ui};
@@ -6,7 +6,7 @@ use touchline_application::app::App;
 use touchline_application::app::transfer::{Look, TransferState, in_dialog};
 use touchline_documents::document::CameraId;
 
-/// Whether there is something to write or to take over.
+/// Whether there is something to write or to merge.
 pub fn is_ready(transfer: &TransferState) -> bool {
     transfer
         .found
@@ -33,7 +33,7 @@ pub fn line(ui: &mut Ui, text: impl Into<String>, colour: Color32) {
     ui.add(egui::Label::new(RichText::new(text).color(colour)).wrap());
 }
 
-/// A name and what it is.
+/// A name and its value in one line.
 pub fn fact(ui: &mut Ui, name: &str, value: &str) {
     let palette = ui.palette();
     ui.horizontal_wrapped(|ui| {
@@ -43,12 +43,13 @@ pub fn fact(ui: &mut Ui, name: &str, value: &str) {
     });
 }
 
-/// Frames that are left out, the first by name.
+/// Lists frames that are left out, with the reasons: the first few by name, the number of the
+/// others.
 pub fn left_out(ui: &mut Ui, frames: &[(String, String)]) {
     const SHOWN: usize = 3;
     let palette = ui.palette();
     for (frame, why) in frames.iter().take(SHOWN) {
-        // A reason that names the file says where already.
+        // A reason that contains the name does not need it twice.
         let says = if why.contains(frame.as_str()) {
             why.clone()
         } else {
@@ -65,7 +66,7 @@ pub fn left_out(ui: &mut Ui, frames: &[(String, String)]) {
     }
 }
 
-/// What a user should know.
+/// Shows notes for the user.
 pub fn notes(ui: &mut Ui, notes: &[String]) {
     let palette = ui.palette();
     for note in notes {

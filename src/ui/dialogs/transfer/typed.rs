@@ -1,27 +1,27 @@
-//! A value that may be left open and is typed: what cannot be read stays in its field, with an
-//! example below.
+//! A field for an optional value that is typed. A text that cannot be read stays in the field, with
+//! an example beside it.
 
 use crate::ui::theme::Themed as _;
 use egui::{Id, RichText, TextEdit, Ui};
 
-/// A field for a typed value.
+/// A field for an optional typed value.
 pub struct Typed<'a, T> {
-    /// What it is called.
+    /// The name, which is shown before the field.
     pub name: &'a str,
-    /// What it is for.
+    /// The tooltip: what the value is for.
     pub tip: &'a str,
-    /// A value as one types it.
+    /// A value as the user types it.
     pub example: &'a str,
-    /// The field's width, points.
+    /// Width of the field, points.
     pub width: f32,
-    /// A value as text.
+    /// Writes a value as text.
     pub text: fn(&T) -> String,
-    /// A text as value; none where it is none.
+    /// Reads a text; `None` if it is not a value.
     pub read: fn(&str) -> Option<T>,
 }
 
 impl<T> Typed<'_, T> {
-    /// Shows the field with its name; an empty one leaves the value open.
+    /// Shows the field with its name. An empty field means no value.
     pub fn show(self, ui: &mut Ui, value: &mut Option<T>) {
         let palette = ui.palette();
         let id = Id::unique(("typed", self.name));
@@ -40,7 +40,8 @@ impl<T> Typed<'_, T> {
         if !is_open && read.is_none() {
             ui.label(RichText::new(format!("such as {}", self.example)).color(palette.caution));
         }
-        // Half a value is none.
+        // While a text cannot be read, there is no value, and the text is kept for the user to
+        // correct.
         let is_whole = is_open || read.is_some();
         if field.changed() {
             *value = read;

@@ -1,4 +1,4 @@
-//! What an export, a dataset or an import would be: found without a change.
+//! Computes what an export, a dataset or an import would give, without writing anything.
 
 use super::words::describe_error;
 use crate::app::operation::{Context, Failure, Operation, Slot};
@@ -13,28 +13,28 @@ use touchline_documents::exchange::{
 };
 use touchline_documents::store;
 
-/// It is to be looked what an export, a dataset or an import would be.
+/// Computes what an export, a dataset or an import would give.
 #[derive(Debug)]
 pub struct TransferLook {
     pub(super) document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     pub(super) folder: PathBuf,
-    /// Its revision.
+    /// The document's revision.
     pub(super) revision: u64,
     pub(super) at: LookAt,
 }
 
-/// What is looked at.
+/// The subject of a look.
 #[derive(Debug)]
 pub(super) enum LookAt {
-    /// The document is made into a format and compared.
+    /// Converts the document to a format and compares the result with it.
     Export {
         format: Format,
         options: Box<ExportOptions>,
     },
-    /// A dataset is planned.
+    /// Plans a dataset.
     Dataset(Box<DatasetOptions>),
-    /// Files are read and joined with the document.
+    /// Reads files and joins them with the document.
     Import {
         from: PathBuf,
         format: Format,
@@ -42,24 +42,24 @@ pub(super) enum LookAt {
     },
 }
 
-/// What was found, for the document of a revision.
+/// The result of a look at one revision of the document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The revision of the document that was looked at. A change since the order, also one from the
-    /// background, makes it out of date.
+    /// The revision that was examined. Any later change of the document, also one from the
+    /// background, makes the result obsolete.
     pub revision: u64,
-    /// What.
+    /// The result.
     pub look: Look,
 }
 
-/// What a look at an export, dataset or import found; an error is one line.
+/// The result for an export, dataset or import; an error is one line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Look {
-    /// An export that waits to be written.
+    /// An export, ready to be written.
     Export(Result<Arc<Exported>, String>),
-    /// A dataset that waits to be written.
+    /// A dataset, ready to be written.
     Dataset(Result<Arc<DatasetPlan>, String>),
-    /// An import that waits to be taken over.
+    /// An import, ready to be taken over.
     Import(Result<Arc<Joined>, String>),
 }
 
@@ -108,7 +108,7 @@ impl Operation for TransferLook {
 }
 
 impl LookAt {
-    /// The look that gave nothing.
+    /// The result if the look itself failed.
     const fn failed(&self, why: String) -> Look {
         match self {
             Self::Export { .. } => Look::Export(Err(why)),
@@ -118,7 +118,7 @@ impl LookAt {
     }
 }
 
-/// Reads foreign files, or a document with what its journal holds; an error is one line.
+/// Reads files of a foreign format, or a document with its journal. An error is one line.
 fn read_import(from: &Path, format: Format, options: &ImportOptions) -> Result<Imported, String> {
     if format != Format::Json {
         return import(from, format, options).map_err(|error| describe_error(&error));

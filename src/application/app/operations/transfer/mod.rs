@@ -1,9 +1,9 @@
-//! Exporting and importing in the window: looked at in the background, written on request, taken
-//! over in one step of undo.
+//! Export and import in the window: examined in the background, written on request, imported as one
+//! step of undo.
 //!
-//! Two operations: a [`TransferLook`] makes an export, plans a dataset or reads files, and changes
-//! nothing; a [`TransferWrite`] writes. A newer look replaces an older one; a write is replaced by
-//! nothing, and no look begins while it lasts.
+//! There are two operations. A [`TransferLook`] makes an export, plans a dataset or reads files,
+//! and changes nothing. A [`TransferWrite`] writes. A newer look replaces an older one. A write is
+//! never replaced, and no look starts while it runs.
 
 mod look;
 mod words;
@@ -26,36 +26,36 @@ use touchline_documents::exchange::{
 use words::describe_joined;
 use write::Writing;
 
-/// The pages of the dialog.
+/// The tabs of the dialog.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TransferTab {
     /// The document in a foreign format.
     #[default]
     Export,
-    /// A folder with labels, pictures and their card.
+    /// A folder with labels, pictures and a description.
     Dataset,
-    /// Labels of another program, joined with the document.
+    /// Labels from another program, joined with the document.
     Import,
 }
 
-/// What was chosen in the dialog, and what is under way.
+/// The user's choices in the dialog, and the running work.
 #[derive(Debug)]
 pub struct TransferState {
-    /// The page.
+    /// The selected tab.
     pub tab: TransferTab,
-    /// The format of an export.
+    /// The format of the export.
     pub format: Format,
-    /// How it is exported.
+    /// The options of the export.
     pub export: ExportOptions,
-    /// How a dataset is written.
+    /// The options of the dataset.
     pub dataset: DatasetOptions,
-    /// A dataset that is there is replaced.
+    /// Whether an existing dataset is replaced.
     pub replace: bool,
-    /// The format of an import.
+    /// The format of the import.
     pub import_format: Format,
-    /// How files are read.
+    /// The options of the import.
     pub import: ImportOptions,
-    /// What the last look found.
+    /// The result of the last look.
     pub found: Option<Found>,
     look: Slot<TransferLook>,
     write: Slot<TransferWrite>,
@@ -82,46 +82,46 @@ impl Default for TransferState {
 }
 
 impl TransferState {
-    /// Whether the background looks what an export, a dataset or an import would be.
+    /// Whether a look is running.
     #[must_use]
     pub const fn is_looking(&self) -> bool {
         self.look.is_running()
     }
 
-    /// What is being written.
+    /// The running write.
     #[must_use]
     pub const fn writing(&self) -> Option<&Running<TransferWrite>> {
         self.write.running()
     }
 }
 
-/// What is chosen in the dialog.
+/// A choice in the dialog.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TransferAction {
-    /// Another page.
+    /// Select a tab.
     Tab(TransferTab),
-    /// Another format of an export.
+    /// Select the format of the export.
     Format(Format),
-    /// Other options of an export.
+    /// Change the options of the export.
     Export(Box<ExportOptions>),
-    /// Other options of a dataset.
+    /// Change the options of the dataset.
     Dataset(Box<DatasetOptions>),
-    /// Whether a dataset that is there is replaced.
+    /// Choose whether an existing dataset is replaced.
     Replace(bool),
-    /// Another format of an import.
+    /// Select the format of the import.
     ImportFormat(Format),
-    /// Other options of an import.
+    /// Change the options of the import.
     Import(Box<ImportOptions>),
-    /// A place to write to, or a file to read, is asked for.
+    /// Ask the user for a place to write to, or for a file to read.
     Choose,
-    /// What was read is taken over: one step of undo.
+    /// Take over what was read; one step of undo.
     TakeOver,
-    /// What is under way ends.
+    /// Stop what is running.
     Stop,
 }
 
 impl App {
-    /// Opens the dialog on a page.
+    /// Opens the dialog on a tab. While something is being written, the tab stays.
     pub(in crate::app) fn open_transfer(&mut self, tab: TransferTab) {
         self.commit_open_step();
         self.session.dialog = Some(Dialog::Transfer);
@@ -131,7 +131,7 @@ impl App {
         self.look_again();
     }
 
-    /// Takes what was chosen in the dialog.
+    /// Carries out a choice in the dialog.
     pub(in crate::app) fn transfer(&mut self, action: TransferAction) {
         let transfer = &mut self.operations.transfer;
         match action {
@@ -152,11 +152,11 @@ impl App {
         self.look_again();
     }
 
-    /// Has the background look what an export or a dataset would be; an import waits for its file.
+    /// Starts a look at the export or dataset that is chosen. An import waits for its file.
     fn look_again(&mut self) {
         let transfer = &mut self.operations.transfer;
         transfer.found = None;
-        // What is being written goes first; its end looks.
+        // A running write takes precedence; a look follows at its end.
         if transfer.write.is_running() {
             return;
         }
@@ -174,6 +174,7 @@ impl App {
         self.start_look(at);
     }
 
+    /// Starts a look at the present document.
     fn start_look(&mut self, at: LookAt) {
         let Some(open) = &self.open else { return };
         let (document, folder, revision) =
@@ -186,6 +187,7 @@ impl App {
         });
     }
 
+    /// Starts to write, in place of a look that is running.
     fn start_write(&mut self, writing: Writing) {
         let Some(open) = &self.open else { return };
         self.operations.transfer.look.cancel();
@@ -197,7 +199,7 @@ impl App {
         });
     }
 
-    /// Asks where to write, or what to read.
+    /// Asks the user where to write, or what to read.
     fn choose_place(&mut self) {
         let transfer = &self.operations.transfer;
         let question = match transfer.tab {
@@ -208,8 +210,8 @@ impl App {
         self.effects.push(Effect::Ask(question));
     }
 
-    /// Takes the place that was asked for. The dialog comes back: it says what became of it.
-    /// `may_replace`: whether the user was asked about a file that is there.
+    /// Starts the work on a path that the user chose, and shows the dialog again. `may_replace`
+    /// says whether the user agreed to replace an existing file.
     pub(in crate::app) fn place_chosen(
         &mut self,
         question: Question,
@@ -217,6 +219,7 @@ impl App {
         may_replace: bool,
     ) {
         self.session.dialog = Some(Dialog::Transfer);
+        // The last look is reused if the document has not changed since.
         let transfer = &self.operations.transfer;
         let revision = self.open.as_ref().map(|open| open.revision);
         let found = transfer
@@ -274,7 +277,7 @@ impl App {
         }
     }
 
-    /// Takes over what was read: one step of undo.
+    /// Takes over the import that was read; one step of undo.
     fn take_import(&mut self) {
         let revision = self.open.as_ref().map(|open| open.revision);
         let found = self.operations.transfer.found.take();

@@ -1,11 +1,11 @@
-//! What the dialog of exports and imports says.
+//! Texts of the dialog for exports and imports.
 
 use crate::app::sentence;
 use touchline_core::geometry::counted;
 use touchline_documents::exchange::{ExchangeError, Joined};
 
-/// Options of the command line, and what they are called in the dialog. The longer of two that
-/// begin alike comes first.
+/// Options of the command line in error messages, and their names in the dialog. Replaced in this
+/// order; of two with the same beginning the longer one must come first.
 const OPTIONS: [(&str, &str); 21] = [
     (
         "give a --map file with them, or --skip-unmapped",
@@ -33,7 +33,7 @@ const OPTIONS: [(&str, &str); 21] = [
     (" (--variant gamestate)", ""),
 ];
 
-/// An error in one line, with the dialog's words for the command line's options.
+/// An error in one line, with the dialog's names in place of the command line's options.
 pub(super) fn describe_error(error: &ExchangeError) -> String {
     match error {
         ExchangeError::Exists { path } => {
@@ -46,8 +46,8 @@ pub(super) fn describe_error(error: &ExchangeError) -> String {
     }
 }
 
-/// What an export or import says, as a sentence with the dialog's words for the command line's
-/// options.
+/// A message of an export or import as a sentence, with the dialog's names in place of the command
+/// line's options.
 #[must_use]
 pub fn in_dialog(text: &str) -> String {
     sentence(
@@ -59,7 +59,7 @@ pub fn in_dialog(text: &str) -> String {
     )
 }
 
-/// Bytes for people: "34 MB".
+/// A number of bytes, such as "34 MB".
 #[must_use]
 pub fn describe_bytes(bytes: u64) -> String {
     const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
@@ -76,7 +76,7 @@ pub fn describe_bytes(bytes: u64) -> String {
     }
 }
 
-/// What was taken over, in words.
+/// What was imported, as text.
 pub(super) fn describe_joined(joined: &Joined) -> String {
     let frames = joined.matched + joined.added;
     format!(

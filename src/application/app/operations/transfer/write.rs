@@ -1,4 +1,4 @@
-//! An export or a dataset, written.
+//! Writes an export or a dataset.
 
 use super::words::describe_error;
 use crate::app::operation::{Context, Failure, Operation, Slot};
@@ -14,41 +14,41 @@ use touchline_documents::exchange::{
     export, folder_for_new, plan_dataset, write_dataset,
 };
 
-/// An export or a dataset is to be written.
+/// Writes an export or a dataset.
 #[derive(Debug)]
 pub struct TransferWrite {
     pub(super) document: Document,
-    /// Where its relative paths start.
+    /// The folder to which its relative paths refer.
     pub(super) folder: PathBuf,
     pub(super) writing: Writing,
 }
 
-/// What is written.
+/// The subject of a write.
 #[derive(Debug)]
 pub(super) enum Writing {
     Export {
         format: Format,
         options: Box<ExportOptions>,
-        /// As it was made for the dialog; none where the document has changed since.
+        /// The export as the look made it; none if the document has changed since.
         made: Option<Arc<Exported>>,
         to: PathBuf,
-        /// A file that is there is replaced; a folder never is.
+        /// Whether an existing file is replaced. Existing folders never are.
         replace: bool,
     },
     Dataset {
-        /// As planned for the dialog; none where the document has changed since.
+        /// The plan that the look made; none if the document has changed since.
         plan: Option<Arc<DatasetPlan>>,
         options: Box<DatasetOptions>,
         to: PathBuf,
-        /// A dataset that is there is replaced.
+        /// Whether an existing dataset is replaced.
         replace: bool,
     },
 }
 
 impl Operation for TransferWrite {
-    /// Pictures of a dataset that are written.
+    /// Pictures of a dataset that have been written.
     type Progress = Share;
-    /// What is said of it.
+    /// The message to the user.
     type Output = String;
     type Error = ExchangeError;
 
@@ -72,7 +72,7 @@ impl Operation for TransferWrite {
                 } else {
                     to.clone()
                 };
-                // It may have been stopped while it was made.
+                // The user may have stopped it while the export was made.
                 if context.check().is_break() {
                     return Err(ExchangeError::Stopped);
                 }
@@ -134,7 +134,7 @@ impl Operation for TransferWrite {
     }
 }
 
-/// What was written.
+/// What was written, as text.
 fn describe_dataset(done: &DatasetDone, to: &Path) -> String {
     let left_out = match done.left_out.len() {
         0 => String::new(),
