@@ -8,9 +8,11 @@ use serde_json::{Map, Value, json};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use touchline_calibration::evaluate::{
-    Agreement, Evaluation, FrameGroup, agreement, agreement_json, agreement_tables,
-    evaluate as evaluated, evaluation_report, evaluation_tables, frame_scores,
+    Agreement, Evaluation, FrameGroup, GroundComparison, agreement, agreement_json,
+    agreement_tables, compare_on_ground, evaluate as evaluated, evaluation_report,
+    evaluation_tables, frame_scores,
 };
+use touchline_documents::exchange::read_picture_points;
 use touchline_documents::report::Table;
 
 /// Compares the cameras of a document with those (or the clicks) of another one: `IoU`, angles,
@@ -26,6 +28,9 @@ use touchline_documents::report::Table;
 /// than t px (of a picture 960 px wide) to the estimate's, among all that either shows; the better
 /// of the names as they are and turned by half a turn, at every t for itself; a circle that leaves
 /// the picture is joined where it comes back. Ends of straight markings, nine points of round ones.
+///
+/// Where both have a camera, the ground that they see at the same image points is compared in
+/// metres: at the points of `--points`, else on a grid over the visible field.
 ///
 /// Standard output gets a table on a terminal, JSON otherwise.
 #[derive(clap::Args, Debug)]
@@ -46,6 +51,11 @@ pub struct EvaluateArgs {
     /// Print the table, also where standard output is no terminal.
     #[arg(long)]
     table: bool,
+    /// Image points whose places on the ground are compared, such as players' feet: MOT
+    /// (`frame,id,left,top,width,height`, frames from 1), CVAT's XML, or CSV (`frame,x,y[,w,h]`,
+    /// frames from 0 or names). Of a box it is the middle of the lower side.
+    #[arg(long, value_name = "FILE")]
+    points: Option<PathBuf>,
     /// The seed of the bootstrap intervals.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -99,7 +109,10 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
         truth.at(true_location.folder()),
         estimate.at(location.folder()),
     );
+    let points = args.points.as_deref();
+    let points = points.map(read_picture_points).transpose()?;
     let evaluation = evaluated(truth_at, estimate_at)?;
+    let ground = compare_on_ground(truth_at, estimate_at, points.as_ref())?;
     let groups = evaluation.groups(args.seed);
     // If both documents have their own clicks on the same frames, compare the annotators, too.
     let agreed = agreement(truth_at, estimate_at)?;
@@ -115,9 +128,14 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     if let Some(folder) = &args.report {
         write_report(&evaluation_report(&evaluation, &groups), folder, args.force)?;
     }
-    let as_json = || format!("{:#}\n", report(&evaluation, &groups, agreed.as_ref()));
+    let as_json = || {
+        let report = report(&evaluation, &groups, agreed.as_ref(), &ground);
+        format!("{report:#}\n")
+    };
     let as_tables = |write: fn(&Table) -> String| {
         let mut text = evaluation_tables(&groups, write);
+        text.push('\n');
+        text.push_str(&ground.to_text());
         if let Some(agreed) = &agreed {
             text.push('\n');
             text.push_str(&agreement_tables(agreed, write));
@@ -172,12 +190,18 @@ fn without_truth(names: &[String]) -> Option<String> {
 }
 
 /// The complete result as JSON.
-fn report(evaluation: &Evaluation, groups: &[FrameGroup], agreed: Option<&Agreement>) -> Value {
+fn report(
+    evaluation: &Evaluation,
+    groups: &[FrameGroup],
+    agreed: Option<&Agreement>,
+    ground: &GroundComparison,
+) -> Value {
     let mut report = json!({
         "summary": groups.first().map(described_group),
         "groups": groups.iter().skip(1).map(described_group).collect::<Vec<_>>(),
         "frames": frame_scores(evaluation).to_json(),
         "without_truth": evaluation.without_truth,
+        "ground": ground.to_json(),
     });
     if let Some(agreed) = agreed {
         report["agreement"] = agreement_json(agreed);

@@ -1,26 +1,36 @@
-//! `touchline import`: converts files of another program to a document.
+//! `touchline import`: converts files of another program to a document, on request of a video.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, zoom_of};
 use super::messages::Messages;
 use super::new::{parameter, read_field};
-use anyhow::Context as _;
+use anyhow::{Context as _, bail, ensure};
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, counted};
+use touchline_core::progress::Progress;
+use touchline_documents::document::{CameraId, Document, FieldSpec, document_from_frames};
 use touchline_documents::exchange::{
-    Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document,
+    Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document, join,
+    plan_attachment, recognize_format,
 };
+use touchline_vision::media::{FrameSource, VideoInfo};
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
 pub struct ImportArgs {
     /// The file or folder.
     path: PathBuf,
-    /// Its format.
+    /// Its format; without it the format is recognized by endings and contents.
     #[arg(long, value_parser = format_parser(Format::imports))]
-    format: Format,
+    format: Option<Format>,
+    /// The video that the cameras are of. The document has all of its frames; each camera is
+    /// attached to the frame of its number.
+    #[arg(long, conflicts_with = "images")]
+    video: Option<PathBuf>,
     #[command(flatten)]
     output: DocumentOutput,
     /// The field's template.
@@ -81,10 +91,17 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
 /// The files cannot be read or are damaged, or the document cannot be written.
 pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
+    let format = match args.format {
+        Some(format) => format,
+        None => recognize(&args.path, messages)?,
+    };
+    let video = args.video.as_deref();
+    let video = video.map(|video| open_video(video, messages)).transpose()?;
     let options = ImportOptions {
         field: read_field(&args.field, &args.set)?,
         images: args.images.clone(),
         size: args.size,
+        video_size: video.as_ref().map(|video| video.size),
         pixels: args.pixels.as_deref().map(|pixels| {
             if pixels == "centre" {
                 Pixels::Centre
@@ -98,7 +115,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         sensor_width_mm: args.sensor_mm,
         zoom: args.zoom.as_deref().map(zoom_of).transpose()?,
     };
-    let imported = match args.format {
+    let imported = match format {
         // A document is read together with its journal.
         Format::Json => {
             let Loaded { location, document } = DocumentArg {
@@ -108,23 +125,96 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
             Imported {
                 document,
                 folder: location.folder().to_path_buf(),
+                format,
                 notes: Vec::new(),
             }
         }
         format => import_document(&args.path, format, &options)?,
     };
-    for note in &imported.notes {
+    let (document, notes) = match video {
+        Some(video) => attach_to_video(video, &imported, options.field)?,
+        None => (imported.document, imported.notes),
+    };
+    for note in &notes {
         messages.note(note);
     }
-    let (frames, cameras) = (
-        imported.document.frames.len(),
-        imported.document.cameras.len(),
-    );
-    args.output.write(imported.document, &imported.folder)?;
+    let (frames, cameras) = (document.frames.len(), document.cameras.len());
+    args.output.write(document, &imported.folder)?;
     messages.note(&format!(
         "{} of {}",
         counted(frames, "frame"),
         counted(cameras, "camera")
     ));
     Ok(Outcome::Done)
+}
+
+/// The format of files whose format was not given.
+fn recognize(path: &Path, messages: Messages) -> anyhow::Result<Format> {
+    let format = recognize_format(path)?;
+    messages.note(&format!("the format is {format}: {}", format.title()));
+    Ok(format)
+}
+
+/// A video whose frames cameras are attached to.
+fn open_video(path: &Path, messages: Messages) -> anyhow::Result<VideoInfo> {
+    let FrameSource::Video(info) = FrameSource::open(path)? else {
+        bail!(
+            "{} is no video; give the video that the cameras are of",
+            path.display()
+        );
+    };
+    for notice in &info.notices {
+        messages.note(&notice.to_string());
+    }
+    Ok(info)
+}
+
+/// The document of a video's frames with the imported labels, and the notes about them. Its paths
+/// start from the imported document's folder.
+///
+/// # Errors
+/// No label is of a frame of the video.
+fn attach_to_video(
+    video: VideoInfo,
+    imported: &Imported,
+    field: FieldSpec,
+) -> anyhow::Result<(Document, Vec<String>)> {
+    let name = video.path.display().to_string();
+    let source = FrameSource::Video(video);
+    let every = NonZeroUsize::MIN;
+    let made = document_from_frames(
+        &source,
+        &imported.folder,
+        field,
+        every,
+        &Progress::default(),
+    );
+    let open = made.document.at(&imported.folder);
+    plan_attachment(open, imported)?;
+    let mut joined = join(open, imported);
+    if joined.other_size > 0 {
+        joined.notes.push(format!(
+            "{} left out: their pictures have other proportions than the video",
+            counted(joined.other_size, "frame")
+        ));
+    }
+    ensure!(
+        joined.matched > 0,
+        "{name} gets no label from {}{}",
+        counted(imported.document.frames.len(), "frame"),
+        joined
+            .notes
+            .last()
+            .map(|note| format!("; {note}"))
+            .unwrap_or_default()
+    );
+    // The camera of the new document has no base; it stays only where frames have no other.
+    let mut document = joined.document;
+    let used: BTreeSet<CameraId> = document
+        .frames
+        .iter()
+        .map(|frame| frame.camera.clone())
+        .collect();
+    document.cameras.retain(|camera| used.contains(&camera.id));
+    Ok((document, joined.notes))
 }

@@ -8,6 +8,7 @@
 )]
 
 mod bad_videos;
+mod cameras_of_videos;
 #[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/files.rs"]
 mod files;
@@ -46,6 +47,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let modules: &[&[parts::Test]] = &[
         bad_videos::TESTS,
+        cameras_of_videos::TESTS,
         media::TESTS,
         motion_330::TESTS,
         overlay_pixels::TESTS,

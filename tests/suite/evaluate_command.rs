@@ -303,3 +303,58 @@ fn no_name_is_a_formula_in_the_table() {
         "{table}"
     );
 }
+
+#[test]
+fn metres_on_the_ground_are_those_put_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = document(2);
+    let mut estimate = truth.clone();
+    // The same view from a place a metre to the right.
+    let camera = &truth.cameras[0];
+    let mut base = camera.base().unwrap();
+    base.position_m.x += 1.0;
+    let mut moved = Camera::new("main".into(), SIZE);
+    moved.set_base(&base);
+    estimate.cameras = vec![moved.into()];
+    write(folder.path(), "truth.json", &truth);
+    write(folder.path(), "estimate.json", &estimate);
+    std::fs::write(
+        folder.path().join("feet.csv"),
+        "frame,x,y,w,h\n0,600,300,40,80\nimages/1.jpg,640,500,0,0\n",
+    )
+    .unwrap();
+    for (points, kind, least) in [("", "grid", 50), ("--points feet.csv", "given", 2)] {
+        let ran = touchline(
+            folder.path(),
+            &format!("evaluate truth.json estimate.json {points} --json"),
+        );
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let report: Value = serde_json::from_str(&ran.stdout).unwrap();
+        let ground = &report["ground"];
+        assert_eq!(ground["points"], kind);
+        near(&ground["all"]["median_m"], 1.0, 1e-9);
+        near(&ground["all"]["p95_m"], 1.0, 1e-9);
+        assert!(
+            ground["all"]["count"].as_u64().unwrap() >= least,
+            "{ground}"
+        );
+        assert_eq!(ground["frames"].as_array().unwrap().len(), 2);
+    }
+    let ran = touchline(
+        folder.path(),
+        "evaluate truth.json estimate.json --points feet.csv --table",
+    );
+    let line = "On the ground, at 2 given points in 2 frames: median 1.000 m, 95 % within 1.000 m.";
+    assert!(ran.stdout.contains(line), "{}", ran.stdout);
+    std::fs::write(folder.path().join("bad.txt"), "1,2,3\n").unwrap();
+    let ran = touchline(
+        folder.path(),
+        "evaluate truth.json estimate.json --points bad.txt",
+    );
+    assert_eq!(
+        (ran.code, ran.stderr.lines().count()),
+        (2, 1),
+        "{}",
+        ran.stderr
+    );
+}

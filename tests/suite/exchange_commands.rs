@@ -296,6 +296,38 @@ fn damaged_input_is_one_line() {
 }
 
 #[test]
+fn a_format_that_is_not_given_is_recognized() {
+    let folder = tempfile::tempdir().unwrap();
+    document(folder.path());
+    touchline(
+        folder.path(),
+        "export doc.json --format soccernet -o cameras",
+    );
+    let ran = touchline(folder.path(), "import cameras -o back.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(
+        ran.stderr.starts_with(
+            "touchline: the format is soccernet: SoccerNet camera files, one per frame\n"
+        ),
+        "{}",
+        ran.stderr
+    );
+    fs::write(
+        folder.path().join("cameras/0.yml"),
+        "%YAML:1.0\n---\ncamera_matrix: 0\n",
+    )
+    .unwrap();
+    let ran = touchline(folder.path(), "import cameras -o other.json");
+    assert_eq!(
+        (ran.code, ran.stderr.as_str()),
+        (
+            2,
+            "touchline: cameras: the files may be soccernet or opencv; give --format\n"
+        )
+    );
+}
+
+#[test]
 fn the_place_of_the_output_is_tried_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     document(folder.path());

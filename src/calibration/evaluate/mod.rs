@@ -5,6 +5,7 @@ mod agreement;
 mod agreement_tables;
 mod evaluation;
 mod evaluation_tables;
+mod ground;
 mod matching;
 
 pub use agreement::{
@@ -19,3 +20,4 @@ pub use evaluation::{
     Unscored, evaluate,
 };
 pub use evaluation_tables::{evaluation_report, evaluation_tables, frame_scores};
+pub use ground::{FrameOnGround, GroundComparison, GroundError, compare_on_ground};

@@ -5,6 +5,7 @@
 //! | rotation, pan, tilt, focal length, position | [`camera_error`] |
 //! | the field seen from above: the part in the picture, the whole | [`iou_part`], [`iou_whole`] |
 //! | the same for a homography of the ground | [`PlaneView`] |
+//! | pixels in which a picture shows the field | [`field_grid`] |
 //! | landmarks, px in the picture, m on the ground | [`landmark_errors`], [`ground_error_m`] |
 //! | markings found within some px, as in `SoccerNet` | [`MarkingMatch`] |
 //! | whether stated sigmas match the errors | [`SigmaCoverage`] |
@@ -15,6 +16,7 @@ mod camera_error;
 mod click_scatter;
 mod coverage;
 mod distribution;
+mod field_grid;
 mod ground;
 mod landmarks;
 mod marking_match;
@@ -30,6 +32,7 @@ pub use coverage::{SigmaCoverage, squared_sigmas};
 
 pub(crate) use distribution::chi_squared_quantile;
 pub use distribution::{median_normal_size, median_rayleigh, rayleigh_share};
+pub use field_grid::field_grid;
 pub use ground::seen_field;
 pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
 pub use marking_match::{AnnotatedLine, MarkingMatch, NamedMatch, annotated_lines};

@@ -14,7 +14,7 @@ use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
 use super::table::{number, numbers};
-use super::values::clipped;
+use super::values::{are_oblong_pixels, clipped};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -90,7 +90,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
     } else {
         (&params[..1], &params[1..])
     };
-    if has_two && (focal[0] / focal[1] - 1.0).abs() > 1e-9 {
+    if has_two && are_oblong_pixels(focal[0], focal[1]) {
         let what = format!("focal lengths {} and {} px", focal[0], focal[1]);
         return Err(Problem::Unsupported {
             what,

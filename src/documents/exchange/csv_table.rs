@@ -241,6 +241,7 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
             confidence: row.find("confidence")?,
             ..Record::default()
         },
+        unreadable: None,
     })
 }
 

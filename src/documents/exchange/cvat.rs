@@ -91,10 +91,10 @@ fn measure_tag(tag: &str) -> TagLength {
     }
 }
 
-type Element<'a> = roxmltree::Node<'a, 'a>;
+pub(super) type Element<'a> = roxmltree::Node<'a, 'a>;
 
 /// A required attribute.
-fn attribute<'a>(element: Element<'a>, name: &str) -> Result<&'a str, Problem> {
+pub(super) fn attribute<'a>(element: Element<'a>, name: &str) -> Result<&'a str, Problem> {
     let missing = || Problem::Missing(format!("{} of <{}>", name, element.tag_name().name()));
     element.attribute(name).ok_or_else(missing)
 }
@@ -197,18 +197,27 @@ fn task_size(root: Element<'_>) -> Result<Option<ImageSize>, Problem> {
     Ok(Some(ImageSize::new(of("width")?, of("height")?)))
 }
 
-fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Problem> {
-    let text = text(bytes)?;
+/// The parsed text of CVAT's XML.
+///
+/// # Errors
+/// It is not XML, has a document type, or its root is not `annotations`.
+pub(super) fn parse_annotations(text: &str) -> Result<Xml<'_>, Problem> {
     refuse_many_attributes(text)?;
     let xml = Xml::parse(text).map_err(not_xml)?;
-    let root = xml.root_element();
-    if root.tag_name().name() != "annotations" {
-        let found = format!("it begins with <{}>", clipped(root.tag_name().name()));
-        return Err(Problem::NotFormat {
-            wanted: "CVAT's XML",
-            found,
-        });
+    let root = xml.root_element().tag_name().name();
+    if root == "annotations" {
+        return Ok(xml);
     }
+    let found = format!("it begins with <{}>", clipped(root));
+    Err(Problem::NotFormat {
+        wanted: "CVAT's XML",
+        found,
+    })
+}
+
+fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Problem> {
+    let xml = parse_annotations(text(bytes)?)?;
+    let root = xml.root_element();
     let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
     let mut frames: Vec<LabelledFrame> = Vec::new();
     for image in root.children().filter(|child| child.has_tag_name("image")) {

@@ -11,6 +11,8 @@ use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::node::{Node, parse};
 use super::options::{ImportOptions, Pixels};
 use super::soccernet::flipped_world;
+use super::unreadable::read_frame_files;
+use super::values::are_oblong_pixels;
 use std::path::Path;
 use touchline_core::camera::Radial;
 use touchline_core::field::FieldModel;
@@ -35,7 +37,7 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
     let (k, rotation) = (matrix("KK")?, matrix("R")?);
     let translation = Vec3::from(node.key("T")?.numbers::<3>()?);
     let lens: [f64; 5] = node.key("kc")?.numbers()?;
-    if (k[(0, 0)] / k[(1, 1)] - 1.0).abs() > 1e-9 || k[(0, 1)] != 0.0 {
+    if are_oblong_pixels(k[(0, 0)], k[(1, 1)]) || k[(0, 1)] != 0.0 {
         let what = format!(
             "focal lengths {} and {} px, skew {}",
             k[(0, 0)],
@@ -111,14 +113,13 @@ impl CameraFormat for DeepSport {
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         let court = options.field.model(Path::new("."))?;
-        files.read_all(|name, bytes| {
+        read_frame_files(&files.sorted(), without_ending, |stem, bytes| {
             let (pinhole, size) = camera(bytes, &court)?;
-            let stem = without_ending(name);
             let frame = FrameCamera::new(stem, Some(size), Shown::Camera(pinhole));
-            Ok(Some(FrameCamera {
+            Ok(FrameCamera {
                 image: Some(format!("{stem}_0.png")),
                 ..frame
-            }))
+            })
         })
     }
 }

@@ -55,6 +55,20 @@ pub enum ExchangeError {
         /// What was looked for.
         wanted: &'static str,
     },
+    /// Files are of no known format.
+    #[error("{}: no format is recognized; give --format", path.display())]
+    UnknownFormat {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// Files are of several formats.
+    #[error("{}: the files may be {}; give --format", path.display(), either(formats))]
+    SeveralFormats {
+        /// The file or folder.
+        path: PathBuf,
+        /// The formats.
+        formats: Vec<Format>,
+    },
     /// A frame occurs twice.
     #[error("{}: the frame {name:?} occurs twice; import one camera or folder at a time", path.display())]
     SameFrame {
@@ -476,6 +490,16 @@ impl Problem {
             line,
             problem: Box::new(self),
         }
+    }
+}
+
+/// The names of formats as alternatives: "a, b or c".
+fn either(formats: &[Format]) -> String {
+    let names: Vec<&str> = formats.iter().map(|format| format.name()).collect();
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
     }
 }
 

@@ -73,6 +73,7 @@ fn frame_camera(
             confidence: solution.and_then(|solution| solution.confidence),
             clicks: frame.clicks.iter().filter_map(on_landmark).collect(),
         },
+        unreadable: None,
     })
 }
 
@@ -377,7 +378,7 @@ impl Proof<'_> {
         for kept in held {
             let again = by_name
                 .remove(&kept.name)
-                .filter(|_| is_complete)
+                .filter(|again| is_complete && again.unreadable.is_none())
                 .ok_or_else(|| otherwise(kept))?;
             compare(kept, &again)?;
             if let (Some(size), Shown::Camera(_) | Shown::Lens(_)) = (kept.size, &again.shown)

@@ -24,6 +24,7 @@ use super::npy::Array;
 use super::npz::{Npz, written};
 use super::options::{ImportOptions, Pixels, Rotations};
 use super::picture_size::SizeSource;
+use super::values::are_oblong_pixels;
 use crate::document::{Camera, CameraId, Document, FieldSpec, Frame, FrameLens, FramePtz};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -165,7 +166,7 @@ fn lens_of(calibration: &[f64], distortion: &[f64]) -> Result<KnownLens, Problem
     {
         return Err(Problem::NotFinite("a number of K or k".to_owned()));
     }
-    if (fx / fy - 1.0).abs() > 1e-9 || [skew, a, b, c] != [0.0; 4] || scale != 1.0 {
+    if are_oblong_pixels(fx, fy) || [skew, a, b, c] != [0.0; 4] || scale != 1.0 {
         let what = format!(
             "K with focal lengths of {fx} and {fy} px, skew {skew} and last row {b}, {c}, {scale}"
         );
@@ -205,7 +206,7 @@ fn arrays_of(held: &[FrameCamera]) -> Vec<(&'static str, Array)> {
                 pinhole.known_lens()
             }
             Shown::Lens(lens) => lens,
-            Shown::Ground(_) => continue,
+            Shown::Ground(_) | Shown::Nothing => continue,
         };
         let (cx, cy) = (
             lens.principal_point.x - shift,

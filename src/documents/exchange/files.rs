@@ -30,6 +30,11 @@ pub fn without_ending(path: &str) -> &str {
     path.rsplit_once('.').map_or(path, |(stem, _)| stem)
 }
 
+/// A file's name without folders and ending.
+pub fn stem(path: &str) -> &str {
+    without_ending(base_name(path))
+}
+
 /// Files by their path within a common folder, with `/` between the parts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Files(BTreeMap<String, Vec<u8>>);

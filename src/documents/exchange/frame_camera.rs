@@ -20,6 +20,8 @@ pub enum Shown {
     Ground(Mat3),
     /// By a camera whose pan and tilt are unknown; only its lens is known.
     Lens(KnownLens),
+    /// By a camera that could not be read.
+    Nothing,
 }
 
 /// The lens of a frame whose pan and tilt are not known.
@@ -71,6 +73,8 @@ pub struct FrameCamera {
     pub rate: Option<Rate>,
     /// Status, source and quality of its camera.
     pub record: Record,
+    /// Why it has no camera, where its file is damaged.
+    pub unreadable: Option<Unreadable>,
 }
 
 /// Further data of a frame besides its camera.
@@ -95,6 +99,15 @@ pub struct Record {
     pub clicks: Vec<(String, ImagePoint)>,
 }
 
+/// Why a frame has no camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unreadable {
+    /// Its file; none where other frames are read from the same file.
+    pub file: Option<String>,
+    /// What is wrong there.
+    pub problem: String,
+}
+
 impl FrameCamera {
     /// A frame of which only a name and a camera are known.
     #[must_use]
@@ -110,15 +123,16 @@ impl FrameCamera {
             pts_s: None,
             rate: None,
             record: Record::default(),
+            unreadable: None,
         }
     }
 
-    /// The camera; none for a homography.
+    /// The camera; none for a homography, a lens, or where it could not be read.
     #[must_use]
     pub const fn pinhole(&self) -> Option<&Pinhole> {
         match &self.shown {
             Shown::Camera(pinhole) => Some(pinhole),
-            Shown::Ground(_) | Shown::Lens(_) => None,
+            Shown::Ground(_) | Shown::Lens(_) | Shown::Nothing => None,
         }
     }
 
@@ -136,7 +150,7 @@ impl FrameCamera {
                 Some(ImagePoint::new(image.x / image.z, image.y / image.z))
                     .filter(|point| point.is_finite())
             }
-            Shown::Lens(_) => None,
+            Shown::Lens(_) | Shown::Nothing => None,
         }
     }
 }

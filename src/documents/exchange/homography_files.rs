@@ -10,7 +10,7 @@
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, base_name, text, without_ending};
+use super::files::{Files, stem, text};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::ground_fit::fit_image_from_ground;
 use super::held::{parts, relative_name};
@@ -19,6 +19,7 @@ use super::npy;
 use super::options::{ImportOptions, Pixels};
 use super::picture_size::SizeSource;
 use super::table::numbers;
+use super::unreadable::read_frame_files;
 use super::values::{clipped, side_px};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -227,13 +228,10 @@ impl CameraFormat for Wc14 {
         files: &Files,
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        files.read_all(|name, bytes| {
+        read_frame_files(&files.sorted(), stem, |name, bytes| {
             let shown = image_from_ground(&matrix(&numbers("the homography", text(bytes)?)?)?)?;
-            Ok(Some(FrameCamera::new(
-                without_ending(base_name(name)),
-                Some(SET_SIZE),
-                Shown::Ground(shown),
-            )))
+            let shown = Shown::Ground(shown);
+            Ok(FrameCamera::new(name, Some(SET_SIZE), shown))
         })
     }
 }
@@ -302,26 +300,24 @@ impl CameraFormat for TsWorldCup {
         files: &Files,
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        files.read_all(|name, bytes| {
-            if !self.is_wanted(name) {
-                // The list of videos that is written with them.
-                return Ok(None);
-            }
-            let shown = image_from_ground(&npy::matrix(bytes)?)?;
-            let stem = name
-                .strip_suffix(TS_ENDING)
-                .or_else(|| name.strip_suffix(".npy"))
-                .unwrap_or(name);
-            let stem = stem
-                .strip_prefix(TS_FOLDER)
-                .map_or(stem, |rest| rest.trim_start_matches('/'));
-            Ok(Some(FrameCamera::new(
-                stem,
-                Some(SET_SIZE),
-                Shown::Ground(shown),
-            )))
+        // The list of videos is written with them.
+        let mut homographies = files.sorted();
+        homographies.retain(|(name, _)| self.is_wanted(name));
+        read_frame_files(&homographies, ts_frame_name, |name, bytes| {
+            let shown = Shown::Ground(image_from_ground(&npy::matrix(bytes)?)?);
+            Ok(FrameCamera::new(name, Some(SET_SIZE), shown))
         })
     }
+}
+
+/// The name of the frame of a file of the TS-WorldCup set, with the folder of its video.
+fn ts_frame_name(file: &str) -> &str {
+    let stem = file
+        .strip_suffix(TS_ENDING)
+        .or_else(|| file.strip_suffix(".npy"))
+        .unwrap_or(file);
+    stem.strip_prefix(TS_FOLDER)
+        .map_or(stem, |rest| rest.trim_start_matches('/'))
 }
 
 /// The length of a unit, m.

@@ -41,13 +41,14 @@ pub fn import(
         return import_cameras(path, &folder, format, camera_format, options);
     }
     if let Some(click_format) = click_format(format) {
-        return import_clicks(path, &folder, click_format, options);
+        return import_clicks(path, &folder, format, click_format, options);
     }
     if format == Format::AuthorsMat {
         let read = read_authors_folder(path, AUTHORS_FIELD_YD)?;
         return Ok(Imported {
             document: read.document,
             folder,
+            format,
             notes: Vec::new(),
         });
     }
@@ -66,6 +67,7 @@ pub fn import(
     Ok(Imported {
         document,
         folder,
+        format,
         notes: Vec::new(),
     })
 }

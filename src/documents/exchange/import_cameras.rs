@@ -4,22 +4,24 @@ use super::camera_format::CameraFormat;
 use super::error::ExchangeError;
 use super::files::Files;
 use super::format::Format;
-use super::frame_camera::Shown;
+use super::frame_camera::{FrameCamera, Shown, Unreadable};
 use super::imported::Imported;
-use super::into_document::camera_of;
+use super::into_document::{View, camera_of};
 use super::options::ImportOptions;
 use super::picture_size::{FittedSizes, SizeSource, fit_to_picture};
 use super::pictures::image_of;
+use super::unreadable::{add_unsolved, note_unreadable};
 use super::values::clipped;
 use crate::document::{path_between, resolved};
 use std::collections::BTreeSet;
 use std::path::Path;
 use touchline_core::geometry::ImageSize;
 
-/// Reads a file or folder of cameras as a document of solved frames.
+/// Reads a file or folder of cameras as a document of solved frames. Frames whose camera cannot be
+/// read are in it without one.
 ///
 /// # Errors
-/// It cannot be read, is damaged, or the size of a picture is not known.
+/// It cannot be read, no frame has a camera, or the size of a picture is not known.
 pub fn import_cameras(
     path: &Path,
     folder: &Path,
@@ -34,49 +36,32 @@ pub fn import_cameras(
             wanted: camera_format.wanted(),
         });
     }
-    let mut frames = camera_format.read(&files, options)?;
+    let mut frames = camera_format.read(&files, &options.with_any_size())?;
     if frames.is_empty() {
         return Err(ExchangeError::NoFiles {
             path: path.to_path_buf(),
             wanted: "frame",
         });
     }
+    refuse_repeated(&frames, path)?;
     let images = options
         .images
         .as_ref()
         .map_or_else(|| folder.to_path_buf(), |images| resolved(images));
-    let mut names = BTreeSet::new();
-    let mut sizes_by = SizesBy::default();
+    let mut reader = ViewReader {
+        path,
+        format,
+        source: camera_format.size_source(),
+        options,
+        sizes_by: SizesBy::default(),
+        fitted_sizes: FittedSizes::default(),
+        fitted: 0,
+    };
     let mut views = Vec::with_capacity(frames.len());
-    let mut fitted = 0_usize;
-    let mut fitted_sizes = FittedSizes::default();
+    let mut sizes = Vec::with_capacity(frames.len());
+    let mut first_error = None;
     for frame in &mut frames {
-        if !names.insert(frame.name.clone()) {
-            return Err(ExchangeError::SameFrame {
-                path: path.to_path_buf(),
-                name: clipped(&frame.name),
-            });
-        }
         let (file, known) = image_of(frame.image.as_deref().unwrap_or(&frame.name), &images);
-        let size = sizes_by.choose(known, options.size, frame.size, camera_format.size_source());
-        let size = size.ok_or(ExchangeError::OptionNeeded {
-            format,
-            what: "the size of its pictures",
-            option: "--size WIDTHxHEIGHT or --images FOLDER",
-        })?;
-        let (fit, factor) =
-            fit_to_picture(frame, size, camera_format.size_source()).ok_or_else(|| {
-                let stated = frame.size.unwrap_or(size);
-                ExchangeError::OtherProportions {
-                    frame: clipped(&frame.name),
-                    stated,
-                    picture: size,
-                }
-            })?;
-        if let Some(stated) = frame.size.filter(|_| factor != 1.0) {
-            fitted_sizes.count(stated, size);
-        }
-        *frame = fit;
         if frame.image.is_some() || frame.frame_index.is_none() {
             frame.image = Some(path_between(folder, &images.join(file)));
         }
@@ -84,37 +69,166 @@ pub fn import_cameras(
             .video
             .as_ref()
             .map(|video| path_between(folder, &images.join(video)));
-        fitted += usize::from(matches!(frame.shown, Shown::Ground(_)));
-        let view = camera_of(frame, size).map_err(|source| ExchangeError::NoCamera {
-            path: path.to_path_buf(),
-            frame: clipped(&frame.name),
-            source,
-        })?;
-        let view = view
-            .checked("the camera")
-            .map_err(|problem| problem.within(&clipped(&frame.name)))?;
-        views.push((frame.clone(), size, view));
+        sizes.push(known.or(options.size).or(options.video_size));
+        if frame.unreadable.is_some() {
+            continue;
+        }
+        match reader.view(frame, known)? {
+            Ok(view) => views.push(view),
+            Err(error) => {
+                first_error.get_or_insert(error);
+            }
+        }
     }
-    let mut notes = sizes_by.notes();
-    notes.extend(fitted_sizes.note());
+    if let Some(error) = first_error.filter(|_| views.is_empty()) {
+        return Err(error);
+    }
+    let mut notes = reader.notes();
+    notes.extend(note_unreadable(&frames));
     notes.extend(camera_format.unread(&files));
-    if fitted > 0 {
-        notes.push(format!(
-            "{fitted} cameras were fitted to homographies, with the principal point in the middle and no distortion"
-        ));
+    let mut document = camera_format.document(options.field.clone(), &views);
+    if views.len() < frames.len() {
+        add_unsolved(&mut document, &frames, &sizes);
     }
-    let document = camera_format.document(options.field.clone(), &views);
     Ok(Imported {
         document,
         folder: folder.to_path_buf(),
+        format,
         notes,
     })
+}
+
+/// Refuses two frames of one name.
+fn refuse_repeated(frames: &[FrameCamera], path: &Path) -> Result<(), ExchangeError> {
+    let mut names = BTreeSet::new();
+    match frames.iter().find(|frame| !names.insert(&frame.name)) {
+        Some(frame) => Err(ExchangeError::SameFrame {
+            path: path.to_path_buf(),
+            name: clipped(&frame.name),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Makes frames into views of pictures of known size, and counts what a user should know.
+struct ViewReader<'a> {
+    path: &'a Path,
+    format: Format,
+    source: SizeSource,
+    options: &'a ImportOptions,
+    sizes_by: SizesBy,
+    fitted_sizes: FittedSizes,
+    /// The cameras that were fitted to homographies.
+    fitted: usize,
+}
+
+impl ViewReader<'_> {
+    /// A frame with its camera, for a picture of a known size or that of the options. Where no
+    /// camera fits its numbers, the frame gets the reason, and the inner error is it.
+    ///
+    /// # Errors
+    /// The size of the picture is not known, or has other proportions.
+    fn view(
+        &mut self,
+        frame: &mut FrameCamera,
+        known: Option<ImageSize>,
+    ) -> Result<Result<View, ExchangeError>, ExchangeError> {
+        let size = self.size_of(frame, known)?;
+        let (fit, factor) = fit_to_picture(frame, size, self.source).ok_or_else(|| {
+            ExchangeError::OtherProportions {
+                frame: clipped(&frame.name),
+                stated: frame.size.unwrap_or(size),
+                picture: size,
+            }
+        })?;
+        if let Some(stated) = frame.size.filter(|_| factor != 1.0) {
+            self.fitted_sizes.count(stated, size);
+        }
+        let made = camera_of(&fit, size).map_err(|source| ExchangeError::NoCamera {
+            path: self.path.to_path_buf(),
+            frame: clipped(&frame.name),
+            source,
+        });
+        let checked = made.and_then(|view| {
+            view.checked("the camera")
+                .map_err(|problem| problem.within(&clipped(&frame.name)))
+        });
+        Ok(match checked {
+            Ok(view) => {
+                self.fitted += usize::from(matches!(fit.shown, Shown::Ground(_)));
+                Ok((fit, size, view))
+            }
+            Err(error) => {
+                frame.unreadable = Some(Unreadable {
+                    file: None,
+                    problem: reason_of(&error),
+                });
+                Err(error)
+            }
+        })
+    }
+
+    /// The size of a frame's picture.
+    fn size_of(
+        &mut self,
+        frame: &FrameCamera,
+        known: Option<ImageSize>,
+    ) -> Result<ImageSize, ExchangeError> {
+        let fits = |size: &ImageSize| fit_to_picture(frame, *size, self.source).is_some();
+        let sizes = KnownSizes {
+            image: known,
+            given: self.options.size,
+            video: self.options.video_size.filter(fits),
+            format: frame.size,
+        };
+        let size = self.sizes_by.choose(sizes, self.source);
+        size.ok_or(ExchangeError::OptionNeeded {
+            format: self.format,
+            what: "the size of its pictures",
+            option: "--size WIDTHxHEIGHT or --images FOLDER",
+        })
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let mut notes = self.sizes_by.notes();
+        notes.extend(self.fitted_sizes.note());
+        if self.fitted > 0 {
+            notes.push(format!(
+                "{} cameras were fitted to homographies, with the principal point in the middle and no distortion",
+                self.fitted
+            ));
+        }
+        notes
+    }
+}
+
+/// Why a frame has no camera, without the file and frame that a note names anyway.
+fn reason_of(error: &ExchangeError) -> String {
+    match error {
+        ExchangeError::NoCamera { source, .. } => source.to_string(),
+        ExchangeError::File { problem, .. } => problem.to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// The sizes that a picture may have.
+#[derive(Clone, Copy)]
+struct KnownSizes {
+    /// That of the image itself.
+    image: Option<ImageSize>,
+    /// That of the user.
+    given: Option<ImageSize>,
+    /// That of the video to which frames may be attached.
+    video: Option<ImageSize>,
+    /// That of the format.
+    format: Option<ImageSize>,
 }
 
 /// Counts the sources of the picture sizes.
 #[derive(Default)]
 struct SizesBy {
     option: usize,
+    video: usize,
     format: usize,
     assumed: usize,
     /// The first assumed size.
@@ -122,20 +236,25 @@ struct SizesBy {
 }
 
 impl SizesBy {
-    /// The image's own size, else the given one, else the one stated by the format.
-    fn choose(
-        &mut self,
-        image: Option<ImageSize>,
-        given: Option<ImageSize>,
-        format: Option<ImageSize>,
-        source: SizeSource,
-    ) -> Option<ImageSize> {
+    /// The image's own size, else the given one, else that of the video, else the one stated by the
+    /// format.
+    fn choose(&mut self, sizes: KnownSizes, source: SizeSource) -> Option<ImageSize> {
+        let KnownSizes {
+            image,
+            given,
+            video,
+            format,
+        } = sizes;
         if image.is_some() {
             return image;
         }
         if given.is_some() {
             self.option += 1;
             return given;
+        }
+        if video.is_some() {
+            self.video += 1;
+            return video;
         }
         let count = if source == SizeSource::Assumed {
             &mut self.assumed
@@ -154,6 +273,7 @@ impl SizesBy {
         );
         let said = [
             (self.option, "given by --size"),
+            (self.video, "that of the video"),
             (self.format, "what the files say (their images are missing)"),
             (self.assumed, &assumed),
         ];

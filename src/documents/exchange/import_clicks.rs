@@ -3,6 +3,7 @@
 use super::clicked_frame::{ClickFormat, LabelledFrame, Mark};
 use super::error::ExchangeError;
 use super::files::Files;
+use super::format::Format;
 use super::imported::Imported;
 use super::labels::{Meaning, counted};
 use super::options::ImportOptions;
@@ -27,6 +28,7 @@ const FARTHEST_PX: f64 = 1e6;
 pub fn import_clicks(
     path: &Path,
     folder: &Path,
+    format: Format,
     click_format: &dyn ClickFormat,
     options: &ImportOptions,
 ) -> Result<Imported, ExchangeError> {
@@ -41,6 +43,7 @@ pub fn import_clicks(
         .images
         .as_ref()
         .map_or_else(|| folder.to_path_buf(), |images| resolved(images));
+    let options = &options.with_any_size();
     let sizes = |name: &str| image_of(name, &images).1.or(options.size);
     let frames = click_format.read(&files, options, &sizes)?;
     if frames.is_empty() {
@@ -99,6 +102,7 @@ pub fn import_clicks(
     Ok(Imported {
         document,
         folder: folder.to_path_buf(),
+        format,
         notes,
     })
 }
@@ -168,10 +172,11 @@ fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String,
 }
 
 /// The cameras of a new document: one for each picture size.
-struct Cameras<'a>(&'a mut Vec<crate::document::Shared<Camera>>);
+pub struct Cameras<'a>(pub &'a mut Vec<crate::document::Shared<Camera>>);
 
 impl Cameras<'_> {
-    fn of_size(&mut self, size: ImageSize) -> CameraId {
+    /// The camera of a size; a new one where there is none.
+    pub fn of_size(&mut self, size: ImageSize) -> CameraId {
         if let Some(camera) = self.0.iter().find(|camera| camera.image_size == size) {
             return camera.id.clone();
         }

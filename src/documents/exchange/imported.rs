@@ -1,5 +1,6 @@
 //! The result of an import.
 
+use super::format::Format;
 use crate::document::Document;
 use std::path::PathBuf;
 
@@ -10,6 +11,8 @@ pub struct Imported {
     pub document: Document,
     /// The folder that its relative paths start from.
     pub folder: PathBuf,
+    /// The format of the files.
+    pub format: Format,
     /// Notes for the user.
     pub notes: Vec<String>,
 }

@@ -294,15 +294,15 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
 /// meaningful pose.
 ///
 /// # Errors
-/// No camera with square pixels fits the homography.
+/// No camera with square pixels fits the homography, or the frame shows nothing.
 pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlanePoseError> {
-    let image_from_ground = match &frame.shown {
+    let points = match &frame.shown {
         Shown::Camera(pinhole) => return Ok(*pinhole),
         Shown::Lens(lens) => return Ok(lens.unpointed()),
-        Shown::Ground(image_from_ground) => image_from_ground,
+        Shown::Ground(image_from_ground) => grid_on_ground(image_from_ground, size),
+        Shown::Nothing => Vec::new(),
     };
     let principal_point = size.centre();
-    let points = grid_on_ground(image_from_ground, size);
     let pose = pose_from_plane(&points, principal_point)?.refined(&points, principal_point);
     Ok(Pinhole {
         cam_from_world: pose.cam_from_world,

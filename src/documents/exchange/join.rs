@@ -1,5 +1,7 @@
 //! Joins imported labels with an open document. The user's work in that document is never changed.
+//! Frames without pictures of their own are first attached to the document's only video.
 
+use super::attach::plan_attachment;
 use super::imported::Imported;
 use super::places::Places;
 use crate::document::{Camera, CameraId, Document, DocumentAt, FieldSpec, Frame, FrameStatus};
@@ -40,8 +42,27 @@ pub struct JoinedPair {
 /// Joins imported frames with those of a document that show the same pictures (`Places`). A frame
 /// gets the imported clicks if it has none, and the imported camera if it has no click and no
 /// decision of the user. Frames that are not in the document are appended.
+///
+/// Imported frames that have no pictures of their own are attached to the frames of the document's
+/// only video in the most plausible way ([`plan_attachment`]); where none is plausible, a note says
+/// why, and they are appended.
 #[must_use]
 pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
+    let mut notes = Vec::new();
+    let mut attached = None;
+    let mut may_match = true;
+    match plan_attachment(open, imported) {
+        Ok(Some(plan)) => {
+            let candidate = plan.candidates().first();
+            attached = candidate.map(|candidate| plan.apply(imported, candidate));
+        }
+        Ok(None) => {}
+        Err(reason) => {
+            notes.push(reason.to_string());
+            may_match = false;
+        }
+    }
+    let imported = attached.as_ref().unwrap_or(imported);
     let mut joined = Joined {
         document: open.document.clone(),
         matched: 0,
@@ -51,7 +72,7 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
         other_size: 0,
         clicks: 0,
         cameras: 0,
-        notes: imported.notes.clone(),
+        notes: imported.notes.iter().cloned().chain(notes).collect(),
     };
     let places = Places::from_document(open);
     // The imported document with paths relative to the open document's folder.
@@ -64,8 +85,8 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
         ids: BTreeMap::new(),
     };
     for (frame, moved) in imported.document.frames.iter().zip(&moved.frames) {
-        let place = places.find(frame, &imported.folder);
-        match place.and_then(|place| {
+        let place = may_match.then(|| places.find(frame, &imported.folder));
+        match place.flatten().and_then(|place| {
             joined
                 .document
                 .frames
@@ -119,11 +140,14 @@ fn label(
 ) -> Option<Frame> {
     let mut frame = there;
     let mut changed = false;
-    if imported.ptz.is_some() && frame.is_open() {
+    if (imported.ptz.is_some() || imported.lens.is_some()) && frame.is_open() {
         frame.camera = cameras.take(&imported.camera, document);
+        frame.lens = imported.lens.clone().or(frame.lens);
+        changed = true;
+    }
+    if imported.ptz.is_some() && frame.is_open() {
         (frame.ptz, frame.solution) = (imported.ptz.clone(), imported.solution.clone());
         frame.status = FrameStatus::Suggested;
-        changed = true;
     }
     let is_undecided = matches!(
         frame.status,
@@ -230,6 +254,7 @@ fn free_id(document: &Document, name: &CameraId) -> CameraId {
 mod tests {
     use super::*;
     use crate::document::{Click, FieldSpec};
+    use crate::exchange::Format;
     use crate::exchange::tests::{SIZE, awkward};
     use std::path::{Path, PathBuf};
     use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -259,6 +284,7 @@ mod tests {
         Imported {
             document,
             folder: PathBuf::from(folder),
+            format: Format::Json,
             notes: vec!["said".to_owned()],
         }
     }

@@ -6,6 +6,7 @@
 //! foreign files. The conventions of each format are described at the top of its file.
 
 mod about;
+mod attach;
 mod authors_mat;
 mod body_angles;
 mod broadtrack;
@@ -50,10 +51,12 @@ mod npz;
 mod opencv_yaml;
 mod opentrackio;
 mod options;
+mod picture_points;
 mod picture_size;
 mod pictures;
 mod places;
 mod rate;
+mod recognize;
 mod registry;
 mod soccernet;
 mod soccernet_lines;
@@ -63,12 +66,17 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod timecode;
+mod unreadable;
 mod usda;
 mod values;
 mod work_packages;
 mod yolo_pose;
 
 pub use about::About;
+pub use attach::{
+    AttachedPair, Attachment, AttachmentCandidate, Counting, MatchedBy, NotAttached,
+    plan_attachment, size_of_only_video,
+};
 #[cfg(any(test, feature = "testing"))]
 #[doc(hidden)]
 pub use authors_mat::writer as mat_writer;
@@ -94,6 +102,8 @@ pub use options::{
     ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource,
     Recording, Rotations, Zoom,
 };
+pub use picture_points::{PicturePoints, read_picture_points};
 pub use rate::Rate;
+pub use recognize::recognize_format;
 pub use timecode::Timecode;
 pub use work_packages::{restore_version, write_packages};

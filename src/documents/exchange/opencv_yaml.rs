@@ -6,11 +6,12 @@
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, base_name, text, without_ending};
+use super::files::{Files, stem, text};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
-use super::values::{clipped, side_px};
+use super::unreadable::read_frame_files;
+use super::values::{are_oblong_pixels, clipped, side_px};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use touchline_core::camera::Radial;
@@ -159,7 +160,7 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
     let side = |key: &str| -> Result<u32, Problem> { side_px(key, get(key, 1)?[0]) };
     let size = ImageSize::new(side("image_width")?, side("image_height")?);
     let k = get("camera_matrix", 9)?;
-    if (k[0] / k[4] - 1.0).abs() > 1e-9 || k[1] != 0.0 {
+    if are_oblong_pixels(k[0], k[4]) || k[1] != 0.0 {
         let what = format!("focal lengths {} and {} px, skew {}", k[0], k[4], k[1]);
         return Err(Problem::Unsupported {
             what,
@@ -233,13 +234,9 @@ impl CameraFormat for OpenCvYaml {
         files: &Files,
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        files.read_all(|name, bytes| {
+        read_frame_files(&files.sorted(), stem, |name, bytes| {
             let (pinhole, size) = camera(bytes)?;
-            Ok(Some(FrameCamera::new(
-                without_ending(base_name(name)),
-                Some(size),
-                Shown::Camera(pinhole),
-            )))
+            Ok(FrameCamera::new(name, Some(size), Shown::Camera(pinhole)))
         })
     }
 }

@@ -143,6 +143,9 @@ pub struct ImportOptions {
     pub images: Option<PathBuf>,
     /// The size of the pictures, where neither the file nor an image gives it.
     pub size: Option<ImageSize>,
+    /// The size of the frames of the video to which imported frames may be attached. It is used
+    /// where there is no image and no [`size`](Self::size), if the cameras can be rescaled to it.
+    pub video_size: Option<ImageSize>,
     /// The pixel convention, where the format does not define it; none: the usual one of the
     /// format.
     pub pixels: Option<Pixels>,
@@ -164,12 +167,24 @@ impl Default for ImportOptions {
             field: FieldSpec::new("soccer"),
             images: None,
             size: None,
+            video_size: None,
             pixels: None,
             map: LabelMap::default(),
             skip_unmapped: false,
             annotator: None,
             zoom: None,
             sensor_width_mm: None,
+        }
+    }
+}
+
+impl ImportOptions {
+    /// The options for reading files: the size of the video where no other is given.
+    #[must_use]
+    pub(super) fn with_any_size(&self) -> Self {
+        Self {
+            size: self.size.or(self.video_size),
+            ..self.clone()
         }
     }
 }

@@ -64,6 +64,7 @@ fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera 
             Shown::Ground(Mat3::from_diagonal(&Vec3::new(factor, factor, 1.0)) * image_from_ground)
         }
         Shown::Lens(lens) => Shown::Lens(lens.unpointed().scaled(factor).known_lens()),
+        Shown::Nothing => Shown::Nothing,
     };
     FrameCamera {
         size: Some(picture),

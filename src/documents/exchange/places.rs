@@ -133,7 +133,7 @@ fn may_be_copies(a: &Path, b: &Path) -> bool {
 }
 
 /// Whether a path names a video file. Tracks without a video are named by their numbers.
-fn names_video(path: &str) -> bool {
+pub fn names_video(path: &str) -> bool {
     Path::new(path).extension().is_some()
 }
 

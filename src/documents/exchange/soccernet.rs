@@ -8,11 +8,13 @@
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, base_name, without_ending};
+use super::files::{Files, stem};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::node::{Node, parse};
 use super::options::ImportOptions;
 use super::picture_size::SizeSource;
+use super::unreadable::read_frame_files;
+use super::values::are_oblong_pixels;
 use serde_json::{Value, json};
 use touchline_core::camera::Radial;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
@@ -21,8 +23,6 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 const PREFIX: &str = "camera_";
 /// The pitch of all tools of the challenge, m.
 pub const PITCH_M: [f64; 2] = [105.0, 68.0];
-/// Pixels count as square if the two focal lengths differ by less than this fraction.
-const SQUARE: f64 = 1e-9;
 
 /// Cameras as the challenge's files have them.
 pub struct SoccerNet;
@@ -120,7 +120,7 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
         node.key("x_focal_length")?.positive()?,
         node.key("y_focal_length")?.positive()?,
     ];
-    if (fx / fy - 1.0).abs() > SQUARE {
+    if are_oblong_pixels(fx, fy) {
         let what = format!("focal lengths {fx} and {fy} px");
         return Err(Problem::Unsupported {
             what,
@@ -196,16 +196,14 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
     ))
 }
 
-/// A file's name without folders and ending.
-fn stem(name: &str) -> &str {
-    without_ending(base_name(name))
+fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
+    read_frame_files(&files.sorted(), frame_name, read_file)
 }
 
-fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
-    files.read_all(|name, bytes| {
-        let frame = stem(name).strip_prefix(PREFIX).unwrap_or(stem(name));
-        read_file(frame, bytes).map(Some)
-    })
+/// The name of a file's frame: without folders, prefix and ending.
+fn frame_name(file: &str) -> &str {
+    let stem = stem(file);
+    stem.strip_prefix(PREFIX).unwrap_or(stem)
 }
 
 impl CameraFormat for SoccerNet {

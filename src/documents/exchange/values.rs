@@ -6,6 +6,16 @@ use touchline_core::geometry::ImageSize;
 /// The maximum frame number: at 60 frames per second it is reached after five centuries.
 const MAX_FRAME: f64 = 1e12;
 
+/// Pixels count as square if the two focal lengths differ by less than this fraction. Programs that
+/// write eight digits, or compute with 32 bits, make the two differ by a few 1e-8.
+const SQUARE: f64 = 1e-6;
+
+/// Whether two focal lengths belong to pixels that are not square, which no document can have.
+#[must_use]
+pub const fn are_oblong_pixels(fx: f64, fy: f64) -> bool {
+    (fx / fy - 1.0).abs() >= SQUARE
+}
+
 /// A side of a picture: a whole number of pixels, 1 to 65 535.
 ///
 /// # Errors
@@ -50,6 +60,13 @@ pub fn clipped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pixels_are_square_up_to_the_eighth_digit() {
+        assert!(!are_oblong_pixels(2410.0, 2410.000_05));
+        assert!(are_oblong_pixels(2410.0, 2410.005));
+        assert!(are_oblong_pixels(2410.0, 2400.0));
+    }
 
     #[test]
     fn what_is_no_side_or_number_is_refused() {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
     DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported, Joined,
-    export, import, join, plan_dataset,
+    export, import, join, plan_dataset, size_of_only_video,
 };
 use touchline_documents::store;
 
@@ -88,7 +88,11 @@ impl Operation for TransferLook {
                 format,
                 options,
             } => {
-                let imported = read_import(from, *format, options);
+                let options = ImportOptions {
+                    video_size: size_of_only_video(at),
+                    ..(**options).clone()
+                };
+                let imported = read_import(from, *format, &options);
                 Look::Import(imported.map(|imported| Arc::new(join(at, &imported))))
             }
         })
@@ -129,6 +133,7 @@ fn read_import(from: &Path, format: Format, options: &ImportOptions) -> Result<I
     Ok(Imported {
         document,
         folder: location.folder().to_path_buf(),
+        format: Format::Json,
         notes,
     })
 }

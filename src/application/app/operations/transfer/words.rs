@@ -6,7 +6,7 @@ use touchline_documents::exchange::{ExchangeError, Joined};
 
 /// Options of the command line in error messages, and their names in the dialog. Replaced in this
 /// order; of two with the same beginning the longer one must come first.
-const OPTIONS: [(&str, &str); 21] = [
+const OPTIONS: [(&str, &str); 22] = [
     (
         "give a --map file with them, or --skip-unmapped",
         "choose what labels are, or leave out others",
@@ -17,6 +17,7 @@ const OPTIONS: [(&str, &str); 21] = [
     ("--size WIDTHxHEIGHT", "the picture size"),
     ("given by --size", "given as picture size"),
     ("--size ", "picture size "),
+    ("give --format", "choose the format"),
     ("--sensor-mm", "sensor width"),
     ("--zoom", "what zoom values are"),
     ("--fps", "frames a second"),
