@@ -16,6 +16,7 @@ pub const TESTS: &[Test] = tests![
     [Adapter] under_the_pointer_no_row_moves;
     [Adapter] the_panel_and_the_filmstrip_look_like_this;
     [Adapter] several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back;
+    [Adapter] a_stretch_is_counted_and_accepted_by_keyboard_and_one_undo_takes_it_back;
     [Adapter] the_pictures_of_many_suggestions_lie_apart;
     [Adapter] an_accepted_suggestion_can_be_used_for_training;
 ];
@@ -230,6 +231,45 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
         .key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
     window.harness.run_steps(2);
     assert_eq!(statuses(&window), [Suggested; 3]);
+}
+
+fn a_stretch_is_counted_and_accepted_by_keyboard_and_one_undo_takes_it_back() {
+    use FrameStatus::{New, Reference, Suggested};
+    let mut window = Window::open_suggested(&[Some(0.99), Some(0.97), None, Some(0.98)], SIZE);
+    window
+        .harness
+        .get_by_label_contains("Frame 3, 0003.png")
+        .click_modifiers(egui::Modifiers::SHIFT);
+    window.harness.run_steps(2);
+    window
+        .harness
+        .get_by_label_contains("4 frames selected, 0 to 3.");
+    window.harness.get_by_label("Accept 4 selected frames…");
+    // The painted lines of their pictures are looked at in the background.
+    let is_checked = |frame| move |shell: &Shell| shell.app().own_paint_says(frame).is_some();
+    for frame in [0, 1, 3] {
+        window.wait_for(is_checked(frame));
+    }
+    window.key(Key::Enter);
+    assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
+    window
+        .harness
+        .get_by_label("3 on the paint, 1 left: 1 without a camera (frame 2).");
+    window.key(Key::Escape);
+    assert_eq!(
+        statuses(&window),
+        [Suggested, Suggested, New, Suggested],
+        "left as they were"
+    );
+    window.key(Key::Enter);
+    window.harness.run_steps(3);
+    window.key(Key::Enter);
+    assert_eq!(statuses(&window), [Reference, Reference, New, Reference]);
+    window
+        .harness
+        .key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+    window.harness.run_steps(2);
+    assert_eq!(statuses(&window), [Suggested, Suggested, New, Suggested]);
 }
 
 fn an_accepted_suggestion_can_be_used_for_training() {

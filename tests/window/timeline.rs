@@ -4,7 +4,7 @@
 
 use super::harness::{SIZE, Window};
 use crate::parts::{Test, tests};
-use egui::{Key, Modifiers, Pos2, pos2};
+use egui::{Event, Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
 use std::process::Command;
@@ -14,6 +14,7 @@ use touchline::document::{
 
 pub const TESTS: &[Test] = tests![
     [Adapter, Ffmpeg] a_click_or_a_drag_on_the_timeline_shows_that_frame;
+    [Adapter, Ffmpeg] a_drag_with_shift_selects_frames_and_a_click_lets_go_of_them;
     [Adapter, Ffmpeg] the_handle_of_a_cut_moves_it_in_one_step_of_undo;
     [Adapter, Ffmpeg] a_frame_is_gone_to_by_its_number_or_its_time;
     [Adapter, Ffmpeg] a_video_plays_and_stands_where_it_is_paused;
@@ -107,6 +108,45 @@ fn a_click_or_a_drag_on_the_timeline_shows_that_frame() {
     window.release(to);
     assert_eq!(shown(&window), 55);
     assert_eq!(starts(&window), [0, CUT], "nothing was cut");
+}
+
+fn a_drag_with_shift_selects_frames_and_a_click_lets_go_of_them() {
+    let mut window = open();
+    let at = on_line(&window, 10, 20.0);
+    window.press(at);
+    window.release(at);
+    let selected = |window: &Window| -> Vec<usize> {
+        let frames = &window.app().session.frames_selected;
+        frames.iter().copied().collect()
+    };
+    window
+        .harness
+        .event(Event::ModifiersChanged(Modifiers::SHIFT));
+    window.press(on_line(&window, 20, 20.0));
+    assert_eq!(selected(&window), (10..=20).collect::<Vec<_>>());
+    let to = on_line(&window, 15, 20.0);
+    window.drag(to);
+    window.release(to);
+    window
+        .harness
+        .event(Event::ModifiersChanged(Modifiers::NONE));
+    window.harness.run_steps(2);
+    assert_eq!(selected(&window), (10..=15).collect::<Vec<_>>());
+    assert_eq!(shown(&window), 10, "the shown frame stays");
+    window
+        .harness
+        .get_by_label_contains("6 frames selected, 10 to 15.");
+    // No frame has a camera: the sheet says so, and Enter changes nothing.
+    window.key(Key::Enter);
+    window
+        .harness
+        .get_by_label("0 on the paint, 6 left: 6 without a camera (frames 10–15).");
+    window.key(Key::Escape);
+    assert_eq!(selected(&window).len(), 6);
+    let elsewhere = on_line(&window, 40, 20.0);
+    window.press(elsewhere);
+    window.release(elsewhere);
+    assert_eq!((selected(&window), shown(&window)), (Vec::new(), 40));
 }
 
 fn the_handle_of_a_cut_moves_it_in_one_step_of_undo() {

@@ -2,11 +2,11 @@
 
 use super::harness::{SIZE, Window};
 use crate::parts::{Test, tests};
-use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, vec2};
+use egui::{CursorIcon, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::{Mode, PictureView};
-use touchline::document::FrameStatus;
+use touchline::document::{FrameStatus, Target};
 use touchline::geometry::ImagePoint;
 use touchline::ui::Shell;
 
@@ -14,6 +14,7 @@ pub const TESTS: &[Test] = tests![
     [Adapter] a_click_lands_on_the_same_pixel_at_any_density;
     [Adapter] the_wheel_zooms_to_the_pointer_and_the_view_stays_on_the_next_frame;
     [Adapter] the_overlay_follows_a_dragged_point_in_the_same_frame_of_the_window;
+    [Adapter] a_drawn_ring_is_dragged_to_where_the_picture_shows_it;
     [Adapter] masks_are_drawn_and_deleted_on_the_picture;
     [Adapter] a_frame_is_rejected_with_its_reason;
     [Adapter] nothing_can_be_clicked_where_the_picture_is_missing;
@@ -119,6 +120,52 @@ fn the_overlay_follows_a_dragged_point_in_the_same_frame_of_the_window() {
     window.release(at);
     assert_eq!(window.app().frame().unwrap().clicks[0].image, before);
     assert!(window.harness.query_by_label("Loupe").is_none());
+}
+
+fn a_drawn_ring_is_dragged_to_where_the_picture_shows_it() {
+    let mut window = Window::open_suggested(&[Some(0.9)], [960.0, 600.0]);
+    let before = window.app().frame().unwrap().ptz.clone();
+    let ring = window.image_of("penalty_mark_left");
+    let at = window.on_screen(ring) + vec2(3.0, -2.0);
+    window.drag(at);
+    window.harness.step();
+    assert_eq!(
+        window.harness.output().platform_output.cursor_icon,
+        CursorIcon::Grab
+    );
+    window.press(at);
+    window.drag(at + vec2(30.0, 0.0));
+    let frame = window.app().frame().unwrap();
+    let target = Target::Landmark("penalty_mark_left".into());
+    assert_eq!(frame.clicks[0].target, Some(target));
+    assert_ne!(frame.ptz, before, "the camera follows");
+    let now = window.app().current().camera.unwrap();
+    let field = super::harness::field();
+    let mark = field.landmark_in_world(field.landmark("penalty_mark_left").unwrap());
+    let drawn = now.image_from_world(mark).unwrap();
+    assert!(
+        window.on_screen(drawn).distance(at + vec2(27.0, 2.0)) < 1.5,
+        "it keeps its distance from the pointer"
+    );
+
+    // Escape while the button is down.
+    window.key(Key::Escape);
+    window.release(at);
+    let frame = window.app().frame().unwrap();
+    assert_eq!((frame.clicks.len(), &frame.ptz), (0, &before));
+
+    // A drag that ends is one step of undo.
+    window.press(at);
+    window.drag(at + vec2(-20.0, 8.0));
+    window.release(at + vec2(-20.0, 8.0));
+    assert_eq!(window.app().frame().unwrap().clicks.len(), 1);
+    assert_eq!(window.app().session.mode, Mode::Idle);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.harness.run_steps(2);
+    let frame = window.app().frame().unwrap();
+    assert_eq!((frame.clicks.len(), &frame.ptz), (0, &before));
 }
 
 fn masks_are_drawn_and_deleted_on_the_picture() {

@@ -60,6 +60,7 @@ pub enum Command {
     AcceptAndStay,
     AcceptAnyway,
     AcceptAllAbove,
+    AcceptStretch,
     UseForTraining,
     MarkGold,
     ChooseGold,
@@ -198,6 +199,7 @@ rows! {
     AcceptAndStay, "accept_and_stay", Frame, Picture, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
     AcceptAnyway, "accept_anyway", Frame, Picture, "Accept although it looks wrong", "Make this frame a reference although something contradicts it. It is not used for training unless you say so.", [];
     AcceptAllAbove, "accept_all_above", Frame, Picture, "Accept all above…", "Accept every suggestion above a confidence you choose, after a preview. One step of undo.", ["Ctrl+Enter"];
+    AcceptStretch, "accept_stretch", Frame, Picture, "Accept the selected frames…", "Count the selected frames that lie on their painted lines, and accept these after a look; Enter does this while frames are selected. One step of undo.", [];
     UseForTraining, "use_for_training", Frame, Picture, "Use for training", "Train the forest with this reference. Accepted suggestions are not used unless you say so.", [];
     Reject, "reject", Frame, Picture, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
     RejectShot, "reject_shot", Frame, Picture, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];

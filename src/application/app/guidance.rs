@@ -4,6 +4,7 @@ use super::progress::{ALL_DONE, missing_references};
 use super::session::{Mode, reason_label};
 use super::{App, Command};
 use touchline_calibration::calibrate::{CalibrationError, LANDMARKS_ALONE};
+use touchline_core::geometry::counted;
 use touchline_core::solve::{ClickResidual, SolveError, Verdict};
 use touchline_documents::document::{Frame, FrameStatus, SolutionSource, Target};
 
@@ -60,6 +61,7 @@ pub fn next_step(app: &App) -> Guidance {
     }
     begun(app)
         .or_else(|| estimated(app))
+        .or_else(|| stretch(app))
         .or_else(|| {
             app.session
                 .points
@@ -111,6 +113,23 @@ fn begun(app: &App) -> Option<Guidance> {
         }
         Mode::Editing => "Enter keeps the number, Esc restores it.".to_owned(),
     }))
+}
+
+/// Frames that are selected: what is accepted now are these.
+fn stretch(app: &App) -> Option<Guidance> {
+    let count = app.stretch_size()?;
+    let (open, selected) = (app.open()?, &app.session.frames_selected);
+    let (first, last) = (*selected.first()?, *selected.last()?);
+    let keys = &app.settings.keys;
+    let text = format!(
+        "{} selected, {} to {}. {} counts those on the painted lines, {} lets go.",
+        counted(count, "frame"),
+        open.frame_number(first),
+        open.frame_number(last),
+        keys.shown(Command::Accept),
+        keys.shown(Command::Cancel)
+    );
+    Some(Guidance::say(text).offer("Accept…", Command::AcceptStretch))
 }
 
 /// The frame is accepted or rejected.
@@ -309,9 +328,18 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
             None if frame.is_unanswered() => {
                 Guidance::say(format!("No proposal here. {}", first_point()))
             }
+            None if current.camera.is_some() => Guidance::say(of_given_camera(app)),
             None => Guidance::say(first_point()),
         },
     }
+}
+
+/// The text for a frame without clicks whose camera came with the document.
+fn of_given_camera(app: &App) -> &'static str {
+    if app.is_contradicted(app.session.frame) {
+        return "The painted lines lie elsewhere: drag a drawn line or ring to where it belongs.";
+    }
+    "This camera came with the document. Enter accepts it, a drawn line or ring can be dragged."
 }
 
 /// The text for a frame whose camera is aligned to the painted lines.

@@ -88,10 +88,9 @@ use current::FreshSolve;
 use operation::{Report, RequestId};
 use operations::Operations;
 use quality::Quality;
-use review::{AcceptSheet, Review};
+use review::{AcceptQuestion, AcceptSheet, Review};
 use session::Session;
 use std::sync::Arc;
-use touchline_documents::document::Frames;
 
 /// The state of the application; see the module.
 #[derive(Debug, Default)]
@@ -107,10 +106,10 @@ pub struct App {
     /// The solution of the shown frame, if the action just computed it.
     fresh: Option<FreshSolve>,
     review: Review,
-    /// The suggestions on the sheet *Accept all*, while it is shown.
+    /// While frames are about to be accepted together.
     accept_sheet: Option<Arc<AcceptSheet>>,
-    /// The document's frames at the moment when the sheet was opened.
-    asked_to_accept: Option<Frames>,
+    /// What it asks about, as it was when it opened.
+    accept_question: Option<AcceptQuestion>,
     quality: Quality,
     /// Returns the present time, which is stored with repeated clicks. None in tests: no time is
     /// stored.

@@ -31,6 +31,19 @@ impl Scope {
     }
 }
 
+/// The first and the last of each run of places that follow each other; the places ascend.
+#[must_use]
+pub fn runs_of(places: impl Iterator<Item = usize>) -> Vec<[usize; 2]> {
+    let mut runs: Vec<[usize; 2]> = Vec::new();
+    for place in places {
+        match runs.last_mut() {
+            Some([_, last]) if *last + 1 == place => *last = place,
+            _ => runs.push([place; 2]),
+        }
+    }
+    runs
+}
+
 /// The selection after a click on a frame of the filmstrip. A single frame is no selection; it is
 /// just the shown frame.
 pub(super) fn after_click(

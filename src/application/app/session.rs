@@ -15,7 +15,7 @@ use crate::scene::uncertainty::UncertaintyView;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use touchline_core::geometry::ImagePoint;
-use touchline_documents::document::{FrameId, RejectReason};
+use touchline_documents::document::{FrameId, RejectReason, Target};
 use touchline_documents::store::Orphan;
 
 /// What the window shows and what the user is doing.
@@ -74,6 +74,8 @@ pub struct PointState {
     /// The indices of the clicks that were just moved onto the paint, until the next action of the
     /// user.
     pub just_snapped: Vec<usize>,
+    /// The drawn landmark or line under the button that is down, until the pointer moves.
+    pub grabbed: Option<Target>,
     /// Whether the next click becomes a point on a line.
     pub next_on_line: bool,
 }

@@ -13,6 +13,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::ConfirmFieldSize | C::FitFieldSize => "pitch dimensions length width",
         C::Accept | C::AcceptAndStay => "approve confirm reference keyframe",
         C::AcceptAllAbove => "bulk approve batch confidence",
+        C::AcceptStretch => "bulk approve range span selection",
         C::Reject | C::RejectShot => "skip discard unusable close-up replay",
         C::DeleteClick => "remove landmark keypoint",
         C::RenameClick => "rename relabel landmark keypoint",

@@ -14,6 +14,7 @@
 //! the graphics card. `render` draws the result, on screen or off.
 
 pub mod drawing;
+pub mod drawn_element;
 pub mod field_map;
 mod line_colours;
 pub mod next_click;

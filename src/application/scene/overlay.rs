@@ -11,7 +11,9 @@ use super::drawing::{
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
-use touchline_core::markings::{MarkingOptions, project_landmarks, project_lines};
+use touchline_core::markings::{
+    MarkingOptions, MarkingPolyline, ProjectedLandmark, project_landmarks, project_lines,
+};
 use touchline_documents::document::{Click, Target};
 
 /// Colour of the rim around lines and markers.
@@ -180,21 +182,17 @@ pub fn mask_overlay(boxes: &[PixelBox]) -> Drawing {
 
 /// Appends the lines and unclicked landmarks as the camera predicts them.
 fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
-    let Some(camera) = scene.camera else { return };
+    if scene.camera.is_none() {
+        return;
+    }
     let style = scene.style;
     let [r, g, b] = style.colour;
     let colour = Colour::rgb(r, g, b);
-    // Curves deviate from the truth by at most 0.1 px of the canvas.
-    let options = MarkingOptions {
-        tolerance_px: 0.1 / scene.zoom.max(1.0),
-        ..MarkingOptions::default()
-    };
-    // Gaps allow for the round caps and rims of the dashes.
     let dash = (scene.standing == Standing::Proposed).then_some(Dash {
         on_pt: 5.0 * style.width,
         off_pt: 4.0 * style.width + 2.0 * style.outline,
     });
-    let strokes = project_lines(scene.field, camera, scene.image_size, &options)
+    let strokes = lines_in_picture(scene)
         .into_iter()
         .map(|line| Stroke {
             points: line.points.into_iter().map(drawn).collect(),
@@ -214,15 +212,7 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     // Clicked landmarks have the marker of their click.
     if style.landmarks {
         let alpha = (255.0 * style.opacity.clamp(0.0, 1.0)) as u8;
-        let unclicked = project_landmarks(scene.field, camera, scene.image_size, 0.0)
-            .into_iter()
-            .filter(|projected| {
-                let id = &scene.field.landmarks[projected.landmark].id;
-                !scene
-                    .clicks
-                    .iter()
-                    .any(|click| click.target == Some(Target::Landmark(id.clone())))
-            });
+        let unclicked = landmarks_without_click(scene).into_iter();
         drawing.markers.extend(unclicked.map(|projected| Marker {
             at: drawn(projected.image),
             shape: MarkerShape::Ring,
@@ -237,7 +227,34 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     }
 }
 
-/// Appends the clicks: residual, marker, marks for aligned and selected clicks, code.
+/// The field's lines as the camera sees them; none without a camera.
+pub(super) fn lines_in_picture(scene: &OverlayScene<'_>) -> Vec<MarkingPolyline> {
+    let Some(camera) = scene.camera else {
+        return Vec::new();
+    };
+    let options = MarkingOptions {
+        tolerance_px: 0.1 / scene.zoom.max(1.0),
+        ..MarkingOptions::default()
+    };
+    project_lines(scene.field, camera, scene.image_size, &options)
+}
+
+/// The landmarks that the camera sees and no click names; none without a camera.
+pub(super) fn landmarks_without_click(scene: &OverlayScene<'_>) -> Vec<ProjectedLandmark> {
+    let Some(camera) = scene.camera else {
+        return Vec::new();
+    };
+    let mut seen = project_landmarks(scene.field, camera, scene.image_size, 0.0);
+    seen.retain(|projected| {
+        let id = &scene.field.landmarks[projected.landmark].id;
+        !scene
+            .clicks
+            .iter()
+            .any(|click| click.target == Some(Target::Landmark(id.clone())))
+    });
+    seen
+}
+
 fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let mut whiskers = Vec::new();
     for (index, click) in scene

@@ -193,6 +193,33 @@ mod tests {
         assert!(!document.frames[0].restore_proposed());
     }
 
+    #[test]
+    fn an_imported_camera_is_a_prior_only_where_it_was_kept_as_one() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let (mut document, truth) = slightly_wrong();
+        let frame = &mut document.frames[0];
+        frame.solution.as_mut().unwrap().source = Some(SolutionSource::Import);
+        let world = field.landmark_in_world(field.landmark("centre_mark").unwrap());
+        let at = truth.image_from_world(world).unwrap();
+        frame.clicks.push(Click::landmark("centre_mark".into(), at));
+        let solve = |document: &Document| {
+            let lookup = FrameLookup::of(document);
+            calibrate(document, &lookup, &document.frames[0], &field, 0)
+        };
+        assert!(solve(&document).is_err(), "one click is too few");
+        document.frames[0].keep_camera_as_prior();
+        let solved = solve(&document).unwrap();
+        let camera = PtzCamera::new(*truth.base(), solved.ptz);
+        let off_px = camera.image_from_world(world).unwrap().distance_px(at);
+        assert!(off_px < 1.0, "{off_px} px off");
+        assert!((solved.ptz.focal_px / 2310.0 - 1.0).abs() < 0.005);
+        document.frames[0].record(&solved);
+        assert_eq!(document.frames[0].source(), Some(SolutionSource::Import));
+        let before = document.frames[0].clone();
+        document.frames[0].keep_camera_as_prior();
+        assert_eq!(*document.frames[0], *before, "the first one is kept");
+    }
+
     /// What is stated of the worst corner after one click on the centre mark that is off from where
     /// the proposal has it.
     fn after_one_click(off_px: f64) -> (f64, f64, Ptz) {

@@ -51,7 +51,7 @@ pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, Joi
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use check::{
     Fault, PictureCheck, Problem, check_cameras, check_pictures, check_solutions, check_still_runs,
-    check_values,
+    check_values, impossible_camera,
 };
 pub(crate) use clip::record_tracked_frame;
 pub use clip::{

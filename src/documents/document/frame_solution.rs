@@ -95,15 +95,34 @@ impl Frame {
             return Some(kept.clone());
         }
         let is_proposed = self.is_suggestion() || self.is_snapped() && !self.clicks_decide();
-        let (source, ptz) = (solution.source?, self.ptz.clone().filter(|_| is_proposed)?);
+        self.camera_as_proposed(solution.source.filter(|_| is_proposed)?)
+    }
+
+    /// Its camera, in the form in which a proposal is kept.
+    fn camera_as_proposed(&self, source: SolutionSource) -> Option<Proposed> {
+        let solution = self.solution.as_ref();
         Some(Proposed {
-            ptz,
+            ptz: self.ptz.clone()?,
             source,
-            confidence: solution.confidence,
-            covariance: solution.covariance,
-            own_covariance: solution.own_covariance,
-            worst_corner_sigma_px: solution.worst_corner_sigma_px,
+            confidence: solution.and_then(|solution| solution.confidence),
+            covariance: solution.and_then(|solution| solution.covariance),
+            own_covariance: solution.and_then(|solution| solution.own_covariance),
+            worst_corner_sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
         })
+    }
+
+    /// Keeps its camera as the prior of the clicks that follow, as a proposal of the program is
+    /// kept (see [`Proposed`]): a camera that was imported, say, or set by hand. A frame that is
+    /// solved by its clicks, or keeps a proposal already, does not change.
+    pub fn keep_camera_as_prior(&mut self) {
+        if self.is_solved_by_clicks() || self.proposed().is_some() {
+            return;
+        }
+        // A camera that states no source came with the document.
+        let source = self.source().unwrap_or(SolutionSource::Import);
+        if let Some(kept) = self.camera_as_proposed(source) {
+            self.solution.get_or_insert_default().proposed = Some(kept);
+        }
     }
 
     /// Restores the program's proposal if the user corrected it and no click is left. True if it

@@ -129,7 +129,7 @@ pub struct Solution {
     /// What the paint of the picture says about the camera, where it was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line_check: Option<PaintEvidence>,
-    /// What the program proposed before a person corrected it.
+    /// The camera that it had before a person corrected it with clicks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proposed: Option<Proposed>,
     /// What finding it took.
@@ -150,8 +150,9 @@ pub struct Solution {
     pub extra: Extra,
 }
 
-/// A camera that the program proposed. A frame keeps it when a person corrects it: fewer clicks
-/// than decide by themselves start from it, and without clicks it holds again.
+/// A camera that the program proposed, or that was imported. A frame keeps it when a person
+/// corrects it: fewer clicks than decide by themselves start from it, and without clicks it holds
+/// again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proposed {

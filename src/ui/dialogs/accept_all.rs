@@ -1,5 +1,5 @@
-//! Accepting many suggestions together: how many pass the threshold, how many of them are probably
-//! wrong, and thumbnails of the doubtful ones and of samples.
+//! Accepting frames together, suggestions above a confidence or a selected stretch: how many, how
+//! many of them are wrong or left and why, and a look at the doubtful ones and at samples.
 
 use super::{has_just_opened, sheet};
 use crate::ui::{
@@ -31,11 +31,18 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         return;
     };
     let bulk = &shown.bulk;
-    sheet(panel, ctx, "Accept all above", SIZE, |panel, ui| {
-        ui.horizontal(|ui| {
-            ui.label("Confidence at least");
-            review::threshold(panel, ui);
-        });
+    let title = if bulk.of_stretch.is_some() {
+        "Accept the selected frames"
+    } else {
+        "Accept all above"
+    };
+    sheet(panel, ctx, title, SIZE, |panel, ui| {
+        if bulk.of_stretch.is_none() {
+            ui.horizontal(|ui| {
+                ui.label("Confidence at least");
+                review::threshold(panel, ui);
+            });
+        }
         ui.add(
             Label::new(RichText::new(describe(panel, &shown)).color(ui.palette().strong)).wrap(),
         );
@@ -52,9 +59,21 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
-/// Says how many suggestions would be accepted, how many of them are expected to be wrong, and
-/// which are shown.
-fn describe(
+/// What is accepted, and what is not.
+fn describe(panel: &Panel<'_>, sheet: &AcceptSheet) -> String {
+    match (&sheet.bulk.of_stretch, panel.app.open()) {
+        (Some(left), Some(open)) => {
+            let says = left.describe(sheet.bulk.taken().count(), open);
+            match sheet.bulk.late {
+                0 => says,
+                late => format!("{says} {late} changed since they were counted and stay."),
+            }
+        }
+        _ => describe_suggestions(panel, sheet),
+    }
+}
+
+fn describe_suggestions(
     panel: &Panel<'_>,
     AcceptSheet {
         bulk,
@@ -252,6 +271,11 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
     if opened {
         accept.request_focus();
     }
+    let leave = if bulk.of_stretch.is_some() {
+        "Leave all frames as they are. (Esc)"
+    } else {
+        "Leave them as suggestions. (Esc)"
+    };
     let undo = panel.app.settings.keys.shown(Command::Undo);
     if accept
         .on_hover_text(format!(
@@ -261,14 +285,13 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
     {
         panel.actions.push(Action::Edit(EditAction::AcceptAll));
     }
-    if ui
-        .button("Cancel")
-        .on_hover_text("Leave them as suggestions. (Esc)")
-        .clicked()
-    {
+    if ui.button("Cancel").on_hover_text(leave).clicked() {
         panel.actions.push(Action::View(ViewAction::CloseDialog));
     }
-    let said =
-        format!("They become labels that are not used for training. {undo} undoes all of it.");
+    let said = if bulk.of_stretch.is_some() {
+        format!("They become references. {undo} undoes all of it.")
+    } else {
+        format!("They become labels that are not used for training. {undo} undoes all of it.")
+    };
     ui.add(Label::new(RichText::new(said).small().color(ui.palette().weak)).truncate());
 }

@@ -11,8 +11,12 @@ use egui::{
 use touchline_application::app::{Action, Chord, Command, Keymap, MenuGroup, SettingsAction};
 
 /// Keys and pointer actions that are no commands and cannot be changed.
-const FIXED: [(&str, &str); 9] = [
+const FIXED: [(&str, &str); 11] = [
     ("Click", "place a point, or grab one"),
+    (
+        "Drag a drawn line or ring",
+        "move it to where the picture shows it; the frame's camera follows",
+    ),
     ("1–5, letters", "choose a name, filter the names"),
     (
         "Arrows",
@@ -27,6 +31,10 @@ const FIXED: [(&str, &str); 9] = [
     (
         "Alt while releasing",
         "the point stays there instead of snapping to paint nearby",
+    ),
+    (
+        "Shift-click, Shift-drag",
+        "on filmstrip or timeline: select the frames from the shown one to there",
     ),
     ("Shift while dragging", "a tenth of the pointer's speed"),
     ("1–6", "the reason, after Not calibratable"),

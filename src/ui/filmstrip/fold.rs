@@ -9,6 +9,7 @@ use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui,
     WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::selection::Selecting;
 use touchline_application::app::{Action, Navigation};
 
 /// Offset between the sheets of the stack, points.
@@ -92,8 +93,16 @@ pub fn show(
         "{said}. The forest does not recognise them. A label on one of them may answer the others."
     );
     if response.on_hover_text(tip).clicked() {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::GoTo(middle)));
+        let navigation = if ui.input(|input| input.modifiers.shift) {
+            // All of them are selected, from whichever side.
+            let is_before = last < panel.app.session.frame;
+            Navigation::SelectFrame {
+                frame: if is_before { first } else { last },
+                how: Selecting::Range,
+            }
+        } else {
+            Navigation::GoTo(middle)
+        };
+        panel.actions.push(Action::Navigate(navigation));
     }
 }

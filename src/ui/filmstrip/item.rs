@@ -119,7 +119,11 @@ fn context_menu(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.label(
             egui::RichText::new(format!("{selected} frames selected")).color(ui.palette().strong),
         );
-        menu::entries(panel, ui, &[Command::AssignToCamera]);
+        menu::entries(
+            panel,
+            ui,
+            &[Command::AcceptStretch, Command::AssignToCamera],
+        );
         ui.separator();
         ui.label(egui::RichText::new("This frame").color(ui.palette().weak));
     }

@@ -1,5 +1,5 @@
-//! The main button. It accepts the frame as a reference. While an estimated base waits for a
-//! decision, it takes that base instead.
+//! The main button: it makes the frame a reference, or opens the sheet for the selected frames;
+//! while an estimated base waits for a decision it takes that base.
 
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme::Themed as _};
@@ -8,6 +8,7 @@ use egui::{
     WidgetInfo, vec2,
 };
 use touchline_application::app::{Action, Command};
+use touchline_core::geometry::counted;
 use touchline_documents::document::FrameStatus;
 
 /// Height of the button, points.
@@ -19,6 +20,10 @@ const DISCARD: f32 = 84.0;
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.decides_about_base() {
         base(panel, ui);
+        return;
+    }
+    if let Some(count) = panel.app.stretch_size() {
+        stretch(panel, ui, count);
         return;
     }
     let why_not = panel.app.unacceptable();
@@ -41,6 +46,22 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             panel.actions.push(Action::Command(Command::Accept));
         }
     });
+}
+
+/// The button while frames are selected: it counts those that can be accepted.
+fn stretch(panel: &mut Panel<'_>, ui: &mut Ui, count: usize) {
+    let says = format!("Accept {}…", counted(count, "selected frame"));
+    let response = button(
+        ui,
+        &says,
+        Some(Symbol::Return),
+        Look::ToDo,
+        ui.available_width(),
+    );
+    let about = Command::AcceptStretch.about();
+    if response.on_hover_text(about).clicked() {
+        panel.actions.push(Action::Command(Command::AcceptStretch));
+    }
 }
 
 /// Shows the decision about an estimated base. It is taken or discarded here only.

@@ -1,17 +1,16 @@
-//! The bar of the timeline: all frames of the document on one horizontal line. A click or a drag
-//! shows a frame; a cut is moved by its handle.
-//!
-//! A long video has more frames than the bar has pixels. [`Timeline`] therefore summarises the
-//! frames in parts of one point each.
+//! All frames of the document on one line: a click or a drag goes there, with Shift it selects the
+//! frames up to there, and the handle of a cut moves it.
 
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{
     Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     Ui, WidgetInfo, pos2, vec2,
 };
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_application::app::place::time_code;
+use touchline_application::app::selection::{Selecting, runs_of};
 use touchline_application::app::session::status_label;
 use touchline_application::app::{
     Action, App, Command, EditAction, Navigation, OpenProject, ViewAction,
@@ -25,6 +24,8 @@ const HOLD: f32 = 5.0;
 const HANDLES: f32 = 7.0;
 /// Height of the row that shows which frames are decoded, points.
 const DECODED: f32 = 2.0;
+/// The thickness of the edges around selected frames, points.
+const SELECTED_EDGE: f32 = 2.0;
 /// Height of the band of doubt at its greatest, points.
 const DOUBT: f32 = 8.0;
 
@@ -125,11 +126,10 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
         // A quick click goes down and up within one frame of the window, so it never appears as
         // down.
         let pressed = response.is_pointer_button_down_on() || response.clicked();
-        if pressed && near.is_none() && over != panel.app.session.frame {
-            panel.actions.extend([
-                Action::View(ViewAction::Pause),
-                Action::Navigate(Navigation::GoTo(over)),
-            ]);
+        if pressed && near.is_none() {
+            go_or_select(panel, ui, over);
+        } else {
+            ui.data_mut(|data| data.remove::<StretchEnd>(stretch_memory()));
         }
         return None;
     };
@@ -158,7 +158,45 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
     Some(Held { cut, over })
 }
 
-/// The context menu with the commands about cuts.
+/// The frame up to which frames were selected last, while the button is down.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct StretchEnd(usize);
+
+fn stretch_memory() -> Id {
+    Id::unique("end of the selected stretch")
+}
+
+/// The pointer is down over a frame: shows it; with Shift selects the frames from the shown one to
+/// it.
+fn go_or_select(panel: &mut Panel<'_>, ui: &Ui, over: usize) {
+    let end = ui.data(|data| data.get_temp::<StretchEnd>(stretch_memory()));
+    // A drag that began with Shift stays one: the key may be let go before the button.
+    if ui.input(|input| input.modifiers.shift) || end.is_some() {
+        if end != Some(StretchEnd(over)) {
+            ui.data_mut(|data| data.insert_temp(stretch_memory(), StretchEnd(over)));
+            panel.actions.extend([
+                Action::View(ViewAction::Pause),
+                Action::Navigate(Navigation::SelectFrame {
+                    frame: over,
+                    how: Selecting::Range,
+                }),
+            ]);
+        }
+        return;
+    }
+    let session = &panel.app.session;
+    let (is_other, any_selected) = (over != session.frame, !session.frames_selected.is_empty());
+    if any_selected {
+        panel.actions.push(Action::View(ViewAction::SelectNoFrames));
+    }
+    if is_other {
+        panel.actions.extend([
+            Action::View(ViewAction::Pause),
+            Action::Navigate(Navigation::GoTo(over)),
+        ]);
+    }
+}
+
 fn menu(panel: &mut Panel<'_>, response: &Response) {
     response.context_menu(|ui| {
         for command in [
@@ -277,6 +315,7 @@ impl Bar<'_> {
         painter.rect_filled(line, 2.0, ui.palette().raised);
         self.paint_shots(&painter, line);
         self.paint_frames(&painter, line);
+        self.paint_selected(&painter, line, &panel.app.session.frames_selected);
         for place in panel.pictures.decoded() {
             let (left, right) = (
                 self.x(self.timeline.beginning_of(place)),
@@ -376,6 +415,20 @@ impl Bar<'_> {
             if part.references > 0 {
                 fill(marks(0.0, DECODED), colour(FrameStatus::Reference));
             }
+        }
+    }
+
+    /// A band over each run of selected frames, with an edge above and below.
+    fn paint_selected(&self, painter: &Painter, line: Rect, selected: &BTreeSet<usize>) {
+        let accent = painter.palette().accent;
+        for [first, last] in runs_of(selected.iter().copied()) {
+            let left = self.x(self.timeline.beginning_of(first));
+            let right = self.x(self.timeline.beginning_of(last + 1)).max(left + 1.0);
+            let band = Rect::from_x_y_ranges(left..=right, line.y_range());
+            painter.rect_filled(band, 0.0, accent.gamma_multiply(0.35));
+            let edge = Stroke::new(SELECTED_EDGE, accent);
+            painter.hline(band.x_range(), band.top() + 1.0, edge);
+            painter.hline(band.x_range(), band.bottom() - 1.0, edge);
         }
     }
 

@@ -91,6 +91,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         .filter(|_| !hidden)
         .map(|click| click.image)
         .collect();
+    let (app, reach) = (panel.app, pointer::element_reach(&placement));
     let around = Surroundings {
         placement,
         clicks: &clicks,
@@ -100,6 +101,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         masks: session.picture.masks,
         space: ctx.input(|input| input.key_down(Key::Space)) && !ctx.text_edit_focused(),
         is_free: &is_free,
+        drawn_at: &|at| app.grabbable(at, reach),
     };
     // The pointer's state is kept by egui between two frames of the window.
     let (events, modifiers) = ctx.input(|input| (input.events.clone(), input.modifiers));
@@ -298,6 +300,15 @@ fn show_frame(
     naming::show(panel, ui, placement);
 }
 
+/// Whether a drag from a place on the screen would move a drawn landmark or line.
+fn is_over_drawn_element(panel: &Panel<'_>, placement: &Placement, at: egui::Pos2) -> bool {
+    let (in_image, reach) = (
+        placement.image_from_screen(at),
+        pointer::element_reach(placement),
+    );
+    panel.app.grabbable(in_image, reach).is_some()
+}
+
 /// Sets the pointer's shape according to what a press would do here.
 fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) {
     let icon = match hold {
@@ -329,6 +340,8 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) 
                 && pointer::click_at(placement, &clicks, at).is_some()
             {
                 CursorIcon::Move
+            } else if is_over_drawn_element(panel, placement, at) {
+                CursorIcon::Grab
             } else {
                 CursorIcon::Crosshair
             }

@@ -9,10 +9,14 @@ use crate::ui::placement::Placement;
 use egui::{Event, Modifiers, PointerButton, Pos2};
 use touchline_application::app::session::{Mode, PictureView};
 use touchline_application::app::{Action, EditAction, PointerAction, ViewAction};
+use touchline_application::scene::drawn_element::{DrawnElement, ElementReach};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// Distance within which a press grabs a click, points.
 pub const REACH_PT: f32 = 8.0;
+/// The distance within which a press grabs a drawn line, points: a short one, because lines are
+/// long and points are placed beside them.
+const LINE_REACH_PT: f32 = 4.0;
 /// A press that moves less than this is a click and no drag, points. Otherwise the tremor of a hand
 /// would move points.
 const SLACK_PT: f32 = 2.0;
@@ -89,6 +93,21 @@ pub struct Surroundings<'a> {
     pub space: bool,
     /// Whether a screen position is over the picture and not covered.
     pub is_free: &'a dyn Fn(Pos2) -> bool,
+    /// The landmark or line that is drawn at a point of the picture and can be dragged.
+    pub drawn_at: &'a dyn Fn(ImagePoint) -> Option<DrawnElement>,
+}
+
+/// How near a drawn landmark or line has to be to the pointer.
+pub fn element_reach(placement: &Placement) -> ElementReach {
+    let in_picture = |points: f32| {
+        placement
+            .image_from_screen_vector(egui::vec2(points, 0.0))
+            .norm()
+    };
+    ElementReach {
+        landmark_px: in_picture(REACH_PT),
+        line_px: in_picture(LINE_REACH_PT),
+    }
 }
 
 /// The pointer over the picture.
@@ -209,17 +228,28 @@ impl Reading<'_> {
                     Mode::Placing(_) => None,
                     _ => click_at(&self.placement, self.around.clicks, at),
                 };
+                let drawn = match on {
+                    None => (self.around.drawn_at)(in_image),
+                    Some(_) => None,
+                };
+                // What is held keeps its distance from the pointer: a click, or what is drawn.
                 let held = on
                     .and_then(|on| self.around.clicks.get(on))
                     .copied()
+                    .or(drawn.as_ref().map(|drawn| drawn.image))
                     .unwrap_or(in_image);
                 self.pointer.hold = Hold::Click {
                     at: held,
                     pressed: at,
                     moving: false,
                 };
-                self.actions
-                    .push(Action::Pointer(PointerAction::Press { at: in_image, on }));
+                self.actions.push(Action::Pointer(match drawn {
+                    Some(drawn) => PointerAction::Grab {
+                        at: in_image,
+                        element: drawn.target,
+                    },
+                    None => PointerAction::Press { at: in_image, on },
+                }));
             }
             _ => {}
         }
@@ -350,6 +380,15 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
+    /// A ring is drawn at (800, 600) and can be grabbed within 16 px.
+    fn drawn_ring(at: ImagePoint) -> Option<DrawnElement> {
+        let image = ImagePoint::new(800.0, 600.0);
+        (image.distance_px(at) <= 16.0).then(|| DrawnElement {
+            target: touchline_documents::document::Target::Landmark("centre_mark".into()),
+            image,
+        })
+    }
+
     /// At half size: two px of the picture per point.
     fn read(
         pointer: &mut Pointer,
@@ -367,6 +406,7 @@ mod tests {
             masks: false,
             space: false,
             is_free: &|at| rect.contains(at),
+            drawn_at: &drawn_ring,
         };
         let mut actions = pointer.read(events, modifiers, &around);
         actions.retain(|action| !matches!(action, Action::Pointer(PointerAction::Hover(_))));
@@ -459,6 +499,26 @@ mod tests {
             [Action::Pointer(PointerAction::Drag(ImagePoint::new(
                 442.0, 420.0
             )))]
+        );
+    }
+
+    #[test]
+    fn a_drawn_ring_is_grabbed_and_keeps_its_distance_from_the_pointer() {
+        let mut pointer = Pointer::default();
+        let pressed = [button(pos2(403.0, 304.0), true)];
+        let grab = PointerAction::Grab {
+            at: ImagePoint::new(806.0, 608.0),
+            element: touchline_documents::document::Target::Landmark("centre_mark".into()),
+        };
+        assert_eq!(
+            read(&mut pointer, &pressed, Modifiers::NONE, &Mode::Idle),
+            [Action::Pointer(grab)]
+        );
+        let moved = [Event::PointerMoved(pos2(413.0, 304.0))];
+        let drag = PointerAction::Drag(ImagePoint::new(820.0, 600.0));
+        assert_eq!(
+            read(&mut pointer, &moved, Modifiers::NONE, &DRAGGING),
+            [Action::Pointer(drag)]
         );
     }
 

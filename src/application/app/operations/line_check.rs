@@ -5,7 +5,7 @@
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::session::Level;
 use crate::app::{App, OpenProject};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,6 +21,9 @@ use touchline_vision::paint::LineCheck;
 /// Maximum number of frames examined after an action to find those that lack a check, so that
 /// actions on a long match stay quick.
 const LOOKED_THROUGH: usize = 64;
+
+/// Selected frames that are looked through after each action: a person waits for them.
+const SELECTED_LOOKED_THROUGH: usize = 4096;
 
 /// Frames per batch; a batch takes about a second.
 const BATCH: usize = 4;
@@ -105,9 +108,11 @@ impl Operation for LineCheckBatch {
                 check: None,
             });
         }
+        let ids: Vec<FrameId> = found.iter().map(|checked| checked.frame.clone()).collect();
         for checked in found {
             checks.keep(checked);
         }
+        app.report_accepted_off_paint(&ids);
     }
 }
 
@@ -126,6 +131,70 @@ impl App {
             .is_some_and(|says| says.verdict == LineVerdict::Contradicts)
     }
 
+    /// What the painted lines of a frame's own picture say about its camera, where that is known.
+    ///
+    /// [`Self::paint_says`] leaves the verdict open where the lines contradict every camera of the
+    /// document, because such lines may be those of another sport. Before a camera is accepted the
+    /// picture itself counts.
+    #[must_use]
+    pub fn own_paint_says(&self, frame: usize) -> Option<PaintSays> {
+        let open = self.open.as_ref()?;
+        let frame = open.frame(frame)?;
+        self.operations.line_checks.of_picture(open, frame)
+    }
+
+    /// Whether a person is asked before a frame is accepted because the paint in its picture lies
+    /// elsewhere. Lines that contradict every camera ask until a person has accepted one of them.
+    pub(in crate::app) fn paint_forbids(&self, frame: usize) -> bool {
+        let is_off = self
+            .own_paint_says(frame)
+            .is_some_and(|says| says.verdict == LineVerdict::Contradicts);
+        is_off && (self.is_contradicted(frame) || !self.has_accepted_off_paint())
+    }
+
+    fn has_accepted_off_paint(&self) -> bool {
+        let Some(open) = &self.open else { return false };
+        let mut frames = open.document.frames.iter();
+        frames.any(|frame| frame.accepted_off_paint().is_some())
+    }
+
+    /// Remembers a frame that is accepted before its paint was looked at: if the paint turns out to
+    /// contradict it, that is said then.
+    pub(in crate::app) fn accept_before_check(&mut self, frame: usize) {
+        if self.own_paint_says(frame).is_some() {
+            return;
+        }
+        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(frame)) else {
+            return;
+        };
+        let id = frame.id.clone();
+        self.operations.line_checks.accepted_unchecked.insert(id);
+    }
+
+    /// Says which of the frames that were accepted before their paint was looked at it contradicts.
+    fn report_accepted_off_paint(&mut self, checked: &[FrameId]) {
+        for id in checked {
+            if !self.operations.line_checks.accepted_unchecked.remove(id) {
+                continue;
+            }
+            let Some(open) = &self.open else { return };
+            let Some(place) = open.document.frames.position_of(id) else {
+                continue;
+            };
+            let is_reference = open
+                .frame(place)
+                .is_some_and(|frame| frame.status == FrameStatus::Reference);
+            if is_reference && self.paint_forbids(place) {
+                let number = open.frame_number(place);
+                let text = format!(
+                    "Frame {number} was accepted before its painted lines were checked: they lie \
+                     elsewhere in the picture. Look at it again."
+                );
+                self.session.notify(Level::Warning, text);
+            }
+        }
+    }
+
     /// Starts the next batch of checks, if any frame lacks one and no step of undo is open. A
     /// running batch is not replaced; the next one starts when it has ended.
     pub(in crate::app) fn check_lines(&mut self) {
@@ -135,7 +204,11 @@ impl App {
         if self.operations.line_checks.slot.is_running() {
             return;
         }
-        let frames = self.operations.line_checks.next(open, self.session.frame);
+        let selected = &self.session.frames_selected;
+        let frames = self
+            .operations
+            .line_checks
+            .next(open, self.session.frame, selected);
         if frames.is_empty() {
             return;
         }
@@ -147,17 +220,16 @@ impl App {
         });
     }
 
-    /// Writes the line check of the shown frame's camera into the frame's solution, within an open
-    /// step.
-    pub(in crate::app) fn record_paint(&mut self) {
+    /// Writes what the paint says about a frame's camera into its solution, within a step.
+    pub(in crate::app) fn record_paint_of(&mut self, place: usize) {
         let Some(open) = &mut self.open else { return };
-        let Some(frame) = open.frame(self.session.frame) else {
+        let Some(frame) = open.frame(place) else {
             return;
         };
         let Some(check) = self.operations.line_checks.fresh(open, frame) else {
             return;
         };
-        if let Some(frame) = open.document.frames.get_mut(self.session.frame) {
+        if let Some(frame) = open.document.frames.get_mut(place) {
             record_line_check(frame, &check);
         }
     }
@@ -239,12 +311,35 @@ pub(in crate::app) struct LineChecks {
     supported: usize,
     /// The index at which the search for unchecked frames continues.
     cursor: usize,
+    /// Frames that were accepted before their paint was looked at.
+    accepted_unchecked: BTreeSet<FrameId>,
+}
+
+/// Whether the camera's own warnings say that the paint contradicts it. Who found the camera may
+/// know more of the paint than this one look: that the field is of another length, or the frames
+/// beside.
+fn is_warned(frame: &Frame) -> bool {
+    frame
+        .solution
+        .iter()
+        .flat_map(|solution| &solution.warnings)
+        .any(|warning| warning.code == LINE_CHECK)
 }
 
 impl LineChecks {
     /// The line check of a frame's camera, if it is known. A check that the document records takes
     /// precedence.
     fn of(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
+        let says = self.of_picture(open, frame)?;
+        let verdict = match says.verdict {
+            verdict if self.is_informative() || is_warned(frame) => verdict,
+            _ => LineVerdict::CannotSay,
+        };
+        Some(PaintSays { verdict, ..says })
+    }
+
+    /// What the paint of a frame's own picture says, whatever is found in the other frames.
+    fn of_picture(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
         let recorded = frame
             .solution
             .as_ref()
@@ -253,18 +348,10 @@ impl LineChecks {
             Some(evidence) => PaintSays::recorded(evidence),
             None => PaintSays::of(&self.fresh(open, frame)?),
         };
-        // A recorded warning takes precedence, because whoever found the camera may know more about
-        // the paint than this single check, for instance from neighbouring frames or a measured
-        // length of the field.
-        let is_warned = frame
-            .solution
-            .iter()
-            .flat_map(|solution| &solution.warnings)
-            .any(|it| it.code == LINE_CHECK);
-        let verdict = match says.verdict {
-            _ if is_warned => LineVerdict::Contradicts,
-            verdict if self.is_informative() => verdict,
-            _ => LineVerdict::CannotSay,
+        let verdict = if is_warned(frame) {
+            LineVerdict::Contradicts
+        } else {
+            says.verdict
         };
         Some(PaintSays { verdict, ..says })
     }
@@ -299,11 +386,19 @@ impl LineChecks {
         }
     }
 
-    /// The frames to check next: the shown frame alone if it lacks a check, otherwise up to
-    /// [`BATCH`] others in turn. Empty if none is found.
-    fn next(&mut self, open: &mut OpenProject, shown: usize) -> Vec<FrameToCheck> {
+    /// The frames to be judged next: the shown one alone and first, then the selected ones, which
+    /// are about to be accepted, then the others in turn; none if all are known.
+    fn next(
+        &mut self,
+        open: &mut OpenProject,
+        shown: usize,
+        selected: &BTreeSet<usize>,
+    ) -> Vec<FrameToCheck> {
         let count = open.document.frames.len();
         let mut wanted: Vec<FrameToCheck> = self.lacking(open, shown).into_iter().collect();
+        if wanted.is_empty() {
+            wanted = self.next_selected(open, selected);
+        }
         if wanted.is_empty() {
             for _ in 0..LOOKED_THROUGH.min(count) {
                 self.cursor = (self.cursor + 1) % count;
@@ -314,6 +409,20 @@ impl LineChecks {
             }
         }
         wanted
+    }
+
+    /// The first of the selected frames to be judged.
+    fn next_selected(
+        &self,
+        open: &mut OpenProject,
+        selected: &BTreeSet<usize>,
+    ) -> Vec<FrameToCheck> {
+        selected
+            .iter()
+            .take(SELECTED_LOOKED_THROUGH)
+            .filter_map(|place| self.lacking(open, *place))
+            .take(BATCH)
+            .collect()
     }
 
     /// The inputs of a frame's check, if the frame has a camera and lacks a check of it.
@@ -347,16 +456,22 @@ impl LineChecks {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::{Action, Command, Navigation, Opened, Settings};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{ImagePoint, Vec3};
+    use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+    use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution, SolutionSource};
 
-    fn checked(frame: usize, score: f64) -> CheckedLines {
+    fn camera() -> PtzCamera {
         let base = CameraBase::new(
             Vec3::new(0.0, -60.0, 18.0),
             BaseAngles::default().base_from_world(),
             ImagePoint::new(960.0, 540.0),
         );
-        let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 2000.0));
+        PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 2000.0))
+    }
+
+    /// What the paint says about a frame: 0 contradicts its camera, 1 supports it.
+    fn line_check_of(frame: FrameId, score: f64) -> CheckedLines {
         let check = LineCheck {
             score,
             predicted: 200,
@@ -370,10 +485,117 @@ mod tests {
             agreement: score,
         };
         CheckedLines {
-            frame: FrameId::from(frame.to_string().as_str()),
-            camera,
+            frame,
+            camera: camera(),
             check: Some(check),
         }
+    }
+
+    fn checked(frame: usize, score: f64) -> CheckedLines {
+        line_check_of(FrameId::from(frame.to_string().as_str()), score)
+    }
+
+    /// An application with imported cameras; nothing is known of their paint.
+    fn imported(frames: usize) -> App {
+        let size = ImageSize::new(1920, 1080);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut of_document = Camera::new("main".into(), size);
+        of_document.set_base(camera().base());
+        document.cameras.push(of_document.into());
+        for index in 0..frames {
+            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            frame.ptz = Some(FramePtz::new(camera().ptz(), None));
+            frame.status = FrameStatus::Draft;
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Import),
+                ..Solution::default()
+            });
+            document.frames.push(frame.into());
+        }
+        let mut app = App::new(Settings::default());
+        let opened = Opened::new(document, "/match/project.json");
+        app.update(Action::Opened(Box::new(opened)));
+        app
+    }
+
+    /// The background check comes back with what the paint says about some frames.
+    fn report(app: &mut App, places: std::ops::Range<usize>, score: f64) {
+        let document = app.open().unwrap().document.clone();
+        let found = places
+            .map(|place| {
+                let frame = &document.frames[place];
+                CheckedLines {
+                    camera: document.pointed(frame).unwrap(),
+                    ..line_check_of(frame.id.clone(), score)
+                }
+            })
+            .collect();
+        let batch = LineCheckBatch {
+            document: document.clone(),
+            folder: PathBuf::new(),
+            frames: Vec::new(),
+        };
+        batch.take_over(app, Ok(found));
+    }
+
+    fn status(app: &App, frame: usize) -> FrameStatus {
+        app.open().unwrap().frame(frame).unwrap().status
+    }
+
+    #[test]
+    fn where_every_camera_is_contradicted_a_person_is_asked_until_one_is_accepted() {
+        let mut app = imported(CONTRADICTED_ALONE + 1);
+        report(&mut app, 0..CONTRADICTED_ALONE + 1, 0.0);
+        assert!(
+            !app.is_contradicted(0),
+            "they may be lines of another sport"
+        );
+        app.update(Action::Command(Command::AcceptAndStay));
+        assert_eq!(status(&app, 0), FrameStatus::Draft);
+        assert!(app.session.offers(Command::AcceptAnyway));
+        app.update(Action::Command(Command::AcceptAnyway));
+        assert_eq!(status(&app, 0), FrameStatus::Reference);
+        app.update(Action::Navigate(Navigation::GoTo(1)));
+        app.update(Action::Command(Command::AcceptAndStay));
+        assert_eq!(status(&app, 1), FrameStatus::Reference, "not asked again");
+    }
+
+    #[test]
+    fn a_frame_accepted_before_its_check_is_named_when_the_paint_contradicts_it() {
+        let mut app = imported(3);
+        for frame in 0..2 {
+            app.update(Action::Navigate(Navigation::GoTo(frame)));
+            app.update(Action::Command(Command::AcceptAndStay));
+            assert_eq!(status(&app, frame), FrameStatus::Reference);
+        }
+        report(&mut app, 1..3, 1.0);
+        let warnings = |app: &App| -> Vec<String> {
+            let notices = app.session.messages.notices.iter();
+            notices
+                .filter(|notice| notice.level == Level::Warning)
+                .map(|notice| notice.text.clone())
+                .collect()
+        };
+        assert_eq!(warnings(&app), [""; 0]);
+        report(&mut app, 0..1, 0.0);
+        assert_eq!(
+            warnings(&app),
+            [
+                "Frame 0 was accepted before its painted lines were checked: they lie elsewhere in \
+              the picture. Look at it again."
+            ]
+        );
+    }
+
+    #[test]
+    fn the_selected_frames_are_checked_before_the_others() {
+        let mut app = imported(200);
+        report(&mut app, 0..1, 1.0);
+        let open = app.open.as_mut().unwrap();
+        let selected = BTreeSet::from([120, 121, 150, 160, 170]);
+        let next = app.operations.line_checks.next(open, 0, &selected);
+        let places: Vec<usize> = next.iter().map(|to_check| to_check.index).collect();
+        assert_eq!(places, [120, 121, 150, 160]);
     }
 
     #[test]

@@ -8,6 +8,10 @@
 //! If few frames changed since the last update, only their rows are computed.
 
 mod held;
+mod stretch;
+
+pub(super) use stretch::{AcceptQuestion, Stretch};
+pub use stretch::{LeftFrames, LeftReason};
 
 pub use super::review_choice::{ReviewChoice, ReviewOrder};
 
@@ -83,6 +87,9 @@ pub struct BulkAccept {
     pub late: usize,
     /// The frame indices of suggestions that the user unticked.
     pub unticked: BTreeSet<usize>,
+    /// The frames that are left where a stretch is accepted; none where suggestions are accepted by
+    /// their confidence.
+    pub of_stretch: Option<LeftFrames>,
 }
 
 impl BulkAccept {
@@ -363,6 +370,7 @@ impl Review {
             left_out: disagreeing.len(),
             late: 0,
             unticked: BTreeSet::new(),
+            of_stretch: None,
         }
     }
 

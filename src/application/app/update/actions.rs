@@ -14,6 +14,10 @@ impl App {
                 self.session.video.playing = false;
                 self.press(at, on);
             }
+            PointerAction::Grab { at, element } => {
+                self.session.video.playing = false;
+                self.grab(at, element);
+            }
             PointerAction::Drag(to) => self.drag(to),
             PointerAction::Release => self.release(false),
             PointerAction::ReleaseExactly => self.release(true),

@@ -14,6 +14,7 @@ impl App {
             return;
         }
         self.session.forget_placed();
+        self.session.points.grabbed = None;
         let Some(frame) = self.frame() else { return };
         if !at.is_finite() {
             return;
@@ -97,6 +98,10 @@ impl App {
         let Mode::Dragging { click, placed } = self.session.mode else {
             return;
         };
+        if let Some(element) = self.session.points.grabbed.take() {
+            self.drag_grabbed(element, to);
+            return;
+        }
         self.move_click(click, to);
         if placed {
             self.name_if_certain(click);
@@ -115,6 +120,7 @@ impl App {
             return;
         };
         self.session.mode = Mode::Idle;
+        self.session.points.grabbed = None;
         let revision = self.open.as_ref().map(|open| open.revision);
         self.commit();
         // The revision tells whether the step changed anything.
@@ -135,7 +141,7 @@ impl App {
 
     /// Moves a click to a point, clamped to the picture. The click no longer counts as aligned to
     /// paint.
-    fn move_click(&mut self, click: usize, to: ImagePoint) {
+    pub(super) fn move_click(&mut self, click: usize, to: ImagePoint) {
         let Some(frame) = self.frame_mut() else {
             return;
         };

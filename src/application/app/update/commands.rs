@@ -125,7 +125,10 @@ impl App {
             {
                 Some("The field's size is confirmed already.")
             }
-            C::Accept | C::AcceptAndStay if self.session.picture.masks => {
+            C::AcceptStretch if self.stretch_size().is_none() => {
+                Some("No frames are selected: click with Shift on the filmstrip or the timeline.")
+            }
+            C::Accept | C::AcceptAndStay | C::AcceptStretch if self.session.picture.masks => {
                 Some("Masks are being drawn: Esc ends that first.")
             }
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
@@ -262,7 +265,8 @@ impl App {
                 |frame| frame.status == FrameStatus::Reference,
                 "There is no other reference yet.",
             ),
-            // Labels of the shown frame, gold frames.
+            C::AcceptStretch => self.ask_accept_stretch(),
+            C::Accept if self.stretch_size().is_some() => self.ask_accept_stretch(),
             C::Accept => self.accept(false),
             C::AcceptAndStay => self.accept(true),
             C::AcceptAnyway => self.accept_anyway(),

@@ -23,7 +23,7 @@ impl App {
                 percent(confidence)
             ));
         }
-        let contradicted = self.frame()?.ptz.is_some() && self.is_contradicted(self.session.frame);
+        let contradicted = self.frame()?.ptz.is_some() && self.paint_forbids(self.session.frame);
         contradicted.then(|| {
             "The paint contradicts this camera: its lines lie elsewhere in the picture.".to_owned()
         })

@@ -117,7 +117,8 @@ impl App {
                 frame.status = FrameStatus::Reference;
                 frame.reason = None;
             }
-            self.record_paint();
+            self.record_paint_of(self.session.frame);
+            self.accept_before_check(self.session.frame);
             self.commit();
             // What follows from the acceptance: a clip that was tracked before follows the
             // correction, and the message says how much is left.

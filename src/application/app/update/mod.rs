@@ -24,6 +24,7 @@ mod document;
 mod doubt;
 mod frames;
 mod gold;
+mod grab;
 mod guide;
 mod leaving;
 mod masks;
@@ -38,6 +39,7 @@ mod review;
 mod settings;
 mod shots;
 mod sport;
+mod stretch;
 mod tour;
 mod trainer;
 mod verdict;
@@ -50,7 +52,7 @@ use super::effect::{Effect, OrphanOrder};
 use super::quality::Quality;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving};
-use super::{App, OpenProject, Settings};
+use super::{App, Command, OpenProject, Settings};
 use touchline_calibration::calibrate::{CalibrationError, record_outcome};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Edit, EditKind, Frame, FrameStatus, Frames, Step};
@@ -265,6 +267,7 @@ impl App {
             open.abort();
         }
         self.session.mode = Mode::Idle;
+        self.session.points.grabbed = None;
         self.clamp_selection();
     }
 
@@ -303,6 +306,8 @@ impl App {
     /// Solves the shown frame again after its clicks changed, within an open step.
     pub(in crate::app) fn clicks_changed(&mut self) {
         let index = self.session.frame;
+        // A question whether to accept was about the camera before.
+        self.session.retract(Command::AcceptAnyway);
         let Some(open) = &mut self.open else { return };
         let result = solve_in_place(open, index);
         if let Some(frame) = open.document.frames.get_mut(index)

@@ -4,9 +4,10 @@
 use super::App;
 use crate::app::Command;
 use crate::app::progress::ALL_DONE;
-use crate::app::review::{AcceptSheet, BulkAccept};
+use crate::app::review::{AcceptQuestion, AcceptSheet, BulkAccept};
 use crate::app::session::{Dialog, Level, SidePanel, is_to_do};
 use std::sync::Arc;
+use touchline_core::geometry::counted;
 use touchline_documents::document::{Frame, FrameStatus, Step};
 
 impl App {
@@ -41,7 +42,10 @@ impl App {
     /// Opens the sheet *Accept all*. Suggestions that arrive or change while it is open are not
     /// part of it.
     pub(super) fn ask_accept_all(&mut self) {
-        self.asked_to_accept = self.open.as_ref().map(|open| open.document.frames.clone());
+        self.accept_question = self
+            .open
+            .as_ref()
+            .map(|open| AcceptQuestion::Suggestions(open.document.frames.clone()));
         self.session.dialog = Some(Dialog::AcceptAll);
     }
 
@@ -66,11 +70,17 @@ impl App {
     /// that the user unticked.
     #[must_use]
     pub fn bulk_accept(&self) -> BulkAccept {
-        let bulk = self.review.bulk(&self.session.review);
-        let asked = self.asked_to_accept.as_ref().zip(self.open.as_ref());
+        let choice = &self.session.review;
+        let asked = self.accept_question.as_ref().zip(self.open.as_ref());
         let bulk = match asked {
-            Some((asked, open)) => bulk.without_late(asked, &open.document.frames),
-            None => bulk,
+            Some((AcceptQuestion::Stretch(stretch), open)) => {
+                stretch.bulk(choice, &open.document.frames)
+            }
+            Some((AcceptQuestion::Suggestions(asked), open)) => self
+                .review
+                .bulk(choice)
+                .without_late(asked, &open.document.frames),
+            None => self.review.bulk(choice),
         };
         let places = self.session.unticked.iter();
         let unticked = places
@@ -89,8 +99,8 @@ impl App {
     /// computed only if the content changed.
     pub(super) fn refresh_accept_sheet(&mut self) {
         let is_asked = self.session.dialog == Some(Dialog::AcceptAll);
-        if !is_asked {
-            self.asked_to_accept = None;
+        if !is_asked && !self.reads_guide_over_accept_sheet() {
+            self.accept_question = None;
         }
         let bulk = is_asked.then(|| self.bulk_accept());
         if self.accept_sheet.as_ref().map(|sheet| &sheet.bulk) != bulk.as_ref() {
@@ -98,40 +108,59 @@ impl App {
         }
     }
 
-    /// Accepts the suggestions of the sheet; one step of undo.
+    /// Whether the guide lies over the sheet, and closing it leads back there.
+    fn reads_guide_over_accept_sheet(&self) -> bool {
+        let Some(Dialog::Guide { behind, .. }) = &self.session.dialog else {
+            return false;
+        };
+        behind.as_deref() == Some(&Dialog::AcceptAll)
+    }
+
+    /// Accepts every frame that the sheet counts: one step of undo.
     pub(super) fn accept_all(&mut self) {
         self.session.dialog = None;
         let bulk = self.bulk_accept();
-        let open = |row: &&crate::app::review::ReviewRow| {
-            self.open
-                .as_ref()
-                .and_then(|open| open.frame(row.frame))
-                .is_some_and(is_suggested)
-        };
-        let frames: Vec<usize> = bulk.taken().filter(open).map(|row| row.frame).collect();
+        let is_stretch = bulk.of_stretch.is_some();
+        let frames: Vec<usize> = bulk
+            .taken()
+            .map(|row| row.frame)
+            .filter(|place| is_stretch || self.is_suggested_at(*place))
+            .collect();
         if frames.is_empty() {
-            self.session
-                .notify(Level::Info, "No suggestion has this confidence.");
+            let none = if is_stretch {
+                "None of the selected frames can be accepted together."
+            } else {
+                "No suggestion has this confidence."
+            };
+            self.session.notify(Level::Info, none);
             return;
         }
-        let count = match frames.len() {
-            1 => "1 suggestion".to_owned(),
-            count => format!("{count} suggestions"),
-        };
+        let count = counted(
+            frames.len(),
+            if is_stretch { "frame" } else { "suggestion" },
+        );
         if !self.begin_step(Step::on_document(format!("Accept {count}"))) {
             return;
         }
-        if let Some(open) = &mut self.open {
-            for index in frames {
-                if let Some(frame) = open.document.frames.get_mut(index) {
-                    frame.status = FrameStatus::Reference;
-                    frame.reason = None;
-                }
+        for index in frames {
+            if let Some(frame) = self
+                .open
+                .as_mut()
+                .and_then(|open| open.document.frames.get_mut(index))
+            {
+                frame.status = FrameStatus::Reference;
+                frame.reason = None;
+            }
+            if is_stretch {
+                // It was accepted because of its paint: the evidence stays with it.
+                self.record_paint_of(index);
             }
         }
         self.commit();
         self.session.unticked.clear();
-        // Discarding the tracked cameras makes no sense once all of them are accepted.
+        if is_stretch {
+            self.session.frames_selected.clear();
+        }
         let waits = |frame: &Frame| is_suggested(frame) && frame.is_carried();
         if self
             .open
@@ -145,6 +174,13 @@ impl App {
             Level::Info,
             format!("{count} accepted. {undo} undoes all of it."),
         );
+    }
+
+    fn is_suggested_at(&self, place: usize) -> bool {
+        self.open
+            .as_ref()
+            .and_then(|open| open.frame(place))
+            .is_some_and(is_suggested)
     }
 
     /// Uses a reference for training, or not; one step of undo.

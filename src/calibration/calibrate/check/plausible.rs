@@ -51,8 +51,7 @@ pub fn check_view(
         return;
     };
     // `check_values` reports a base that is not finite, and a lens that folds inside the picture.
-    let folds = |corner: &ImagePoint| pointed.cam_plane_from_image(*corner).is_err();
-    if !pointed.base().is_finite() || frame.image_size.corners().iter().any(folds) {
+    if !pointed.base().is_finite() || lens_folds(&pointed, frame.image_size) {
         return;
     }
     let (focal_px, width) = (pointed.ptz().focal_px, f64::from(frame.image_size.width));
@@ -85,6 +84,34 @@ pub fn check_view(
     }
 }
 
+/// Why a solved frame's camera cannot be one of a sports camera: its position, pan, tilt, focal
+/// length or lens. None where nothing is wrong with it, or the frame has no camera.
+#[must_use]
+pub fn impossible_camera(
+    document: &Document,
+    frame: &Frame,
+    field: Option<&FieldModel>,
+) -> Option<Fault> {
+    let pointed = document.pointed(frame)?;
+    let mut found = Vec::new();
+    if let Some(camera) = document.camera_of(frame) {
+        check_place(camera, &mut |fault| found.push(fault));
+    }
+    check_view(document, frame, field, &mut |fault| found.push(fault));
+    if lens_folds(&pointed, frame.image_size) {
+        found.push(Fault::LensFolds { k1: pointed.k1() });
+    }
+    found.into_iter().next()
+}
+
+/// Whether the lens model folds inside a picture: a part of it has no ray then.
+pub(super) fn lens_folds(pointed: &PtzCamera, size: ImageSize) -> bool {
+    let corners = size.corners();
+    corners
+        .iter()
+        .any(|corner| pointed.cam_plane_from_image(*corner).is_err())
+}
+
 /// Whether any part of a picture shows the field or the ground right beside it. Pixels above the
 /// horizon have no ground.
 fn sees_field(pointed: &PtzCamera, size: ImageSize, field: &FieldModel) -> bool {
@@ -106,17 +133,18 @@ mod tests {
     use crate::calibrate::check_values;
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, FocalCurve, Ptz};
+    use touchline_core::field::builtin;
     use touchline_core::geometry::Vec3;
     use touchline_documents::document::{FieldSpec, FramePtz};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
-    /// What the check says of one frame.
-    fn codes(
+    /// A document of one frame with this camera.
+    fn document_of(
         position_m: Vec3,
         (pan_deg, tilt_deg, focal_px): (f64, f64, f64),
         k1: f64,
-    ) -> Vec<&'static str> {
+    ) -> Document {
         let base = CameraBase {
             distortion: FocalCurve::constant(k1),
             ..CameraBase::new(
@@ -135,6 +163,12 @@ mod tests {
             None,
         ));
         document.frames.push(frame.into());
+        document
+    }
+
+    /// What the check says of one frame.
+    fn codes(position_m: Vec3, view: (f64, f64, f64), k1: f64) -> Vec<&'static str> {
+        let document = document_of(position_m, view, k1);
         check_values(document.at(Path::new("/")))
             .iter()
             .map(|problem| problem.fault.code())
@@ -169,5 +203,30 @@ mod tests {
         // A close-up of a corner, and a wide lens that bends.
         assert_eq!(codes(there, (40.0, -12.0, 30_000.0), 0.0), [""; 0]);
         assert_eq!(codes(there, (0.0, -14.0, 1400.0), -0.15), [""; 0]);
+    }
+
+    #[test]
+    fn one_camera_is_impossible_for_its_first_reason() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let (there, view) = (Vec3::new(0.0, -60.0, 18.0), (12.5, -11.2, 2410.0));
+        let code = |position_m, view, k1| {
+            let document = document_of(position_m, view, k1);
+            let fault = impossible_camera(&document, &document.frames[0], Some(&field));
+            fault.map(|fault| fault.code())
+        };
+        assert_eq!(code(there, view, 0.07), None);
+        let below = Vec3::new(0.0, -60.0, -18.0);
+        assert_eq!(code(below, view, 0.0), Some("under_ground"));
+        let up = (0.0, 30.0, 2410.0);
+        assert_eq!(code(there, up, 0.0), Some("looks_elsewhere"));
+        let tiny = (0.0, -11.2, 1.0);
+        assert_eq!(code(there, tiny, 0.0), Some("no_such_focal_length"));
+        assert_eq!(code(there, tiny, -0.15), Some("lens_folds"));
+        let mut unsolved = document_of(there, view, 0.0);
+        unsolved.frames[0].ptz = None;
+        assert_eq!(
+            impossible_camera(&unsolved, &unsolved.frames[0], Some(&field)),
+            None
+        );
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, Problem};
 use super::place_of;
-use super::plausible::{check_place, check_view};
+use super::plausible::{check_place, check_view, lens_folds};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -280,11 +280,7 @@ fn check_lens(camera: &Camera, frame: &Frame, problem: &mut dyn FnMut(Fault)) {
         return;
     }
     if let Some(pointed) = camera.pointed(frame)
-        && frame
-            .image_size
-            .corners()
-            .iter()
-            .any(|corner| pointed.cam_plane_from_image(*corner).is_err())
+        && lens_folds(&pointed, frame.image_size)
     {
         problem(Fault::LensFolds { k1: pointed.k1() });
     }
