@@ -1,23 +1,18 @@
 //! `touchline import`: converts files of another program to a document, on request of a video.
 
 use super::Outcome;
+use super::attached_labels::{attach_to_video, open_video, recognize};
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, zoom_of};
 use super::messages::Messages;
 use super::new::{parameter, read_field};
-use anyhow::{Context as _, bail, ensure};
-use std::collections::BTreeSet;
-use std::num::NonZeroUsize;
+use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, counted};
-use touchline_core::progress::Progress;
-use touchline_documents::document::{CameraId, Document, FieldSpec, document_from_frames};
 use touchline_documents::exchange::{
-    Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document, join,
-    plan_attachment, recognize_format,
+    Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document,
 };
-use touchline_vision::media::{FrameSource, VideoInfo};
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
@@ -132,7 +127,10 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         format => import_document(&args.path, format, &options)?,
     };
     let (document, notes) = match video {
-        Some(video) => attach_to_video(video, &imported, options.field)?,
+        Some(video) => {
+            let attached = attach_to_video(video, &imported, options.field)?;
+            (attached.document, attached.notes)
+        }
         None => (imported.document, imported.notes),
     };
     for note in &notes {
@@ -146,75 +144,4 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         counted(cameras, "camera")
     ));
     Ok(Outcome::Done)
-}
-
-/// The format of files whose format was not given.
-fn recognize(path: &Path, messages: Messages) -> anyhow::Result<Format> {
-    let format = recognize_format(path)?;
-    messages.note(&format!("the format is {format}: {}", format.title()));
-    Ok(format)
-}
-
-/// A video whose frames cameras are attached to.
-fn open_video(path: &Path, messages: Messages) -> anyhow::Result<VideoInfo> {
-    let FrameSource::Video(info) = FrameSource::open(path)? else {
-        bail!(
-            "{} is no video; give the video that the cameras are of",
-            path.display()
-        );
-    };
-    for notice in &info.notices {
-        messages.note(&notice.to_string());
-    }
-    Ok(info)
-}
-
-/// The document of a video's frames with the imported labels, and the notes about them. Its paths
-/// start from the imported document's folder.
-///
-/// # Errors
-/// No label is of a frame of the video.
-fn attach_to_video(
-    video: VideoInfo,
-    imported: &Imported,
-    field: FieldSpec,
-) -> anyhow::Result<(Document, Vec<String>)> {
-    let name = video.path.display().to_string();
-    let source = FrameSource::Video(video);
-    let every = NonZeroUsize::MIN;
-    let made = document_from_frames(
-        &source,
-        &imported.folder,
-        field,
-        every,
-        &Progress::default(),
-    );
-    let open = made.document.at(&imported.folder);
-    plan_attachment(open, imported)?;
-    let mut joined = join(open, imported);
-    if joined.other_size > 0 {
-        joined.notes.push(format!(
-            "{} left out: their pictures have other proportions than the video",
-            counted(joined.other_size, "frame")
-        ));
-    }
-    ensure!(
-        joined.matched > 0,
-        "{name} gets no label from {}{}",
-        counted(imported.document.frames.len(), "frame"),
-        joined
-            .notes
-            .last()
-            .map(|note| format!("; {note}"))
-            .unwrap_or_default()
-    );
-    // The camera of the new document has no base; it stays only where frames have no other.
-    let mut document = joined.document;
-    let used: BTreeSet<CameraId> = document
-        .frames
-        .iter()
-        .map(|frame| frame.camera.clone())
-        .collect();
-    document.cameras.retain(|camera| used.contains(&camera.id));
-    Ok((document, joined.notes))
 }

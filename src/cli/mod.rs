@@ -9,6 +9,7 @@
 //! | 2 | wrong usage or unreadable input, explained in one line |
 //! | 130 | stopped by Ctrl-C; a message says which parts of the work were written |
 
+mod attached_labels;
 mod calibrate;
 mod check;
 mod dataset;
@@ -25,6 +26,7 @@ mod fields;
 mod import;
 mod interrupt;
 mod match_report;
+mod mend;
 mod merge;
 mod messages;
 mod new;
@@ -67,6 +69,7 @@ enum Command {
     Export(Box<export::ExportArgs>),
     Fields(fields::FieldsArgs),
     Import(import::ImportArgs),
+    Mend(mend::MendArgs),
     Merge(merge::MergeArgs),
     New(new::NewArgs),
     RefineBase(refine_base::RefineBaseArgs),
@@ -132,6 +135,7 @@ pub fn run() -> Next {
         Command::Export(args) => export::export(&args, messages),
         Command::Fields(args) => fields::fields(&args, messages),
         Command::Import(args) => import::import(&args, messages),
+        Command::Mend(args) => mend::mend(&args, messages),
         Command::Merge(args) => merge::merge(&args, messages),
         Command::New(args) => new::new(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),

@@ -84,6 +84,8 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
             Command::Track,
             Command::RefineBaseOnShot,
             Command::StopTracking,
+            Command::MendCameras,
+            Command::StopMending,
             Command::DiscardCarried,
             Command::DiscardBatch,
             Command::TakeLength,

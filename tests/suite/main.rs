@@ -42,6 +42,7 @@ mod figures;
 mod given_data;
 mod killed;
 mod library;
+mod mend_command;
 mod merge_command;
 #[cfg(not(feature = "experiments"))]
 mod no_experiments;

@@ -80,6 +80,8 @@ pub enum Command {
     DiscardCarried,
     DiscardBatch,
     StopTracking,
+    MendCameras,
+    StopMending,
     TakeLength,
     RefineBaseOnShot,
     ShowForBase,
@@ -214,6 +216,8 @@ rows! {
     TakeLength, "take_length", Frame, Picture, "Take the measured length of the field", "Use the length of the field that the painted lines of the carried frames ask for, where nobody has stated it. One step of undo.", [];
     RefineBaseOnShot, "refine_base_on_shot", Frame, Picture, "Refine the base on this shot", "Track the shot, correct the camera's base and an assumed field size by the painted lines of all its frames, and repeat that until it stands; then carry the cameras through the shot. One clicked frame is enough. Undo takes the base back, and with it what was carried.", ["Shift+T"];
     StopTracking, "stop_tracking", Frame, Picture, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
+    MendCameras, "mend_cameras", Frame, Application, "Mend the imported cameras", "Put the cameras that another program gave on one place, base and lens, and every frame on its painted lines; track the frames that do not fit from their neighbours. The results are suggestions. One step of undo.", [];
+    StopMending, "stop_mending", Frame, Application, "Stop mending cameras", "Stop mending the imported cameras; nothing is changed.", [];
     StopSearch, "stop_search", Frame, Picture, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
     SnapPoints, "snap_points", Edit, Application, "Snap points to the paint", "A point that you place or drop moves to the painted corner, crossing or spot that it names, where that is certain. Hold Alt while releasing to keep it where it is.", [];
     SnapSuggestions, "snap_suggestions", Edit, Application, "Snap suggestions to the paint", "Refine the forest's proposals on the painted lines before you review them, wherever the lines are clear. Switching this asks the forest again.", [];

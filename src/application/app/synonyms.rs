@@ -28,6 +28,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::Track | C::DiscardCarried | C::StopTracking | C::RefineBaseOnShot => {
             "propagate interpolate carry follow tracking"
         }
+        C::MendCameras | C::StopMending => "repair fix correct calibration import",
         C::DiscardBatch => "remove delete proposals suggested reject all",
         C::FindCamera => "automatic zero clicks",
         C::Snap | C::SearchLines | C::SnapPoints | C::SnapSuggestions => {

@@ -5,21 +5,29 @@
 //! once from the result. Lens and crown are chosen by their error at held-out paint.
 
 use super::follow_base::forget_certainty;
-use super::known_frames::{BaseOnPaintError, KnownCameras, KnownFrames, OpenField, PaintEstimate};
+use super::known_frames::{
+    AT_ONCE, BaseOnPaintError, KnownCameras, KnownFrames, OpenField, PaintEstimate,
+};
 use super::on_paint::{OnPaint, PaintSeen};
 use super::paint::{record_snapped, snap_frame};
 use super::refit::refit;
 use super::solve_frames::is_by_clicks;
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use touchline_core::camera::Ptz;
+use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseError, BaseOptions, BaseProgress};
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, FramePtz, FrameStatus};
 use touchline_vision::media::Picture;
 use touchline_vision::paint::SnapOptions;
+
+/// A base is replaced if the median distance of its lines from paint falls by at least this share.
+/// Smaller changes are noise: refined again on their own frames, the bases of five broadcasts gain
+/// 0 to 3 %.
+const WORTHWHILE: f64 = 0.05;
 
 /// A base estimated from clicks and paint.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +43,27 @@ pub struct BaseOnPaint {
 pub type PictureOf<'a> = &'a mut dyn FnMut(&Frame) -> Option<Picture>;
 
 impl BaseOnPaint {
+    /// Whether the new base lies nearer to paint that was held out than the earlier one, by more
+    /// than noise.
+    #[must_use]
+    pub fn is_worthwhile(&self) -> bool {
+        let (before, after) = (self.seen.before.paint, self.seen.after.paint);
+        before
+            .zip(after)
+            .is_some_and(|(before, after)| after.median_px < (1.0 - WORTHWHILE) * before.median_px)
+    }
+
+    /// The same with an earlier base and crown in place of the new ones: frames are then aligned to
+    /// their paint with these.
+    #[must_use]
+    pub fn with_base(mut self, base: CameraBase, crown_m: f64) -> Self {
+        self.estimated.estimate.base = base;
+        self.estimated.estimate.crown_m = crown_m;
+        self.estimated.estimate.frames.fill(None);
+        self.estimated.sizes.clear();
+        self
+    }
+
     /// Aligns all frames of the camera to their paint with the new base, writes them, and counts
     /// them. The document must have the base already, and its frames must have been solved from
     /// their clicks.
@@ -107,44 +136,48 @@ impl BaseOnPaint {
         // The alignment searches near a frame's camera, so each frame first gets the best camera on
         // the new base: of the adjustment, of its clicks, or the old one turned so that its lines
         // stay in place.
-        let (mut frames, mut counts) = (Vec::new(), PulledFrames::default());
-        let mut carried_over = document.clone();
-        for index in
-            (0..document.frames.len()).filter(|index| is_of_camera(&document.frames[*index]))
-        {
-            let frame = &document.frames[index];
-            let by_clicks = is_by_clicks(frame);
+        let of_camera: Vec<usize> = (0..document.frames.len())
+            .filter(|index| is_of_camera(&document.frames[*index]))
+            .collect();
+        let mut started = document.clone();
+        for &index in &of_camera {
             if let Some(ptz) = fits.get(&index) {
-                carried_over.frames[index]
-                    .point(*ptz, estimate.base.distortion.radial_at(ptz.focal_px));
-            } else if !by_clicks {
-                refit(&mut carried_over, index, before);
-                forget_certainty(&mut carried_over.frames[index]);
+                started.frames[index].point(*ptz, estimate.base.distortion.radial_at(ptz.focal_px));
+            } else if !is_by_clicks(&document.frames[index]) {
+                refit(&mut started, index, before);
+                forget_certainty(&mut started.frames[index]);
             }
-            counts.solved += 1;
-            // The picture decides, where it can be read and its paint is decisive.
-            let mut pulled = Frame::clone(&carried_over.frames[index]);
-            let picture = pictures(&pulled);
-            let snapped = picture.and_then(|picture| {
-                snap_frame(
-                    &carried_over,
-                    &pulled,
-                    field,
-                    &picture,
-                    &SnapOptions::default(),
-                )
-                .ok()
-            });
-            // Frames with clicks that cannot be aligned are up to date already.
-            if let Some((base, snapped)) = snapped {
-                record_snapped(&mut pulled, &base, &snapped);
-                counts.on_paint += 1;
-            } else if by_clicks {
-                continue;
-            }
-            frames.push((index, pulled));
         }
-        (frames, counts)
+        // The picture decides, where it can be read and its paint is decisive. Pictures are read in
+        // order and aligned in parallel, a few at a time to limit memory.
+        let (mut frames, mut on_paint) = (Vec::new(), 0);
+        for some in of_camera.chunks(AT_ONCE) {
+            let read: Vec<(usize, Option<Picture>)> = some
+                .iter()
+                .map(|index| (*index, pictures(&started.frames[*index])))
+                .collect();
+            let aligned = read.par_iter().map(|(index, picture)| {
+                let frame = &started.frames[*index];
+                let options = SnapOptions::default();
+                snap_frame(&started, frame, field, picture.as_ref()?, &options).ok()
+            });
+            let aligned: Vec<_> = aligned.collect();
+            for ((index, _), aligned) in read.iter().zip(aligned) {
+                let mut pulled = Frame::clone(&started.frames[*index]);
+                match aligned {
+                    Some((base, snapped)) => {
+                        record_snapped(&mut pulled, &base, &snapped);
+                        on_paint += 1;
+                    }
+                    // Frames with clicks that cannot be aligned are up to date already.
+                    None if is_by_clicks(&document.frames[*index]) => continue,
+                    None => {}
+                }
+                frames.push((*index, pulled));
+            }
+        }
+        let solved = of_camera.len();
+        (frames, PulledFrames { solved, on_paint })
     }
 }
 
@@ -212,6 +245,19 @@ fn first_cameras(
 ) -> Result<KnownCameras, BaseEstimationError> {
     let recorded = |index: &usize| document.frames.get(*index)?.ptz.as_ref().map(FramePtz::ptz);
     let mut ptz: Vec<Option<Ptz>> = problem.frames.iter().map(recorded).collect();
+    // Without a click the estimation has priors alone to go by, and must not replace a base.
+    let has_clicks = problem
+        .clicks
+        .iter()
+        .any(|frame| !frame.observations.is_empty());
+    if let Some(base) = problem.previous.filter(|_| !has_clicks) {
+        return Ok(KnownCameras {
+            base,
+            crown_m: problem.field.crown_m,
+            ptz,
+            by_clicks: false,
+        });
+    }
     let by_clicks =
         BaseProblem::of(document, &problem.camera)?.estimate(&document, options, progress);
     // Frames without clicks keep the document's camera beside the new base; step 1 aligns them.

@@ -72,7 +72,7 @@ pub enum BaseOnPaintError {
 const MOST_FRAMES: usize = 150;
 
 /// Number of pictures in memory at the same time.
-const AT_ONCE: usize = 8;
+pub(super) const AT_ONCE: usize = 8;
 
 /// Frames of one camera, their approximate cameras, and the source of their pictures.
 pub(crate) struct KnownFrames<'a> {

@@ -81,6 +81,7 @@ pub use paint::{
     snap_clicks, snap_frame,
 };
 pub use record_found::record_found;
+pub(crate) use refit::{ground_moved_px, ptz_on_base};
 pub(crate) use replacement::may_replace;
 pub(crate) use size_fit::OpenSize;
 pub use size_fit::describe_size;

@@ -5,7 +5,7 @@
 //! new base allows.
 
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, median_high};
 use touchline_core::solve::{ClickResidual, Observation, SolveContext, solve_frame};
 use touchline_documents::document::{Camera, Document, Frame, SolutionWarning};
 
@@ -37,7 +37,7 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
     let Some(base) = document.camera_of(frame).and_then(Camera::base) else {
         return;
     };
-    let Some((ptz, off_px)) = refitted(&known, &base, frame.image_size) else {
+    let Some((ptz, off_px)) = ptz_on_base(&known, &base, frame.image_size) else {
         return;
     };
     let Some(frame) = document.frames.get_mut(index) else {
@@ -62,23 +62,18 @@ fn tell(frame: &mut Frame, off_px: f64) {
     }
 }
 
-/// The camera on a new base that keeps the ground in place on the picture, and its largest
-/// residual, px.
-fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Option<(Ptz, f64)> {
-    // The old camera maps the pixels of a grid to the ground (z = 0). These pairs serve as landmark
-    // clicks for the new base.
-    let observations: Vec<Observation> = grid(image_size)
-        .filter_map(|image| Some((image, before.plane_from_image(image, 0.0)?)))
-        .filter(|(_, ground)| ground.norm() <= REACH_M)
+/// Pan, tilt and focal length on another base that keep the ground in place on the picture, and the
+/// largest residual, px. None if the picture shows too little ground.
+pub(crate) fn ptz_on_base(
+    before: &PtzCamera,
+    base: &CameraBase,
+    image_size: ImageSize,
+) -> Option<(Ptz, f64)> {
+    // What the old camera sees of the ground serves as landmark clicks for the new base.
+    let sigma_px = SIGMA_PX * image_size.scale_from_1920();
+    let observations: Vec<Observation> = visible_ground(before, image_size)
         .enumerate()
-        .map(|(click, (image, ground))| {
-            Observation::of_point(
-                ground,
-                image,
-                SIGMA_PX * image_size.scale_from_1920(),
-                click,
-            )
-        })
+        .map(|(click, (image, ground))| Observation::of_point(ground, image, sigma_px, click))
         .collect();
     if observations.len() < FEWEST {
         return None;
@@ -97,6 +92,31 @@ fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Opt
     Some((solved.ptz, off_px))
 }
 
+/// How far the ground that one camera sees lies away in the picture of another one, px: the median
+/// over the picture. Infinite where the second does not see it; none if the first sees none.
+pub(crate) fn ground_moved_px(
+    before: &PtzCamera,
+    after: &PtzCamera,
+    image_size: ImageSize,
+) -> Option<f64> {
+    let moved_px = |(image, ground): (ImagePoint, Vec3)| {
+        let now = after.image_from_world(ground);
+        now.map_or(f64::INFINITY, |now| now.distance_px(image))
+    };
+    let mut moved: Vec<f64> = visible_ground(before, image_size).map(moved_px).collect();
+    median_high(&mut moved)
+}
+
+/// The pixels of a grid over the picture that show ground near the field, and that ground (z = 0).
+fn visible_ground(
+    camera: &PtzCamera,
+    image_size: ImageSize,
+) -> impl Iterator<Item = (ImagePoint, Vec3)> {
+    grid(image_size)
+        .filter_map(|image| Some((image, camera.plane_from_image(image, 0.0)?)))
+        .filter(|(_, ground)| ground.norm() <= REACH_M)
+}
+
 /// The centres of the cells of a regular grid over the picture, px.
 fn grid(image_size: ImageSize) -> impl Iterator<Item = ImagePoint> {
     let share = |at: u32, of: u32| (f64::from(at) + 0.5) / f64::from(of);
@@ -112,7 +132,6 @@ fn grid(image_size: ImageSize) -> impl Iterator<Item = ImagePoint> {
 mod tests {
     use super::*;
     use touchline_core::camera::BaseAngles;
-    use touchline_core::geometry::Vec3;
     use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);

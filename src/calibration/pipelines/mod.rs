@@ -6,10 +6,12 @@
 //! | a match, from its pictures to the cameras of all frames, without clicks | [`label_match`] |
 //! | the camera of some frames, from two clicks or none | [`find_camera`] |
 //! | frames labelled by a forest: train, propose, check, record | [`learn_forest`], [`propose_on_lines`], [`label_frames`] |
+//! | cameras of another program, one for each frame of a video, put on one camera and its paint | [`mend`] |
 //! | clips tracked from known frames, with base and field corrected where needed | [`track_clips`] |
 
 mod forest_labels;
 mod match_labels;
+mod mend;
 mod other_cameras;
 mod track_clips;
 
@@ -20,6 +22,10 @@ pub use forest_labels::{
 pub use match_labels::{
     LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, find_camera,
     label_match,
+};
+pub use mend::{
+    CommonError, GivenCamera, GivenFault, MendError, MendEvent, MendOptions, Mended, MendedFrame,
+    Outcome, Tally, mend,
 };
 pub use track_clips::{
     TrackedFrames, TrackingEvent, TrackingOptions, give_first_base, track_clips,

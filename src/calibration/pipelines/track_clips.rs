@@ -24,11 +24,6 @@ use touchline_vision::media::ReadFrames;
 /// where the paint of all frames places it.
 const MAX_ROUNDS: usize = 3;
 
-/// A base is replaced if the median distance of its lines from paint falls by at least this share.
-/// Smaller changes are noise: refined again on their own frames, the bases of five broadcasts gain
-/// 0 to 3 %.
-const WORTHWHILE: f64 = 0.05;
-
 /// The mean confidence of the tracked frames may fall by this much with a refined base, because a
 /// base that is fitted to more paint states lower confidences.
 const CONFIDENCE_NOISE: f64 = 0.01;
@@ -346,11 +341,7 @@ impl Tracking<'_> {
         );
         let Ok(found) = found else { return Ok(None) };
         let seen = found.seen.clone();
-        let is_better = seen
-            .before
-            .paint
-            .zip(seen.after.paint)
-            .is_some_and(|(before, after)| after.median_px < (1.0 - WORTHWHILE) * before.median_px);
+        let is_better = found.is_worthwhile();
         if is_better {
             found
                 .with_pulled_frames(refined.at(folder), &mut picture)?

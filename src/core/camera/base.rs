@@ -91,6 +91,18 @@ impl CameraBase {
         }
     }
 
+    /// The base rotation with a pan axis (`world`, of unit length, not along world y) in the pan
+    /// gauge: at pan zero the camera looks, seen from above, along world +y.
+    #[must_use]
+    pub fn rotation_about(pan_axis: &Vec3) -> Mat3 {
+        let right = Vec3::y().cross(pan_axis).normalize();
+        Mat3::from_rows(&[
+            right.transpose(),
+            -pan_axis.transpose(),
+            pan_axis.cross(&right).transpose(),
+        ])
+    }
+
     /// The same lens at the origin of the world with an identity rotation, exactly known. Its world
     /// points are directions in `base`.
     #[must_use]

@@ -49,11 +49,9 @@ impl Frame {
             .filter(|_| !by_clicks)
             .map_or(SolutionSource::Clicks, |proposed| proposed.source);
         self.point(solved.ptz, solved.lens);
-        let extra = self
-            .solution
-            .take()
-            .map(|solution| solution.extra)
-            .unwrap_or_default();
+        let Solution {
+            extra, imported, ..
+        } = self.solution.take().unwrap_or_default();
         self.solution = Some(Solution {
             covariance: Some(solved.covariance),
             own_covariance: Some(solved.uncertainty.own_covariance_deg()),
@@ -65,6 +63,7 @@ impl Frame {
             samples: None,
             line_check: None,
             proposed,
+            imported,
             verdict: Some(judge(solved, self.image_size).verdict),
             disputed: solved.disputed(),
             warnings: solved

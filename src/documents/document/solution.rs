@@ -1,6 +1,6 @@
 //! What a solve says about a frame.
 
-use super::{Extra, Target, adapters};
+use super::{Extra, ImportedCamera, Target, adapters};
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::geometry::Mat3;
@@ -132,6 +132,9 @@ pub struct Solution {
     /// The camera that it had before a person corrected it with clicks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proposed: Option<Proposed>,
+    /// The camera that another program gave the frame, where mending replaced it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imported: Option<ImportedCamera>,
     /// What finding it took.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timings_ms: Option<TimingsMs>,

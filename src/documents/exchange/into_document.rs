@@ -70,7 +70,11 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             let (first, size, view) = &frames[members[0]];
             let base = CameraBase {
                 distortion: curve,
-                ..CameraBase::new(view.position_m, base_about(&axis), view.principal_point)
+                ..CameraBase::new(
+                    view.position_m,
+                    CameraBase::rotation_about(&axis),
+                    view.principal_point,
+                )
             };
             let id = ids.take(first.camera.as_deref());
             let mut camera = Camera::new(id.clone(), *size);
@@ -246,17 +250,6 @@ fn upright_axis(view: &Pinhole) -> Vec3 {
         -view.cam_from_world.row(1).transpose()
     };
     upright.normalize()
-}
-
-/// The base rotation with this pan axis in the pan gauge: at pan zero it looks, seen from above,
-/// along world +y.
-fn base_about(up: &Vec3) -> Mat3 {
-    let right = Vec3::y().cross(up).normalize();
-    Mat3::from_rows(&[
-        right.transpose(),
-        -up.transpose(),
-        up.cross(&right).transpose(),
-    ])
 }
 
 /// The common lens of all views: k₁ linear in the focal length, and k₂ a constant multiple of k₁².

@@ -41,7 +41,7 @@ pub use clip::{
     FollowOptions, Jitter, PointFollower, PointTrack, PointTracks, SmoothOptions, Unsmoothed,
     adjust_clip, carry, smooth,
 };
-pub use cuts::{CutFinder, FoundCut, Miniature};
+pub use cuts::{CutFinder, FoundCut, Miniature, find_cuts};
 pub use error::TrackError;
 pub use group::groups;
 pub use matched_frames::{adjust_matched_frames, filled};

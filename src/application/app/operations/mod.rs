@@ -15,6 +15,7 @@ mod clip_tracking;
 pub mod comparison;
 pub mod frame_snap;
 mod line_check;
+mod mending;
 mod picture_check;
 mod point_snap;
 pub mod shot_search;
@@ -30,6 +31,7 @@ pub use clip_tracking::ClipTracking;
 pub use comparison::{Compared, Comparison};
 pub use frame_snap::FrameSnap;
 pub use line_check::PaintSays;
+pub use mending::Mending;
 pub use point_snap::PointSnap;
 pub use shot_search::{FoundShots, ShotSearch};
 
@@ -47,6 +49,7 @@ use clip_tracking::ClipTrackingState;
 use comparison::ComparisonState;
 use frame_snap::FrameSnapState;
 use line_check::LineChecks;
+use mending::MendingState;
 use picture_check::PictureComparisonState;
 use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
@@ -76,6 +79,8 @@ pub struct Operations {
     pub comparison: ComparisonState,
     /// The alignment of frames to their painted lines.
     pub frame_snap: FrameSnapState,
+    /// The mending of imported cameras.
+    pub(in crate::app) mending: MendingState,
     /// The comparison of the frames' cameras with the painted lines.
     pub(in crate::app) line_checks: LineChecks,
     /// The check whether the pictures on disk are those that the document was made with.
@@ -110,6 +115,7 @@ impl Operations {
             .or_else(|| self.camera_search.under_way())
             .or_else(|| self.base_refinement.under_way())
             .or_else(|| self.clip_tracking.under_way())
+            .or_else(|| self.mending.under_way())
             .or_else(|| self.frame_snap.under_way())
     }
 
@@ -145,6 +151,7 @@ impl App {
             | C::StopTracking
             | C::TakeLength
             | C::RefineBaseOnShot => self.why_not_clip_tracking(command),
+            C::MendCameras | C::StopMending => self.why_not_mending(command),
             C::CompareAnnotators => self.why_not_compare(),
             C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
             C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
@@ -172,6 +179,7 @@ impl App {
             | C::RefineBaseOnShot => {
                 self.clip_tracking_command(command);
             }
+            C::MendCameras | C::StopMending => self.mending_command(command),
             C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
             C::Snap | C::SearchLines | C::StopSearch => self.frame_snap_command(command),
             C::FindShots | C::StopShotSearch => self.shot_search_command(command),

@@ -12,7 +12,7 @@ use touchline_documents::document::{
     Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots,
 };
 use touchline_vision::media::{FrameReader, FrameRef, FrameStream, MediaError};
-use touchline_vision::track::{CutFinder, Miniature};
+use touchline_vision::track::find_cuts;
 
 /// Searches the cuts of a video.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,29 +115,17 @@ impl ShotSearch {
         progress: &Progress<'_, Share>,
     ) -> Result<FoundShots, MediaError> {
         let of = reader.video_info(&self.path)?.decoded_frames;
-        let mut finder = CutFinder::default();
-        let mut last: Option<Miniature> = None;
         let path: Arc<Path> = Arc::from(self.path.as_path());
         let frames = (0..of).map(|index| FrameRef::video(Arc::clone(&path), index));
-        for frame in FrameStream::new(frames)
+        let stream = FrameStream::new(frames)
             .with_reader(reader)
-            .with_progress(progress.part(|frames| frames))
-        {
-            // A frame that cannot be decoded counts as equal to the one before.
-            if let Ok(picture) = frame.picture {
-                last = Some(Miniature::of(&picture));
-            }
-            if let Some(miniature) = &last {
-                finder.push(miniature.clone());
-            }
-        }
+            .with_progress(progress.part(|frames| frames));
+        let cuts = find_cuts(stream.map(|frame| frame.picture.ok()));
         if progress.is_cancelled() {
             return Err(MediaError::Stopped {
                 path: self.path.clone(),
             });
         }
-        // Frames at the start that could not be decoded were not passed to the finder.
-        let missing = of - finder.frames();
         let kind = |is_fade| {
             if is_fade {
                 ShotKind::Fade
@@ -145,10 +133,9 @@ impl ShotSearch {
                 ShotKind::Cut
             }
         };
-        let cuts = finder
-            .cuts()
+        let cuts = cuts
             .into_iter()
-            .map(|cut| ((cut.frame + missing) as u64, kind(cut.is_fade)));
+            .map(|cut| (cut.frame as u64, kind(cut.is_fade)));
         Ok(FoundShots {
             last: of.saturating_sub(1) as u64,
             cuts: cuts.collect(),

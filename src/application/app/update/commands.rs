@@ -365,6 +365,8 @@ impl App {
             | C::Track
             | C::DiscardCarried
             | C::StopTracking
+            | C::MendCameras
+            | C::StopMending
             | C::TakeLength
             | C::RefineBaseOnShot
             | C::CompareAnnotators

@@ -8,7 +8,7 @@ use super::shared_prior::{Expected, SharedPrior};
 use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, Prescribed};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
-use crate::geometry::{Angle, Mat3, Vec2};
+use crate::geometry::{Angle, Mat3, Vec2, Vec3};
 use crate::solve::{Loss, Observation};
 
 /// Priors of a broadcast camera. They are weak, and matter only where the clicks are few.
@@ -27,6 +27,9 @@ pub struct BasePriors {
     pub crown_m: (f64, f64),
     /// 1-σ of the principal point, px of a frame 1920 px wide.
     pub principal_point_px: f64,
+    /// The position (`world`) and its 1-σ along each axis, m, where something is known about it
+    /// beforehand.
+    pub position_m: Option<(Vec3, Vec3)>,
 }
 
 impl Default for BasePriors {
@@ -41,6 +44,7 @@ impl Default for BasePriors {
             k1_slope: (0.21, 0.1),
             crown_m: (0.13, 0.07),
             principal_point_px: 40.0,
+            position_m: None,
         }
     }
 }
@@ -254,6 +258,18 @@ impl UsualView {
 }
 
 impl BasePriors {
+    /// The usual lens of broadcast cameras for pictures of a width: k₁ follows the focal length.
+    #[must_use]
+    pub fn usual_lens(&self, image_width_px: u32) -> FocalCurve {
+        let per_1920 = per_1920(image_width_px);
+        FocalCurve {
+            at_focal_px: LENS_FOCAL_PX * per_1920,
+            value: self.k1.0,
+            per_1000_px: self.k1_slope.0 / per_1920,
+            k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
+        }
+    }
+
     /// The priors of the parameters that a model leaves free.
     ///
     /// Pitch and roll refer to the direction from the camera to the field, along and across which
@@ -287,6 +303,10 @@ impl BasePriors {
                 Expected::Slope(self.k1_slope.0 / per_1920),
                 self.k1_slope.1 / per_1920,
             ));
+        }
+        if let Some((position_m, sigma_m)) = self.position_m {
+            let along = |axis: usize| prior(Expected::Position(position_m, axis), sigma_m[axis]);
+            found.extend((0..3).map(along));
         }
         if model.crown == CrownModel::Free {
             found.push(prior(Expected::Crown(self.crown_m.0), self.crown_m.1));

@@ -64,6 +64,7 @@ mod one_more;
 mod parameters;
 mod progress;
 mod scatter;
+mod shared_place;
 mod shared_prior;
 mod start;
 
@@ -78,6 +79,7 @@ pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
 pub use model_choice::{HeldOutErrors, ModelReason, ModelScore};
 pub use one_more::{BesideFrames, OneMoreFrame};
 pub use progress::BaseProgress;
+pub use shared_place::{SharedPlace, shared_places};
 pub use start::{BaseStart, start_base};
 
 use super::Observation;

@@ -189,6 +189,25 @@ impl Attachment {
         &self.candidates
     }
 
+    /// By how many frames the cameras come later in the video in each way than in the most plausible
+    /// one, which is the first. Ways that count something else are left out.
+    #[must_use]
+    pub fn shifts(&self) -> Vec<i64> {
+        let Some(first) = self.candidates.first() else {
+            return vec![0];
+        };
+        let alike = |other: &&AttachmentCandidate| other.counting == first.counting;
+        let shift = |other: &AttachmentCandidate| {
+            let [from, to] = [first, other].map(|way| i64::try_from(way.first_number).ok());
+            from?.checked_sub(to?)
+        };
+        self.candidates
+            .iter()
+            .filter(alike)
+            .filter_map(shift)
+            .collect()
+    }
+
     /// The imported document with frames of the video in place of its own, in one of the ways.
     ///
     /// Frames without a frame of the video are left out; the notes say how many, and how the others

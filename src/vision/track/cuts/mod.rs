@@ -10,6 +10,7 @@ mod miniature;
 
 pub use miniature::Miniature;
 
+use crate::media::Picture;
 use std::collections::VecDeque;
 
 /// Minimum difference of a cut, grey levels. Neighbouring frames of the fastest pans and zooms of
@@ -63,6 +64,27 @@ struct Measured {
     contrast: f32,
 }
 
+/// The cuts in a sequence of pictures without gaps. A picture that could not be decoded (none)
+/// counts as a repetition of the one before it.
+pub fn find_cuts(pictures: impl IntoIterator<Item = Option<Picture>>) -> Vec<FoundCut> {
+    let mut finder = CutFinder::default();
+    let mut last: Option<Miniature> = None;
+    // Pictures missing at the start are not pushed, so the finder counts from the first one there.
+    let mut missing = 0;
+    for picture in pictures {
+        last = picture.as_ref().map(Miniature::of).or(last);
+        match &last {
+            Some(miniature) => finder.push(miniature.clone()),
+            None => missing += 1,
+        }
+    }
+    let in_sequence = |cut: FoundCut| FoundCut {
+        frame: cut.frame + missing,
+        ..cut
+    };
+    finder.cuts().into_iter().map(in_sequence).collect()
+}
+
 impl CutFinder {
     /// Adds the next frame.
     pub fn push(&mut self, frame: Miniature) {
@@ -100,12 +122,6 @@ impl CutFinder {
             let place = self.measured.len() - 1 - HALF_FADE;
             self.measured[place].fade = Some((off, first.difference(last)));
         }
-    }
-
-    /// Number of frames added.
-    #[must_use]
-    pub const fn frames(&self) -> usize {
-        self.measured.len()
     }
 
     /// The cuts among the frames added so far, in frame order.

@@ -16,7 +16,7 @@ pub use write::TransferWrite;
 use crate::app::effect::Effect;
 use crate::app::operation::{Running, Slot};
 use crate::app::session::{Dialog, Level};
-use crate::app::{App, Question};
+use crate::app::{App, Command, Question};
 use look::LookAt;
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Step};
@@ -306,6 +306,9 @@ impl App {
         }
         self.commit();
         self.session.dialog = None;
-        self.session.notify(Level::Info, describe_joined(&joined));
+        let can_mend = joined.cameras > 0 && self.why_not(Command::MendCameras).is_none();
+        let offers = can_mend.then_some(("Mend the cameras", Command::MendCameras));
+        self.session
+            .notify_with(Level::Info, describe_joined(&joined), offers);
     }
 }

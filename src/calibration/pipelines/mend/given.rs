@@ -1,0 +1,151 @@
+//! The cameras that frames came with, and whether they are possible.
+
+use crate::calibrate::{Fault, impossible_camera};
+use nalgebra::Matrix3;
+use std::fmt;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry::{Mat3, Vec3};
+use touchline_documents::document::{Document, Fields, Frame};
+
+/// The camera that a frame came with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GivenCamera {
+    /// None, or one that could not be read.
+    Missing,
+    /// A camera that nobody sets up.
+    Impossible(GivenFault),
+    /// A plausible camera.
+    Possible(Box<PtzCamera>),
+    /// A camera on the other side of the mirrored field: the same camera mirrored back.
+    Mirrored(Box<PtzCamera>),
+}
+
+/// What makes a camera impossible, in words.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GivenFault(Fault);
+
+impl fmt::Display for GivenFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl GivenCamera {
+    /// The camera to begin with; none where there is none.
+    #[must_use]
+    pub fn usable(&self) -> Option<&PtzCamera> {
+        match self {
+            Self::Possible(camera) | Self::Mirrored(camera) => Some(camera),
+            Self::Missing | Self::Impossible(_) => None,
+        }
+    }
+
+    /// What makes it impossible, if it is.
+    #[must_use]
+    pub const fn fault(&self) -> Option<&GivenFault> {
+        match self {
+            Self::Impossible(fault) => Some(fault),
+            _ => None,
+        }
+    }
+}
+
+/// The given camera of each frame of a document. Frames that people decided on count as possible.
+pub(super) fn given_cameras(document: &Document, fields: &Fields) -> Vec<GivenCamera> {
+    let given = |frame: &Frame| {
+        let Some(camera) = document.pointed(frame) else {
+            return GivenCamera::Missing;
+        };
+        let field = fields.of_frame(document, frame);
+        match impossible_camera(document, frame, Some(field)) {
+            Some(fault) => GivenCamera::Impossible(GivenFault(fault)),
+            None => GivenCamera::Possible(Box::new(camera)),
+        }
+    };
+    document.frames.iter().map(|frame| given(frame)).collect()
+}
+
+/// The camera of the world reflected at the plane x = 0 that gives the reflected picture: position
+/// and pan change their sign along x.
+///
+/// With `D = diag(−1, 1, 1)` the reflected camera has `cam_from_world = D R D`. `D` commutes with
+/// the tilt and turns the pan round, so that the base rotation becomes `D B D`.
+pub(super) fn mirror(camera: &PtzCamera) -> PtzCamera {
+    let reflection: Mat3 = Matrix3::from_diagonal(&Vec3::new(-1.0, 1.0, 1.0));
+    let base = camera.base();
+    let reflected = CameraBase {
+        position_m: reflection * base.position_m,
+        base_from_world: reflection * base.base_from_world * reflection,
+        ..*base
+    };
+    let ptz = camera.ptz();
+    let ptz = Ptz {
+        pan: -ptz.pan,
+        ..ptz
+    };
+    PtzCamera::new(reflected, ptz)
+}
+
+/// The camera turned by 180° about the middle of the field, from where a symmetric field looks the
+/// same.
+pub(super) fn turn_round(camera: &PtzCamera) -> PtzCamera {
+    let half_turn: Mat3 = Matrix3::from_diagonal(&Vec3::new(-1.0, -1.0, 1.0));
+    let base = camera.base();
+    let turned = CameraBase {
+        position_m: half_turn * base.position_m,
+        base_from_world: base.base_from_world * half_turn,
+        ..*base
+    };
+    // Pan zero is along +y (the pan gauge), which is now behind the camera.
+    let (turned, pan) = turned.in_pan_gauge();
+    let ptz = camera.ptz();
+    let ptz = Ptz {
+        pan: ptz.pan + pan,
+        ..ptz
+    };
+    PtzCamera::new(turned, ptz)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::BaseAngles;
+    use touchline_core::geometry::{Angle, ImagePoint};
+
+    fn camera() -> PtzCamera {
+        let lean = BaseAngles {
+            roll: Angle::from_degrees(0.7),
+            ..BaseAngles::default()
+        };
+        let base = CameraBase::new(
+            Vec3::new(3.0, -62.0, 17.0),
+            lean.base_from_world(),
+            ImagePoint::new(960.0, 540.0),
+        );
+        PtzCamera::new(base, Ptz::from_degrees(14.0, -11.0, 2400.0))
+    }
+
+    #[test]
+    fn a_mirrored_camera_sees_the_mirrored_field_in_the_mirrored_picture() {
+        let (camera, reflected) = (camera(), mirror(&camera()));
+        let ground = Vec3::new(20.0, 5.0, 0.0);
+        let at = camera.image_from_world(ground).unwrap();
+        let mirrored_ground = Vec3::new(-20.0, 5.0, 0.0);
+        let opposite = reflected.image_from_world(mirrored_ground).unwrap();
+        let expected = ImagePoint::new(2.0 * 960.0 - at.x, at.y);
+        assert!(opposite.distance_px(expected) < 1e-9, "{opposite:?}");
+        // Twice is the same camera.
+        let again = mirror(&reflected).image_from_world(ground).unwrap();
+        assert!(again.distance_px(at) < 1e-9);
+    }
+
+    #[test]
+    fn a_camera_turned_round_sees_the_opposite_points_where_they_were() {
+        let (camera, turned) = (camera(), turn_round(&camera()));
+        let at = camera.image_from_world(Vec3::new(20.0, 5.0, 0.0)).unwrap();
+        let opposite = Vec3::new(-20.0, -5.0, 0.0);
+        let same = turned.image_from_world(opposite).unwrap();
+        assert!(same.distance_px(at) < 1e-9, "{same:?}");
+        assert_eq!(turned.base().position_m, Vec3::new(-3.0, 62.0, 17.0));
+    }
+}

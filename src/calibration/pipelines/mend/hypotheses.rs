@@ -1,0 +1,261 @@
+//! Tests whether all given cameras are mirrored, lack a lens, or are meant for other frames of the
+//! video.
+//!
+//! Each hypothesis is tested on the same sample of pictures. The cameras that follow from it are
+//! placed on the common place and aligned to the painted lines. The hypothesis under which the most
+//! frames can be aligned is the right one; among those with about as many, the one whose cameras
+//! the alignment moves least.
+
+use super::common_error::CommonError;
+use super::given::{GivenCamera, mirror};
+use super::places::{Shots, mirror_back, with_lens};
+use super::{MendError, MendEvent};
+use crate::calibrate::{ground_moved_px, ptz_on_base};
+use crate::proposals::PictureStream;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::Path;
+use touchline_core::camera::{FocalCurve, PtzCamera};
+use touchline_core::geometry::{median, subsample};
+use touchline_core::progress::Progress;
+use touchline_core::solve::base::BasePriors;
+use touchline_documents::document::{Document, Fields, Frame};
+use touchline_vision::media::{Picture, ReadFrames};
+use touchline_vision::paint::{GroundPicture, SnapOptions, snap};
+
+/// Number of pictures in the sample.
+const PICTURES: usize = 24;
+
+/// A lens, and mirrored cameras, are considered if less than this share of the sample can be aligned.
+const DOUBTFUL: f64 = 0.5;
+
+/// Of two hypotheses with about as many aligned frames (at least this share of the most), the one
+/// that moves its cameras less is the right one.
+const AS_MANY: f64 = 0.8;
+
+/// Pictures of some frames.
+pub(super) struct Sample {
+    /// The frames' indices in the document.
+    pictures: Vec<(usize, Picture)>,
+}
+
+impl Sample {
+    /// Reads pictures of frames whose cameras are possible, evenly spread over those between which
+    /// the given cameras move most: where a camera rests, a shift by a frame does not show.
+    pub fn read(
+        document: &Document,
+        folder: &Path,
+        shots: &Shots,
+        given: &[GivenCamera],
+        reader: &mut dyn ReadFrames,
+        progress: &Progress<'_, MendEvent>,
+    ) -> Result<Self, MendError> {
+        let motion_px = |index: usize| {
+            let camera = given[index].usable()?;
+            let after = given.get(index + 1)?.usable()?;
+            shots.place_of(index)?;
+            ground_moved_px(camera, after, document.frames[index].image_size)
+        };
+        let mut moving: Vec<(f64, usize)> = (0..given.len())
+            .filter_map(|index| Some((motion_px(index)?, index)))
+            .collect();
+        moving.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+        moving.truncate(moving.len().div_ceil(2).max(PICTURES));
+        let mut fastest: Vec<usize> = moving.into_iter().map(|(_, index)| index).collect();
+        fastest.sort_unstable();
+        let chosen = subsample(fastest, PICTURES);
+        let stream = PictureStream::new(document.at(folder), chosen)
+            .with_reader(reader)
+            .with_progress(progress.part(MendEvent::Sampling));
+        let pictures = stream
+            .filter_map(|read| Some((read.index, read.picture.ok()?)))
+            .collect();
+        if progress.is_cancelled() {
+            return Err(MendError::Stopped);
+        }
+        Ok(Self { pictures })
+    }
+}
+
+/// What may be wrong with all given cameras alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Hypothesis {
+    /// By how many frames they come later.
+    shift: i64,
+    /// They leave out a lens like that of most broadcast cameras.
+    lacks_lens: bool,
+    /// They are cameras of the mirrored field.
+    is_mirrored: bool,
+}
+
+/// How well the cameras of a hypothesis agree with the sample.
+#[derive(Clone, Copy, Debug)]
+struct Agreement {
+    /// Number of frames that could be aligned.
+    aligned: usize,
+    /// The median distance by which the alignment moved the ground, px; infinite without any.
+    moved_px: f64,
+}
+
+/// The likeliest hypothesis and what follows from it.
+pub(super) struct Likeliest {
+    /// The errors that the given cameras have in common.
+    pub errors: Vec<CommonError>,
+    /// The given cameras without these errors.
+    pub given: Vec<GivenCamera>,
+    /// The lens to begin with, where they leave out theirs.
+    pub lens: Option<FocalCurve>,
+}
+
+/// Cameras to be tested on a sample of frames.
+pub(super) struct Test<'a> {
+    pub document: &'a Document,
+    pub fields: &'a Fields,
+    pub shots: &'a Shots,
+    pub given: &'a [GivenCamera],
+    pub sample: &'a Sample,
+}
+
+impl Test<'_> {
+    /// The likeliest hypothesis, among these shifts (the most plausible first). Lens and mirror are
+    /// considered only where few frames can be aligned without.
+    pub fn likeliest(&self, shifts: &[i64]) -> Likeliest {
+        let enough = (DOUBTFUL * self.sample.pictures.len() as f64) as usize;
+        let mut tried: Vec<(Hypothesis, Agreement)> = Vec::new();
+        for (lacks_lens, is_mirrored) in
+            [(false, false), (true, false), (false, true), (true, true)]
+        {
+            if tried
+                .iter()
+                .any(|(_, agreement)| agreement.aligned >= enough)
+            {
+                break;
+            }
+            for &shift in shifts {
+                let hypothesis = Hypothesis {
+                    shift,
+                    lacks_lens,
+                    is_mirrored,
+                };
+                tried.push((hypothesis, self.agreement(hypothesis)));
+            }
+        }
+        let most = tried.iter().map(|(_, agreement)| agreement.aligned).max();
+        let least = (AS_MANY * most.unwrap_or(0) as f64).ceil() as usize;
+        tried.retain(|(_, agreement)| agreement.aligned >= least);
+        // Of equals the first one: the likeliest by the numbers, and not mirrored.
+        let best = tried.into_iter().reduce(|best, other| {
+            if other.1.moved_px < best.1.moved_px {
+                other
+            } else {
+                best
+            }
+        });
+        let first_shift = shifts.first().copied().unwrap_or(0);
+        let best = best.map_or(
+            Hypothesis {
+                shift: first_shift,
+                lacks_lens: false,
+                is_mirrored: false,
+            },
+            |(hypothesis, _)| hypothesis,
+        );
+        let mut errors = Vec::new();
+        errors.extend(best.is_mirrored.then_some(CommonError::Mirrored));
+        if best.shift != first_shift {
+            errors.push(CommonError::Shifted(best.shift - first_shift));
+        }
+        Likeliest {
+            errors,
+            given: self.cameras(best),
+            lens: self.lens(best),
+        }
+    }
+
+    /// The cameras that a hypothesis makes of the given ones.
+    fn cameras(&self, hypothesis: Hypothesis) -> Vec<GivenCamera> {
+        let given = if hypothesis.is_mirrored {
+            self.given.iter().map(reflect).collect()
+        } else {
+            mirror_back(self.given, &self.shots.places)
+        };
+        shift_frames(self.document, given, hypothesis.shift)
+    }
+
+    /// The lens that a hypothesis adds.
+    fn lens(&self, hypothesis: Hypothesis) -> Option<FocalCurve> {
+        let width_px = self.document.frames.first()?.image_size.width;
+        hypothesis
+            .lacks_lens
+            .then(|| BasePriors::default().usual_lens(width_px))
+    }
+
+    /// Aligns the sample's frames from the cameras of a hypothesis, each on the place of its shot.
+    fn agreement(&self, hypothesis: Hypothesis) -> Agreement {
+        let (given, lens) = (self.cameras(hypothesis), self.lens(hypothesis));
+        // Mirrored cameras stand at mirrored places, so the places follow from the cameras at hand.
+        let places = Shots::new(self.document, self.shots.cuts.clone(), &given);
+        let moved = |(index, picture): &(usize, Picture)| {
+            let frame = &self.document.frames[*index];
+            let base = with_lens(&places.as_ref()?.place_of(*index)?.base, lens);
+            let (ptz, _) = ptz_on_base(given[*index].usable()?, &base, frame.image_size)?;
+            let ground = GroundPicture::new(picture, &self.document.masks_of(frame));
+            let field = self.fields.of_frame(self.document, frame);
+            let snapped = snap(&ground, field, &base, ptz, &[], &lenient()).ok()?;
+            let [before, after] = [ptz, snapped.ptz].map(|ptz| PtzCamera::new(base, ptz));
+            ground_moved_px(&before, &after, frame.image_size)
+        };
+        let mut moved: Vec<f64> = self.sample.pictures.par_iter().filter_map(moved).collect();
+        Agreement {
+            aligned: moved.len(),
+            moved_px: median(&mut moved).unwrap_or(f64::INFINITY),
+        }
+    }
+}
+
+/// A given camera mirrored.
+fn reflect(given: &GivenCamera) -> GivenCamera {
+    given.usable().map_or_else(
+        || given.clone(),
+        |camera| GivenCamera::Mirrored(Box::new(mirror(camera))),
+    )
+}
+
+/// The given cameras where each belongs to the frame of the same video whose number is larger by
+/// `shift`.
+fn shift_frames(document: &Document, given: Vec<GivenCamera>, shift: i64) -> Vec<GivenCamera> {
+    if shift == 0 {
+        return given;
+    }
+    let by_number: BTreeMap<(&str, i64), usize> = document
+        .frames
+        .iter()
+        .enumerate()
+        .filter_map(|(index, frame)| Some((number(frame)?, index)))
+        .collect();
+    let source = |frame: &Frame| {
+        let (path, number) = number(frame)?;
+        by_number
+            .get(&(path, number - shift))
+            .map(|index| given[*index].clone())
+    };
+    let frames = document.frames.iter();
+    frames
+        .map(|frame| source(frame).unwrap_or(GivenCamera::Missing))
+        .collect()
+}
+
+/// The video of a frame and the frame's number in it.
+fn number(frame: &Frame) -> Option<(&str, i64)> {
+    let video = frame.video.as_ref()?;
+    Some((video.path.as_str(), i64::try_from(video.frame_index).ok()?))
+}
+
+/// Looser limits of the alignment: lines look curved while the lens is not known.
+fn lenient() -> SnapOptions {
+    SnapOptions {
+        halves_px: 4.0,
+        min_score: 0.5,
+        ..SnapOptions::default()
+    }
+}

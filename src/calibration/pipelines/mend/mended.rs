@@ -1,0 +1,204 @@
+//! What became of each given camera.
+
+use super::common_error::CommonError;
+use super::given::GivenCamera;
+use crate::calibrate::{LINE_CHECK, ground_moved_px};
+use std::collections::BTreeSet;
+use touchline_core::camera::PtzCamera;
+use touchline_core::solve::base::SharedPlace;
+use touchline_documents::document::{Document, Frame, FrameId, ImportedCamera, Solution};
+
+/// A camera that moved by at most this much is as it came, px at 1920 px width: what the annotator
+/// would not see.
+const AS_IT_CAME_PX: f64 = 3.0;
+
+/// A mended frame below this confidence is left for a person.
+const DOUBTED: f64 = 0.5;
+
+/// The result of mending.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mended {
+    /// Each frame of the document, in its order.
+    pub frames: Vec<MendedFrame>,
+    /// The places that the given cameras share, the one with the most frames first.
+    pub places: Vec<SharedPlace>,
+    /// The errors that all given cameras had in common.
+    pub common: Vec<CommonError>,
+}
+
+/// What became of the camera of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MendedFrame {
+    /// The frame.
+    pub id: FrameId,
+    /// The camera that it came with.
+    pub given: GivenCamera,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// How far the ground moved in the picture against the given camera, px: the median over the
+    /// picture. None without a given or a mended camera.
+    pub moved_px: Option<f64>,
+}
+
+/// What became of a frame's camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// A person decided on the frame; it was not touched.
+    Decided,
+    /// It is as it came, within 3 px at 1920 px width.
+    AsItCame,
+    /// It was aligned to the painted lines.
+    Aligned,
+    /// It was tracked from its neighbours.
+    Tracked,
+    /// The painted lines contradict the best camera that was found.
+    Contradicted,
+    /// The best camera that was found is uncertain.
+    Uncertain,
+    /// No camera was found.
+    Missing,
+}
+
+impl Outcome {
+    /// Whether a person has to look at the frame.
+    #[must_use]
+    pub const fn is_left(self) -> bool {
+        matches!(self, Self::Contradicted | Self::Uncertain | Self::Missing)
+    }
+}
+
+/// How many frames had each outcome.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Frames that came with a camera, impossible ones included.
+    pub came: usize,
+    /// Those of them whose camera was impossible.
+    pub impossible: usize,
+    /// Those of them that were mirrored.
+    pub mirrored: usize,
+    /// Frames that people had decided on.
+    pub decided: usize,
+    /// Frames whose camera is as it came.
+    pub as_they_came: usize,
+    /// Frames that were aligned to the painted lines.
+    pub aligned: usize,
+    /// Frames that were tracked from their neighbours.
+    pub tracked: usize,
+    /// Frames that are left for a person.
+    pub left: usize,
+}
+
+impl Mended {
+    /// Compares the documents before and after. `aligned` are the frames that were aligned to their
+    /// paint before the others were tracked, by their indices.
+    pub(super) fn new(
+        before: &Document,
+        after: &Document,
+        given: &[GivenCamera],
+        aligned: &BTreeSet<usize>,
+        places: Vec<SharedPlace>,
+        common: Vec<CommonError>,
+    ) -> Self {
+        let frame = |(index, given): (usize, &GivenCamera)| {
+            let frame = &after.frames[index];
+            let now = after.pointed(frame);
+            let camera = given
+                .usable()
+                .copied()
+                .or_else(|| before.pointed(&before.frames[index]));
+            let moved_px = camera
+                .zip(now)
+                .and_then(|(given, now)| ground_moved_px(&given, &now, frame.image_size));
+            MendedFrame {
+                id: frame.id.clone(),
+                given: given.clone(),
+                outcome: outcome(frame, now.as_ref(), moved_px, aligned.contains(&index)),
+                moved_px,
+            }
+        };
+        let frames = given.iter().enumerate().map(frame).collect();
+        Self {
+            frames,
+            places,
+            common,
+        }
+    }
+
+    /// Writes into each mended frame the camera that it came with.
+    pub(super) fn record_imported(&self, before: &Document, after: &mut Document) {
+        for (index, mended) in self.frames.iter().enumerate() {
+            let came = before.pointed(&before.frames[index]);
+            let is_mended = mended.outcome != Outcome::Decided;
+            let Some(came) = came.filter(|_| is_mended) else {
+                continue;
+            };
+            if let Some(solution) = &mut after.frames[index].solution {
+                let fault = mended.given.fault().map(ToString::to_string);
+                solution.imported = ImportedCamera::new(&came, mended.moved_px, fault);
+            }
+        }
+    }
+
+    /// How many frames had each outcome.
+    #[must_use]
+    pub fn tally(&self) -> Tally {
+        let mut tally = Tally::default();
+        for frame in &self.frames {
+            tally.came += usize::from(!matches!(frame.given, GivenCamera::Missing));
+            tally.impossible += usize::from(matches!(frame.given, GivenCamera::Impossible(_)));
+            tally.mirrored += usize::from(matches!(frame.given, GivenCamera::Mirrored(_)));
+            let count = match frame.outcome {
+                Outcome::Decided => &mut tally.decided,
+                Outcome::AsItCame => &mut tally.as_they_came,
+                Outcome::Aligned => &mut tally.aligned,
+                Outcome::Tracked => &mut tally.tracked,
+                Outcome::Contradicted | Outcome::Uncertain | Outcome::Missing => &mut tally.left,
+            };
+            *count += 1;
+        }
+        tally
+    }
+}
+
+fn outcome(
+    frame: &Frame,
+    now: Option<&PtzCamera>,
+    moved_px: Option<f64>,
+    was_aligned: bool,
+) -> Outcome {
+    if !frame.is_open() {
+        return Outcome::Decided;
+    }
+    let (Some(_), Some(solution)) = (now, &frame.solution) else {
+        return Outcome::Missing;
+    };
+    if is_contradicted(solution) {
+        return Outcome::Contradicted;
+    }
+    if is_uncertain(solution) {
+        return Outcome::Uncertain;
+    }
+    let same_px = AS_IT_CAME_PX * frame.image_size.scale_from_1920();
+    match moved_px {
+        Some(moved_px) if moved_px <= same_px => Outcome::AsItCame,
+        _ if was_aligned => Outcome::Aligned,
+        _ => Outcome::Tracked,
+    }
+}
+
+/// Whether an open frame's camera is contradicted by its paint or uncertain.
+pub(super) fn is_doubted(frame: &Frame) -> bool {
+    let is_doubtful = |known: &Solution| is_contradicted(known) || is_uncertain(known);
+    frame.is_open() && frame.ptz.is_some() && frame.solution.as_ref().is_some_and(is_doubtful)
+}
+
+fn is_contradicted(solution: &Solution) -> bool {
+    let warnings = &solution.warnings;
+    warnings.iter().any(|warning| warning.code == LINE_CHECK)
+}
+
+fn is_uncertain(solution: &Solution) -> bool {
+    solution
+        .confidence
+        .is_none_or(|confidence| confidence < DOUBTED)
+}

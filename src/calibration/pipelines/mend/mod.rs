@@ -1,0 +1,388 @@
+//! Mending cameras that another program gave, frame by frame, for a video.
+//!
+//! # Problem
+//!
+//! A program with trained weights gives a camera for each frame. Most are right within a few
+//! pixels, some are tens of pixels off over a stretch, some are absurd (a focal length of three
+//! million pixels, a camera under the pitch, a mirrored field), and each has a position of its own.
+//! Wanted: one camera that stands still, and for each frame pan, tilt and focal length on the
+//! painted lines, or no camera.
+//!
+//! # Method
+//!
+//! 1. **Plausibility** (`given.rs`). Cameras that nobody sets up are set aside and named.
+//! 2. **Places** (`places.rs`). The position, the rotation of the head and the lens that the
+//!    cameras of a shot have in common ([`shared_places`]). A shot with no common place (a close-up
+//!    whose cameras were invented) is left alone.
+//! 3. **Common errors** (`hypotheses.rs`). If few of a sample of frames can be aligned to their
+//!    paint, the cameras may be wrong alike: without their lens, mirrored, or meant for the frames
+//!    before or after. Each hypothesis is tested on the same sample.
+//! 4. **Base on paint.** Each camera is turned and zoomed on the common place so that its ground
+//!    stays where it was in the picture, and aligned to the painted lines; base, lens and (where it
+//!    is only assumed) the size of the field are estimated from the paint of all frames
+//!    ([`estimate_on_paint`]), and the frames are aligned again.
+//! 5. **Tracking.** Frames that could not be aligned lose their camera and get one from their
+//!    neighbours ([`track_clip`](crate::calibrate::track_clip)), which compares every frame with
+//!    its paint; frames that are then in doubt are compared once more with the cameras that came
+//!    out of the last adjustment.
+//!
+//! # Robustness
+//!
+//! Robust against absurd cameras, stretches that are wrong alike, positions that scatter, a lens
+//! that the program ignored. Every frame keeps the camera that it came with in
+//! `solution.imported`. Not robust against a shot most of whose cameras are wrong by more than 50 px in different ways.
+//!
+//! # Figures
+//!
+//! `tests/benches/mend.md`.
+
+mod common_error;
+mod given;
+mod hypotheses;
+mod mended;
+mod places;
+
+pub use common_error::CommonError;
+pub use given::{GivenCamera, GivenFault};
+pub use mended::{Mended, MendedFrame, Outcome, Tally};
+
+use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
+use crate::calibrate::{
+    BaseOnPaintError, check_frame, clips, estimate_on_paint, record_line_check,
+};
+use crate::proposals::{PictureStream, read_picture};
+use given::given_cameras;
+use hypotheses::{Likeliest, Sample, Test};
+use places::Shots;
+use std::collections::BTreeSet;
+use std::path::Path;
+use thiserror::Error;
+use touchline_core::field::FieldError;
+use touchline_core::markings::LineVerdict;
+use touchline_core::progress::{Progress, Share};
+use touchline_core::solve::base::{BaseOptions, SharedPlace};
+use touchline_documents::document::{Camera, CameraId, Document, FieldSize, Fields, Frame};
+use touchline_vision::media::ReadFrames;
+use touchline_vision::paint::LineCheck;
+use touchline_vision::track::find_cuts;
+
+/// The least 1-σ of the place of given cameras, m. Paint of both halves of a field determines a
+/// position to 0.1 m, that of one end through a long lens to 1 m or worse. There the given cameras
+/// know better, but all of them may be wrong alike.
+const PLACE_SIGMA_M: f64 = 0.5;
+
+/// Options of mending.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MendOptions {
+    /// By how many frames the given cameras may be shifted against the video, the likeliest first.
+    /// The painted lines decide. Only 0 by default.
+    pub shifts: Vec<i64>,
+}
+
+impl Default for MendOptions {
+    fn default() -> Self {
+        Self { shifts: vec![0] }
+    }
+}
+
+/// Events while cameras are mended.
+#[derive(Debug)]
+pub enum MendEvent {
+    /// Pictures are compared with their predecessors to find cuts.
+    Cuts(Share),
+    /// The places that the cameras share were found; empty if they share none.
+    Places(Vec<SharedPlace>),
+    /// Hypotheses about common errors are tested: pictures done.
+    Sampling(Share),
+    /// Base, lens and frames are being aligned to the painted lines: pictures done.
+    Aligning(CameraId, Share),
+    /// Base and lens of a camera could not be estimated from the painted lines; they stay those of
+    /// the given cameras.
+    NotAligned(CameraId, BaseOnPaintError),
+    /// Frames are being tracked.
+    Tracking(TrackingEvent),
+    /// Frames that tracking left in doubt are compared with their paint: pictures done.
+    Checking(Share),
+}
+
+/// Why cameras could not be mended.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum MendError {
+    /// No frame has a camera.
+    #[error("no frame has a camera to mend; import the cameras first")]
+    NoCamera,
+    /// All given cameras are implausible.
+    #[error(
+        "none of the {cameras} cameras is possible (the first: {first}); check the format and the units"
+    )]
+    NonePossible {
+        /// Number of given cameras.
+        cameras: usize,
+        /// What is wrong with the first of them.
+        first: GivenFault,
+    },
+    /// The plausible cameras have no position in common.
+    #[error(
+        "the {cameras} possible cameras do not agree on a place where a camera stands; \
+         label some frames by hand, or search the camera without clicks"
+    )]
+    NoPlace {
+        /// Number of plausible cameras.
+        cameras: usize,
+    },
+    /// The field of a camera is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Cancelled; the document is unchanged.
+    #[error("stopped")]
+    Stopped,
+}
+
+/// Mends the cameras of a document's frames, which another program gave. Frames that people decided
+/// on keep their cameras. `folder` is where the document's relative paths start.
+///
+/// # Errors
+/// There is nothing to mend, the field of a camera is not valid, or `progress` cancelled it; the
+/// document is then unchanged.
+pub fn mend(
+    document: &mut Document,
+    folder: &Path,
+    reader: &mut dyn ReadFrames,
+    options: &MendOptions,
+    progress: &Progress<'_, MendEvent>,
+) -> Result<Mended, MendError> {
+    let before = document.clone();
+    let fields = Fields::of(before.at(folder))?;
+    let given = given_cameras(&before, &fields);
+    let usable = given
+        .iter()
+        .filter(|given| given.usable().is_some())
+        .count();
+    if usable == 0 {
+        let first = given.iter().find_map(|given| given.fault().cloned());
+        let cameras = before
+            .frames
+            .iter()
+            .filter(|frame| frame.ptz.is_some())
+            .count();
+        return Err(
+            first.map_or(MendError::NoCamera, |first| MendError::NonePossible {
+                cameras,
+                first,
+            }),
+        );
+    }
+    let mut mending = Mending {
+        folder,
+        reader,
+        progress,
+    };
+    // Steps 2 and 3: where cameras stand, and whether all of them are wrong alike.
+    let cuts = mending.find_cuts(&before)?;
+    let shots = Shots::new(&before, cuts, &given).ok_or(MendError::NoPlace { cameras: usable })?;
+    let _ = progress.report(MendEvent::Places(shots.places.clone()));
+    let sample = Sample::read(
+        &before,
+        folder,
+        &shots,
+        &given,
+        &mut *mending.reader,
+        progress,
+    )?;
+    let test = Test {
+        document: &before,
+        fields: &fields,
+        shots: &shots,
+        given: &given,
+        sample: &sample,
+    };
+    let Likeliest {
+        errors: mut common,
+        given,
+        lens,
+    } = test.likeliest(&options.shifts);
+    let shots =
+        Shots::new(&before, shots.cuts, &given).ok_or(MendError::NoPlace { cameras: usable })?;
+    // Steps 4 and 5 on a copy: a cancelled run leaves the document unchanged.
+    let mut mended = before.clone();
+    let cameras = shots.place_cameras(&mut mended, &given, lens);
+    for (camera, place) in &cameras {
+        common.extend(mending.align(&mut mended, camera, place)?);
+    }
+    let aligned = drop_unaligned(&mut mended, &shots);
+    mending.track(&mut mended)?;
+    mending.check_again(&mut mended)?;
+    let result = Mended::new(&before, &mended, &given, &aligned, shots.places, common);
+    result.record_imported(&before, &mut mended);
+    *document = mended;
+    Ok(result)
+}
+
+/// The state while cameras are mended.
+struct Mending<'a> {
+    folder: &'a Path,
+    reader: &'a mut dyn ReadFrames,
+    progress: &'a Progress<'a, MendEvent>,
+}
+
+impl Mending<'_> {
+    /// The frames with which a shot begins, by their indices in the document.
+    fn find_cuts(&mut self, document: &Document) -> Result<Vec<usize>, MendError> {
+        let stream = PictureStream::new(document.at(self.folder), 0..document.frames.len())
+            .with_reader(&mut *self.reader)
+            .with_progress(self.progress.part(MendEvent::Cuts));
+        let cuts = find_cuts(stream.map(|frame| frame.picture.ok()));
+        self.stop_if_cancelled()?;
+        Ok(cuts.into_iter().map(|cut| cut.frame).collect())
+    }
+
+    /// Estimates the base of a camera from the paint of its frames and aligns the frames to it.
+    /// Where too little paint is seen, the base stays where the given cameras place it. Returns the
+    /// lens and the sizes of the field in which the paint contradicts them.
+    fn align(
+        &mut self,
+        document: &mut Document,
+        camera: &CameraId,
+        place: &SharedPlace,
+    ) -> Result<Vec<CommonError>, MendError> {
+        let of_camera = document
+            .frames
+            .iter()
+            .filter(|frame| frame.camera == *camera);
+        // The pictures of all frames are read three times at most: twice for the base, once for the
+        // alignment.
+        let of = 3 * of_camera.filter(|frame| frame.ptz.is_some()).count();
+        let (folder, progress) = (self.folder, self.progress);
+        let mut done = 0;
+        let reader = &mut *self.reader;
+        let mut picture = |frame: &Frame| {
+            let share = Share { done, of };
+            done += 1;
+            let event = MendEvent::Aligning(camera.clone(), share);
+            let goes_on = progress.report(event).is_continue();
+            goes_on.then(|| read_picture(reader, frame, folder).ok())?
+        };
+        let is_size_open = *document.field_of_camera(camera).size() == FieldSize::Assumed;
+        let before = document.clone();
+        let found = estimate_on_paint(
+            before.at(folder),
+            camera,
+            &near_place(place),
+            is_size_open,
+            &mut picture,
+            &Progress::default(),
+        );
+        if progress.is_cancelled() {
+            return Err(MendError::Stopped);
+        }
+        let found = match found {
+            Ok(found) => found,
+            Err(error) => {
+                let _ = progress.report(MendEvent::NotAligned(camera.clone(), error));
+                return Ok(Vec::new());
+            }
+        };
+        // Where the given base is as near to the paint, it stays: what the paint of one end of a
+        // field leaves open would be replaced by another guess.
+        let given = before.camera(camera).and_then(Camera::base);
+        let found = match given.filter(|_| !found.is_worthwhile()) {
+            Some(given) => found.with_base(given, before.field_of_camera(camera).crown_m()),
+            None => found,
+        };
+        let mut common: Vec<CommonError> = CommonError::of_field(&found.estimated.sizes).collect();
+        let base = &found.estimated.estimate.base;
+        common.extend(CommonError::of_lens(&before, camera, &place.base, base));
+        found.estimated.write_camera(document);
+        let field = document
+            .at(folder)
+            .model_of(document.field_of_camera(camera))?;
+        found.write_frames(document, &before, &field, &mut picture);
+        self.stop_if_cancelled()?;
+        Ok(common)
+    }
+
+    /// Tracks the cameras that are there to the frames without one.
+    fn track(&mut self, document: &mut Document) -> Result<(), MendError> {
+        let clips = clips(document.at(self.folder), None);
+        track_clips(
+            document,
+            self.folder,
+            &clips,
+            &mut *self.reader,
+            &TrackingOptions::default(),
+            &mut Vec::new(),
+            &self.progress.part(MendEvent::Tracking),
+        )?;
+        self.stop_if_cancelled()
+    }
+
+    /// Compares the frames that tracking left in doubt with their paint once more. What it saw
+    /// before its last adjustment does not apply to the cameras that came out of it.
+    fn check_again(&mut self, document: &mut Document) -> Result<(), MendError> {
+        let fields = Fields::of(document.at(self.folder))?;
+        let doubted: Vec<usize> = (0..document.frames.len())
+            .filter(|index| mended::is_doubted(&document.frames[*index]))
+            .collect();
+        let checks: Vec<(usize, LineCheck)> = {
+            let document = &*document;
+            PictureStream::new(document.at(self.folder), doubted)
+                .with_reader(&mut *self.reader)
+                .with_progress(self.progress.part(MendEvent::Checking))
+                .filter_map(|read| {
+                    let field = fields.of_frame(document, read.frame);
+                    let picture = read.picture.ok()?;
+                    Some((
+                        read.index,
+                        check_frame(document, read.frame, field, &picture)?,
+                    ))
+                })
+                .collect()
+        };
+        for (index, check) in checks {
+            let frame = &mut document.frames[index];
+            record_line_check(frame, &check);
+            if check.verdict() == LineVerdict::Supports
+                && let Some(solution) = &mut frame.solution
+            {
+                solution.confidence = Some(check.score);
+            }
+        }
+        self.stop_if_cancelled()
+    }
+
+    fn stop_if_cancelled(&self) -> Result<(), MendError> {
+        if self.progress.is_cancelled() {
+            Err(MendError::Stopped)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Removes the cameras of open frames that could not be aligned to their paint, in shots where
+/// others could: their neighbours know better. Returns the indices of the aligned frames.
+fn drop_unaligned(document: &mut Document, shots: &Shots) -> BTreeSet<usize> {
+    let is_aligned = |index: &usize| document.frames[*index].is_snapped();
+    let aligned: BTreeSet<usize> = (0..document.frames.len()).filter(is_aligned).collect();
+    for shot in &shots.ranges {
+        if aligned.range(shot.clone()).next().is_none() {
+            continue;
+        }
+        for index in shot.clone() {
+            let frame = &document.frames[index];
+            if frame.is_open() && !aligned.contains(&index) {
+                places::drop_camera(&mut document.frames[index]);
+            }
+        }
+    }
+    aligned
+}
+
+/// Options of the estimation of a base that stands near the place that the given cameras share.
+fn near_place(place: &SharedPlace) -> BaseOptions {
+    let sigma_m = place.scatter_m.map(|sigma| sigma.max(PLACE_SIGMA_M));
+    let mut options = BaseOptions::default();
+    options.adjust.priors.position_m = Some((place.base.position_m, sigma_m));
+    options
+}

@@ -1,0 +1,96 @@
+//! Labels of another program attached to the frames of a video, for the commands that read both.
+
+use super::messages::Messages;
+use anyhow::{bail, ensure};
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::path::Path;
+use touchline_core::geometry::counted;
+use touchline_core::progress::Progress;
+use touchline_documents::document::{CameraId, Document, FieldSpec, document_from_frames};
+use touchline_documents::exchange::{Format, Imported, join, plan_attachment, recognize_format};
+use touchline_vision::media::{FrameSource, VideoInfo};
+
+/// The format of files whose format was not given.
+pub fn recognize(path: &Path, messages: Messages) -> anyhow::Result<Format> {
+    let format = recognize_format(path)?;
+    messages.note(&format!("the format is {format}: {}", format.title()));
+    Ok(format)
+}
+
+/// A video whose frames cameras are attached to.
+pub fn open_video(path: &Path, messages: Messages) -> anyhow::Result<VideoInfo> {
+    let FrameSource::Video(info) = FrameSource::open(path)? else {
+        bail!(
+            "{} is no video; give the video that the cameras are of",
+            path.display()
+        );
+    };
+    for notice in &info.notices {
+        messages.note(&notice.to_string());
+    }
+    Ok(info)
+}
+
+/// The document of a video's frames with imported labels.
+pub struct AttachedLabels {
+    /// The document. Its paths start from the imported document's folder.
+    pub document: Document,
+    /// Notes for the user.
+    pub notes: Vec<String>,
+    /// By how many frames the labels may come later in the video; the first is 0.
+    pub shifts: Vec<i64>,
+}
+
+/// Makes a document of a video's frames and attaches imported labels to them.
+///
+/// # Errors
+/// No label is of a frame of the video.
+pub fn attach_to_video(
+    video: VideoInfo,
+    imported: &Imported,
+    field: FieldSpec,
+) -> anyhow::Result<AttachedLabels> {
+    let name = video.path.display().to_string();
+    let source = FrameSource::Video(video);
+    let every = NonZeroUsize::MIN;
+    let made = document_from_frames(
+        &source,
+        &imported.folder,
+        field,
+        every,
+        &Progress::default(),
+    );
+    let open = made.document.at(&imported.folder);
+    let shifts = plan_attachment(open, imported)?.map_or(vec![0], |plan| plan.shifts());
+    let mut joined = join(open, imported);
+    if joined.other_size > 0 {
+        joined.notes.push(format!(
+            "{} left out: their pictures have other proportions than the video",
+            counted(joined.other_size, "frame")
+        ));
+    }
+    ensure!(
+        joined.matched > 0,
+        "{name} gets no label from {}{}",
+        counted(imported.document.frames.len(), "frame"),
+        joined
+            .notes
+            .last()
+            .map(|note| format!("; {note}"))
+            .unwrap_or_default()
+    );
+    // The camera of the new document has no base; it stays only where frames have no other.
+    let mut document = joined.document;
+    let used: BTreeSet<CameraId> = document
+        .frames
+        .iter()
+        .map(|frame| frame.camera.clone())
+        .collect();
+    document.cameras.retain(|camera| used.contains(&camera.id));
+    Ok(AttachedLabels {
+        document,
+        notes: joined.notes,
+        shifts,
+    })
+}

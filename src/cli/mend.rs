@@ -1,0 +1,270 @@
+//! `touchline mend`: puts the cameras of another program on one camera and its painted lines.
+
+use super::Outcome;
+use super::attached_labels::{AttachedLabels, attach_to_video, open_video, recognize};
+use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::export::format_parser;
+use super::interrupt::Interrupt;
+use super::messages::Messages;
+use super::new::{parameter, read_field};
+use super::track::TrackingReport;
+use indicatif::ProgressBar;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use touchline_calibration::pipelines::{
+    MendError, MendEvent, MendOptions, Mended, Outcome as FrameOutcome, mend as mend_document,
+};
+use touchline_core::geometry::counted;
+use touchline_core::progress::{Progress, Share};
+use touchline_core::solve::base::SharedPlace;
+use touchline_documents::document::Document;
+use touchline_documents::exchange::{Format, ImportOptions, import};
+use touchline_documents::report::{Cell, Table};
+use touchline_vision::media::FrameReader;
+
+/// Mends cameras that another program gave for the frames of a video: one place, base and lens for
+/// all of them, each frame on its painted lines, and what was absurd carried from its neighbours.
+///
+/// VIDEO and CAMERAS give a new document; without CAMERAS, VIDEO is a document whose frames have
+/// imported cameras. Exit code 1 if frames are left for a person.
+#[derive(clap::Args, Debug)]
+pub struct MendArgs {
+    /// The video, or a document with imported cameras.
+    #[arg(value_name = "VIDEO")]
+    video: PathBuf,
+    /// The file or folder of the cameras.
+    #[arg(value_name = "CAMERAS")]
+    cameras: Option<PathBuf>,
+    #[command(flatten)]
+    output: DocumentOutput,
+    /// The format of the cameras; without it the format is recognized by endings and contents.
+    #[arg(long, requires = "cameras", value_parser = format_parser(Format::imports))]
+    format: Option<Format>,
+    /// The field's template.
+    #[arg(long, requires = "cameras", default_value = "soccer")]
+    field: String,
+    /// A parameter of the field, such as `length_m=105`; may be given several times.
+    #[arg(long = "set", requires = "cameras", value_name = "NAME=NUMBER", value_parser = parameter)]
+    set: Vec<(String, f64)>,
+}
+
+/// Cameras to be mended.
+struct Given {
+    document: Document,
+    /// Where the document's relative paths start.
+    folder: PathBuf,
+    /// By how many frames the cameras may be shifted against the video.
+    shifts: Vec<i64>,
+}
+
+/// Mends the cameras and writes the document.
+///
+/// # Errors
+/// The video or the cameras cannot be read, there is nothing to mend, or the document cannot be
+/// written.
+pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    args.output.refuse_existing()?;
+    let Given {
+        mut document,
+        folder,
+        shifts,
+    } = match &args.cameras {
+        Some(cameras) => read_cameras(args, cameras, messages)?,
+        None => read_document(&args.video, messages)?,
+    };
+    let before = document.clone();
+    let interrupt = Interrupt::listen();
+    let report = Mutex::new(MendReport::new(messages));
+    let progress = Progress::new(|event| {
+        let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
+        report.hear(event);
+        interrupt.check()
+    });
+    let options = MendOptions { shifts };
+    let mut reader = FrameReader::new();
+    let mended = match mend_document(&mut document, &folder, &mut reader, &options, &progress) {
+        Ok(mended) => mended,
+        Err(MendError::Stopped) => {
+            messages.note("stopped; nothing was written");
+            return Ok(Outcome::Stopped);
+        }
+        Err(error) => return Err(error.into()),
+    };
+    drop(progress);
+    drop(report);
+    document.count_edits_since(&before);
+    for error in &mended.common {
+        messages.note(&error.to_string());
+    }
+    let left = report_left(&document, &mended, messages);
+    args.output.write(document, &folder)?;
+    if args.output.output.is_some() {
+        super::output::print(&tally_table(&mended).to_text())?;
+    }
+    Ok(if left > 0 {
+        Outcome::SomeFailed
+    } else {
+        Outcome::Done
+    })
+}
+
+/// The frames of the video with the cameras of another program.
+fn read_cameras(args: &MendArgs, cameras: &Path, messages: Messages) -> anyhow::Result<Given> {
+    let format = match args.format {
+        Some(format) => format,
+        None => recognize(cameras, messages)?,
+    };
+    let video = open_video(&args.video, messages)?;
+    let field = read_field(&args.field, &args.set)?;
+    let options = ImportOptions {
+        video_size: Some(video.size),
+        field: field.clone(),
+        ..ImportOptions::default()
+    };
+    let imported = import(cameras, format, &options)?;
+    let AttachedLabels {
+        document,
+        notes,
+        shifts,
+    } = attach_to_video(video, &imported, field)?;
+    for note in &notes {
+        messages.note(note);
+    }
+    Ok(Given {
+        document,
+        folder: imported.folder,
+        shifts,
+    })
+}
+
+/// A document whose frames have imported cameras.
+fn read_document(path: &Path, messages: Messages) -> anyhow::Result<Given> {
+    let argument = DocumentArg {
+        document: path.to_path_buf(),
+    };
+    let Loaded { location, document } = argument.load(messages)?;
+    Ok(Given {
+        document,
+        folder: location.folder().to_path_buf(),
+        shifts: vec![0],
+    })
+}
+
+/// What is said while cameras are mended: a bar for each step, and where the cameras stand.
+struct MendReport {
+    messages: Messages,
+    tracking: TrackingReport,
+    bar: Option<(&'static str, ProgressBar)>,
+}
+
+impl MendReport {
+    const fn new(messages: Messages) -> Self {
+        Self {
+            messages,
+            tracking: TrackingReport::new(messages),
+            bar: None,
+        }
+    }
+
+    fn hear(&mut self, event: MendEvent) {
+        match event {
+            MendEvent::Cuts(share) => self.show("Cuts", share),
+            MendEvent::Sampling(share) => self.show("Sample", share),
+            MendEvent::Checking(share) => self.show("Check", share),
+            MendEvent::Aligning(_, share) => self.show("Painted lines", share),
+            MendEvent::Places(places) => {
+                self.clear();
+                self.messages.note(&describe_places(&places));
+            }
+            MendEvent::NotAligned(camera, error) => {
+                self.clear();
+                self.messages.note(&format!(
+                    "{camera}: base and lens stay those of the given cameras: {error}"
+                ));
+            }
+            MendEvent::Tracking(event) => {
+                self.clear();
+                self.tracking.hear(event);
+            }
+        }
+    }
+
+    /// Shows how far a step has come.
+    fn show(&mut self, step: &'static str, share: Share) {
+        if self.bar.as_ref().is_none_or(|(shown, _)| *shown != step) {
+            self.clear();
+            self.bar = Some((step, self.messages.progress(share.of, step)));
+        }
+        if let Some((_, bar)) = &self.bar {
+            bar.set_position(share.done as u64);
+        }
+    }
+
+    fn clear(&mut self) {
+        if let Some((_, bar)) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for MendReport {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// Where the given cameras stand.
+fn describe_places(places: &[SharedPlace]) -> String {
+    let describe = |place: &SharedPlace| {
+        let ([x, y, z], [dx, dy, dz]) = (
+            <[f64; 3]>::from(place.base.position_m),
+            <[f64; 3]>::from(place.scatter_m),
+        );
+        format!(
+            "({x:.2}, {y:.2}, {z:.2}) m, scattered by ({dx:.2}, {dy:.2}, {dz:.2}) m, in {}",
+            counted(place.members.len(), "frame")
+        )
+    };
+    let places: Vec<String> = places.iter().map(describe).collect();
+    let count = places.len();
+    format!(
+        "the cameras agree on {}: {}",
+        counted(count, "place"),
+        places.join("; ")
+    )
+}
+
+/// Names the frames that are left for a person, and returns their number.
+fn report_left(document: &Document, mended: &Mended, messages: Messages) -> usize {
+    let mut left = 0;
+    for (frame, mended) in document.frames.iter().zip(&mended.frames) {
+        let why = match mended.outcome {
+            FrameOutcome::Contradicted => "the painted lines contradict its camera",
+            FrameOutcome::Uncertain => "its camera is uncertain",
+            FrameOutcome::Missing => "no camera was found",
+            _ => continue,
+        };
+        messages.frame_failed(&frame.name(), why);
+        left += 1;
+    }
+    left
+}
+
+/// How many frames came, and what became of them.
+fn tally_table(mended: &Mended) -> Table {
+    let tally = mended.tally();
+    let mut table = Table::new(&[("frames", "Frames"), ("count", "Count")]);
+    for (what, count) in [
+        ("came with a camera", tally.came),
+        ("of these impossible", tally.impossible),
+        ("of these mirrored", tally.mirrored),
+        ("decided by a person, untouched", tally.decided),
+        ("as they came, within 3 px", tally.as_they_came),
+        ("mended on their painted lines", tally.aligned),
+        ("mended by their neighbours", tally.tracked),
+        ("left for a person", tally.left),
+    ] {
+        table.push(vec![Cell::Text(what.to_owned()), Cell::Count(count)]);
+    }
+    table
+}

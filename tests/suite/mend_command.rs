@@ -1,0 +1,139 @@
+//! Cameras of another program on a drawn clip with exact cameras, mended by `touchline mend`.
+#![cfg(feature = "opencv")]
+
+use crate::drawn_clip::{document, drawn_clip, landmark_errors_px, write};
+use crate::program::touchline;
+use std::path::Path;
+use touchline::camera::{CameraBase, FocalCurve, Ptz};
+use touchline::document::{
+    Camera, CameraId, Document, FramePtz, FrameStatus, Solution, SolutionSource,
+};
+use touchline::geometry::{Angle, Mat3, Vec3};
+
+/// The clip with one camera for each frame, as another program gives them: without a lens, each at
+/// a place of its own, and `spoil` may spoil those of some frames.
+fn given(truth: &Document, spoil: impl Fn(usize, &mut CameraBase, &mut Ptz)) -> Document {
+    let mut given = truth.clone();
+    given.cameras.clear();
+    for index in 0..given.frames.len() {
+        let exact = truth.pointed(&truth.frames[index]).unwrap();
+        let off_m = Vec3::new(0.1, 0.2, -0.1) * ((index % 5) as f64 - 2.0) / 2.0;
+        let mut base = CameraBase {
+            position_m: exact.base().position_m + off_m,
+            distortion: FocalCurve::NONE,
+            ..*exact.base()
+        };
+        let mut ptz = exact.ptz();
+        spoil(index, &mut base, &mut ptz);
+        let id = CameraId::from(format!("main-{index}").as_str());
+        let frame = &mut given.frames[index];
+        let mut camera = Camera::new(id.clone(), frame.image_size);
+        camera.set_base(&base);
+        given.cameras.push(camera.into());
+        frame.camera = id;
+        frame.clicks.clear();
+        frame.ptz = Some(FramePtz::new(ptz, None));
+        frame.status = FrameStatus::Suggested;
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Import),
+            ..Solution::default()
+        });
+    }
+    given
+}
+
+/// The greatest distance of a landmark from where it is in the pictures, px at the worst frame.
+fn worst_px(folder: &Path, truth: &Document) -> f64 {
+    let mended = document(&folder.join("mended.json"));
+    assert_eq!(mended.cameras.len(), 1, "one camera that stands still");
+    let worst = |index: usize| {
+        let errors = landmark_errors_px(&mended, truth, index);
+        errors.unwrap().into_iter().fold(0.0, f64::max)
+    };
+    (0..truth.frames.len()).map(worst).fold(0.0, f64::max)
+}
+
+#[test]
+fn absurd_and_displaced_cameras_come_back_onto_the_lines() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    // A stretch that is 20 px off, a focal length of three million px, a camera under the ground.
+    let given = given(&truth, |index, base, ptz| match index {
+        6..=9 => ptz.pan = ptz.pan + Angle::from_radians(20.0 / ptz.focal_px),
+        13 => ptz.focal_px = 3e6,
+        17 => base.position_m.z = -4.0,
+        _ => {}
+    });
+    write(&folder.join("given.json"), &given);
+    let ran = touchline(&folder, "mend given.json -o mended.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let worst = worst_px(&folder, &truth);
+    assert!(worst < 2.0, "{worst} px\n{}{}", ran.stderr, ran.stdout);
+    let mended = document(&folder.join("mended.json"));
+    let imported = |index: usize| {
+        let solution = mended.frames[index].solution.clone().unwrap();
+        solution.imported.unwrap()
+    };
+    assert!((imported(13).focal_px - 3e6).abs() < 1e-6);
+    assert!(imported(13).fault.unwrap().contains("focal length"));
+    assert!(imported(17).position_m.z < 0.0 && imported(17).fault.is_some());
+    let moved_px = imported(7).moved_px.unwrap();
+    assert!((moved_px - 20.0).abs() < 4.0, "{moved_px}");
+    assert!(ran.stdout.contains("of these impossible"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("agree on 1 place"), "{}", ran.stderr);
+}
+
+#[test]
+fn cameras_that_are_all_mirrored_are_named_as_such() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    let reflection = Vec3::new(-1.0, 1.0, 1.0);
+    let reflect = Mat3::from_diagonal(&reflection);
+    let given = given(&truth, |_, base, ptz| {
+        base.position_m.component_mul_assign(&reflection);
+        base.base_from_world = reflect * base.base_from_world * reflect;
+        ptz.pan = -ptz.pan;
+    });
+    write(&folder.join("given.json"), &given);
+    let ran = touchline(&folder, "mend given.json -o mended.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("mirrored left to right"),
+        "{}",
+        ran.stderr
+    );
+    let worst = worst_px(&folder, &truth);
+    assert!(worst < 2.0, "{worst} px");
+}
+
+#[test]
+fn what_cannot_be_mended_is_said_in_one_line_and_nothing_is_written() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    let mut empty = truth.clone();
+    for frame in &mut empty.frames {
+        frame.clicks.clear();
+        frame.ptz = None;
+        frame.solution = None;
+        frame.status = FrameStatus::New;
+    }
+    let absurd = given(&truth, |_, _, ptz| ptz.focal_px = 3e6);
+    let scattered = given(&truth, |index, base, _| {
+        base.position_m *= 1.0 + 0.5 * index as f64;
+    });
+    for (given, expected) in [
+        (empty, "no frame has a camera to mend"),
+        (absurd, "cameras is possible"),
+        (scattered, "do not agree on a place"),
+    ] {
+        write(&folder.join("given.json"), &given);
+        let ran = touchline(&folder, "mend given.json -o mended.json");
+        assert_eq!(ran.code, 2, "{}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{}", ran.stderr);
+        assert_eq!(ran.stderr.trim().lines().count(), 1, "{}", ran.stderr);
+        assert!(!folder.join("mended.json").exists());
+    }
+}
