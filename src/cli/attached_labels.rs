@@ -8,7 +8,7 @@ use std::path::Path;
 use touchline_core::geometry::counted;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, Document, FieldSpec, document_from_frames};
-use touchline_documents::exchange::{Format, Imported, join, plan_attachment, recognize_format};
+use touchline_documents::exchange::{Format, Imported, join, recognize_format};
 use touchline_vision::media::{FrameSource, VideoInfo};
 
 /// The format of files whose format was not given.
@@ -62,8 +62,8 @@ pub fn attach_to_video(
         &Progress::default(),
     );
     let open = made.document.at(&imported.folder);
-    let shifts = plan_attachment(open, imported)?.map_or(vec![0], |plan| plan.shifts());
     let mut joined = join(open, imported);
+    let shifts = joined.attachment?.map_or(vec![0], |plan| plan.shifts());
     if joined.other_size > 0 {
         joined.notes.push(format!(
             "{} left out: their pictures have other proportions than the video",

@@ -12,7 +12,7 @@ use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::pipelines::{
-    MendError, MendEvent, MendOptions, Mended, Outcome as FrameOutcome, mend as mend_document,
+    MendError, MendEvent, MendOptions, Mended, mend as mend_document,
 };
 use touchline_core::geometry::counted;
 use touchline_core::progress::{Progress, Share};
@@ -238,14 +238,10 @@ fn describe_places(places: &[SharedPlace]) -> String {
 fn report_left(document: &Document, mended: &Mended, messages: Messages) -> usize {
     let mut left = 0;
     for (frame, mended) in document.frames.iter().zip(&mended.frames) {
-        let why = match mended.outcome {
-            FrameOutcome::Contradicted => "the painted lines contradict its camera",
-            FrameOutcome::Uncertain => "its camera is uncertain",
-            FrameOutcome::Missing => "no camera was found",
-            _ => continue,
-        };
-        messages.frame_failed(&frame.name(), why);
-        left += 1;
+        if let Some(why) = mended.outcome.why_left() {
+            messages.frame_failed(&frame.name(), why);
+            left += 1;
+        }
     }
     left
 }

@@ -8,7 +8,7 @@ use touchline_application::app::transfer::{Look, TransferAction, TransferTab, in
 use touchline_application::app::{
     Action, Command, EditAction, Navigation, Question, Settings, ViewAction,
 };
-use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+use touchline_core::camera::{BaseAngles, CameraBase, Ptz, Radial};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{
     Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
@@ -363,6 +363,55 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
             .iter()
             .all(|frame| *frame < 4)
     );
+}
+
+/// Imports a document in which this number of frames has a camera of another program.
+fn import_cameras(headless: &mut Headless, folder: &Path, cameras: usize) {
+    let mut theirs = (*headless.app.open().unwrap().document).clone();
+    let base = CameraBase::new(
+        Vec3::new(1.0, -62.0, 17.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    );
+    theirs.cameras.clear();
+    theirs.frames = (0..cameras)
+        .map(|index| {
+            let mut camera = Camera::new(format!("theirs-{index}").as_str().into(), SIZE);
+            camera.set_base(&base);
+            let name = format!("{index}-theirs.png");
+            let mut frame = Frame::from_image(&name, camera.id.clone(), SIZE);
+            frame.point(Ptz::from_degrees(2.0, -12.0, 150.0), Radial::default());
+            frame.status = FrameStatus::Suggested;
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Import),
+                ..Solution::default()
+            });
+            theirs.cameras.push(camera.into());
+            frame.into()
+        })
+        .collect();
+    let file = folder.join("theirs.json");
+    std::fs::write(&file, document_to_string(&theirs).unwrap()).unwrap();
+    headless.act(Action::Command(Command::Import));
+    act(headless, TransferAction::ImportFormat(Format::Json));
+    headless.answer(Question::ImportFrom(Format::Json), &file);
+    assert!(matches!(found(headless), Look::Import(Ok(_))));
+    act(headless, TransferAction::TakeOver);
+}
+
+#[test]
+fn imported_cameras_can_be_mended_at_once_where_there_are_enough() {
+    for (cameras, can_be_mended) in [(2, false), (3, cfg!(feature = "opencv"))] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut headless = opened(folder.path());
+        let other = tempfile::tempdir().unwrap();
+        import_cameras(&mut headless, other.path(), cameras);
+        assert_eq!(
+            headless.app.session.offers(Command::MendCameras),
+            can_be_mended,
+            "{cameras}"
+        );
+    }
 }
 
 #[test]

@@ -147,7 +147,7 @@ pub(super) fn forget_certainty(frame: &mut Frame) {
 }
 
 /// Removes what was proposed for a frame.
-fn withdraw(frame: &mut Frame) {
+pub(crate) fn withdraw(frame: &mut Frame) {
     frame.ptz = None;
     frame.solution = None;
     if frame.status != FrameStatus::Rejected {

@@ -347,7 +347,7 @@ impl Seen {
                     &cameras.base,
                     cameras.ptz[*place]?,
                     &clicks,
-                    &lenient(),
+                    &SnapOptions::for_unknown_lens(),
                 )
                 .ok()?;
                 // Positions of paint are searched from the aligned camera, where the lines are
@@ -381,15 +381,5 @@ impl Seen {
             Observation::of_paint(&problem.field, seen.line, seen.image, seen.sigma_px, number)
         });
         self.painted[place].observations.extend(observed);
-    }
-}
-
-/// Looser limits of alignment: lines look curved while the lens of the base is not yet right, so
-/// that the two halves of a frame's paint may disagree by more than in a final alignment.
-fn lenient() -> SnapOptions {
-    SnapOptions {
-        halves_px: 4.0,
-        min_score: 0.5,
-        ..SnapOptions::default()
     }
 }

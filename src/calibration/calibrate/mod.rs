@@ -62,6 +62,7 @@ pub use clip::{
 pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub(crate) use field_size::set_size;
 pub use follow_base::follow_all_bases;
+pub(crate) use follow_base::withdraw;
 pub use found_camera::FoundCamera;
 pub use frame_lookup::FrameLookup;
 pub use gold::{can_choose_gold, choose_gold};

@@ -10,7 +10,8 @@ use touchline_core::solve::{ClickResidual, Observation, SolveContext, solve_fram
 use touchline_documents::document::{Camera, Document, Frame, SolutionWarning};
 
 /// Columns and rows of the grid of pixels that are to keep their ground points.
-const GRID: [u32; 2] = [7, 5];
+const COLUMNS: u32 = 7;
+const ROWS: u32 = 5;
 /// Ground points farther than this from the field's centre are not used, m.
 const REACH_M: f64 = 90.0;
 /// Minimum number of ground points.
@@ -112,20 +113,10 @@ fn visible_ground(
     camera: &PtzCamera,
     image_size: ImageSize,
 ) -> impl Iterator<Item = (ImagePoint, Vec3)> {
-    grid(image_size)
+    image_size
+        .cell_centres(COLUMNS, ROWS)
         .filter_map(|image| Some((image, camera.plane_from_image(image, 0.0)?)))
         .filter(|(_, ground)| ground.norm() <= REACH_M)
-}
-
-/// The centres of the cells of a regular grid over the picture, px.
-fn grid(image_size: ImageSize) -> impl Iterator<Item = ImagePoint> {
-    let share = |at: u32, of: u32| (f64::from(at) + 0.5) / f64::from(of);
-    (0..GRID[1]).flat_map(move |row| {
-        (0..GRID[0]).map(move |column| {
-            let x = f64::from(image_size.width) * share(column, GRID[0]);
-            ImagePoint::new(x, f64::from(image_size.height) * share(row, GRID[1]))
-        })
-    })
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, median, quantile};
+use touchline_core::geometry::{ImagePoint, ImageSize, quantile};
 use touchline_core::score::{field_grid, ground_error_m};
 use touchline_documents::document::{DocumentAt, Fields};
 use touchline_documents::exchange::PicturePoints;
@@ -160,9 +160,9 @@ impl GroundError {
     pub fn of_distances(distances_m: &[f64]) -> Option<Self> {
         let mut sorted = distances_m.to_vec();
         sorted.sort_by(f64::total_cmp);
-        Some(Self {
+        (!sorted.is_empty()).then(|| Self {
             count: sorted.len(),
-            median_m: median(&mut sorted)?,
+            median_m: quantile(&sorted, 0.5),
             p95_m: quantile(&sorted, 0.95),
         })
     }

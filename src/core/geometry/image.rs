@@ -74,6 +74,17 @@ impl From<ImageSize> for [u32; 2] {
 }
 
 impl ImageSize {
+    /// The centres of the cells of a regular grid over the picture, px, row by row.
+    pub fn cell_centres(self, columns: u32, rows: u32) -> impl Iterator<Item = ImagePoint> {
+        let centre = |cell: u32, cells: u32, side: u32| {
+            (f64::from(cell) + 0.5) / f64::from(cells) * f64::from(side)
+        };
+        (0..rows).flat_map(move |row| {
+            let y = centre(row, rows, self.height);
+            (0..columns).map(move |column| ImagePoint::new(centre(column, columns, self.width), y))
+        })
+    }
+
     /// The largest width or height of a picture, px.
     pub const MAX_SIDE_PX: u32 = 65_535;
 

@@ -19,13 +19,7 @@ pub fn field_grid(
 ) -> Vec<ImagePoint> {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let rows = (f64::from(columns) * height / width).round().max(1.0) as u32;
-    let centre =
-        |cell: u32, cells: u32, side: f64| (f64::from(cell) + 0.5) * side / f64::from(cells);
-    (0..rows)
-        .flat_map(|row| (0..columns).map(move |column| (row, column)))
-        .map(|(row, column)| {
-            ImagePoint::new(centre(column, columns, width), centre(row, rows, height))
-        })
+    size.cell_centres(columns, rows)
         .filter(|point| shows_field(field, camera, *point))
         .collect()
 }

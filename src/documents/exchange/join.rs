@@ -1,7 +1,7 @@
 //! Joins imported labels with an open document. The user's work in that document is never changed.
 //! Frames without pictures of their own are first attached to the document's only video.
 
-use super::attach::plan_attachment;
+use super::attach::{Attachment, NotAttached, plan_attachment};
 use super::imported::Imported;
 use super::places::Places;
 use crate::document::{Camera, CameraId, Document, DocumentAt, FieldSpec, Frame, FrameStatus};
@@ -26,6 +26,9 @@ pub struct Joined {
     pub clicks: usize,
     /// Cameras that were added.
     pub cameras: usize,
+    /// How frames without pictures of their own were attached to the document's only video, or why
+    /// they were not; none where there is nothing to attach.
+    pub attachment: Result<Option<Attachment>, NotAttached>,
     /// What a user should know.
     pub notes: Vec<String>,
 }
@@ -48,21 +51,14 @@ pub struct JoinedPair {
 /// why, and they are appended.
 #[must_use]
 pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
-    let mut notes = Vec::new();
-    let mut attached = None;
-    let mut may_match = true;
-    match plan_attachment(open, imported) {
-        Ok(Some(plan)) => {
-            let candidate = plan.candidates().first();
-            attached = candidate.map(|candidate| plan.apply(imported, candidate));
-        }
-        Ok(None) => {}
-        Err(reason) => {
-            notes.push(reason.to_string());
-            may_match = false;
-        }
-    }
+    let attachment = plan_attachment(open, imported);
+    let attached = attachment.as_ref().ok().and_then(|plan| {
+        let plan = plan.as_ref()?;
+        Some(plan.apply(imported, plan.candidates().first()?))
+    });
     let imported = attached.as_ref().unwrap_or(imported);
+    let may_match = attachment.is_ok();
+    let reason = attachment.as_ref().err().map(ToString::to_string);
     let mut joined = Joined {
         document: open.document.clone(),
         matched: 0,
@@ -72,7 +68,8 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
         other_size: 0,
         clicks: 0,
         cameras: 0,
-        notes: imported.notes.iter().cloned().chain(notes).collect(),
+        notes: imported.notes.iter().cloned().chain(reason).collect(),
+        attachment,
     };
     let places = Places::from_document(open);
     // The imported document with paths relative to the open document's folder.

@@ -20,7 +20,7 @@ use super::{GroundPicture, Sightings};
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, median_high};
+use touchline_core::geometry::{ImageSize, median_high};
 use touchline_core::markings::LineVerdict;
 
 /// Maximum distance of paint from where the camera predicts it, px at 1920 px width.
@@ -234,14 +234,7 @@ pub(super) fn halves_apart_px(
 pub fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64 {
     const PLACES: u32 = 5;
     let other = PtzCamera::new(*camera.base(), other);
-    let at =
-        |index: u32, extent: u32| (f64::from(index) + 0.5) / f64::from(PLACES) * f64::from(extent);
-    let grid = (0..PLACES * PLACES).map(|index| {
-        ImagePoint::new(
-            at(index % PLACES, size.width),
-            at(index / PLACES, size.height),
-        )
-    });
+    let grid = size.cell_centres(PLACES, PLACES);
     median(image_space_distances_px(camera, &other, grid).collect())
 }
 

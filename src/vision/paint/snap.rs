@@ -82,6 +82,19 @@ impl Default for SnapOptions {
     }
 }
 
+impl SnapOptions {
+    /// Looser limits, for a lens that is not yet right: lines look curved then, so that the two
+    /// halves of a frame's paint may disagree by more than in a final alignment.
+    #[must_use]
+    pub fn for_unknown_lens() -> Self {
+        Self {
+            halves_px: 4.0,
+            min_score: 0.5,
+            ..Self::default()
+        }
+    }
+}
+
 /// A camera aligned to the painted lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapped {

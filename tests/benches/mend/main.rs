@@ -7,16 +7,18 @@
 //! pictures stay in a folder and are used again.
 #![allow(
     missing_docs,
-    dead_code,
     clippy::unwrap_used,
     clippy::print_stdout,
     reason = "a bench says what failed by failing"
 )]
 
+#[path = "../arguments.rs"]
+mod arguments;
 #[path = "../no_click/drawing.rs"]
 mod drawing;
 mod given;
 
+use arguments::Arguments;
 use drawing::{CAMERA, Drawn, document_of_video, draw, shots};
 use given::{Faults, GOOD, SCATTERED, give};
 use std::path::{Path, PathBuf};
@@ -41,24 +43,17 @@ const WRONG_PX: f64 = 10.0;
 const REAL: [&str; 2] = ["germany-italy", "estudiantes-patronato"];
 
 fn main() {
-    let arguments: Vec<String> = std::env::args()
-        .skip(1)
-        .filter(|argument| argument != "--bench")
-        .collect();
-    let is_set = |flag: &str| arguments.iter().any(|argument| argument == flag);
-    let value = |flag: &str| {
-        let at = arguments.iter().position(|argument| argument == flag)?;
-        arguments.get(at + 1).cloned()
-    };
-    let number =
-        |flag: &str, otherwise: usize| value(flag).map_or(otherwise, |text| text.parse().unwrap());
-    let none_asked = !["drawn", "scattered", "mirrored", "real"]
-        .into_iter()
-        .any(is_set);
-    let wants = |name: &str| none_asked || is_set(name);
+    let arguments = Arguments::of_process();
+    let sections = ["drawn", "scattered", "mirrored", "real"];
+    let wants = |name: &str| arguments.wants(name, &sections);
     let scratch = tempfile::tempdir().unwrap();
-    let folder = value("--keep").map_or_else(|| scratch.path().to_owned(), PathBuf::from);
-    let (seeds, is_verbose) = (number("--seeds", 3) as u64, is_set("--verbose"));
+    let folder = arguments
+        .value("--keep")
+        .map_or_else(|| scratch.path().to_owned(), PathBuf::from);
+    let (seeds, is_verbose) = (
+        arguments.number("--seeds", 3) as u64,
+        arguments.is_set("--verbose"),
+    );
     println!(
         "| clip | seed | frames | right before | right after | left | certain and wrong | median, worst px | seconds |"
     );
@@ -78,7 +73,7 @@ fn main() {
         if !wants(name) {
             continue;
         }
-        let frames = number("--frames", frames);
+        let frames = arguments.number("--frames", frames);
         for seed in 1..=seeds {
             let pictures = folder.join(format!("{frames}-{seed}"));
             let drawn = drawn_clip(&pictures, frames, seed);

@@ -14,6 +14,8 @@
 )]
 
 mod answers;
+#[path = "../arguments.rs"]
+mod arguments;
 mod drawing;
 mod gate;
 mod matches;
@@ -23,31 +25,21 @@ mod spread;
 mod wild;
 
 use answers::Tally;
+use arguments::Arguments;
 use gate::{Gate, Rate};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args()
-        .skip(1)
-        .filter(|argument| argument != "--bench")
-        .collect();
-    let is_set = |flag: &str| arguments.iter().any(|argument| argument == flag);
-    let value = |flag: &str| {
-        let at = arguments.iter().position(|argument| argument == flag)?;
-        arguments.get(at + 1).cloned()
-    };
-    let number =
-        |flag: &str, otherwise: usize| value(flag).map_or(otherwise, |text| text.parse().unwrap());
+    let arguments = Arguments::of_process();
     let sections = ["drawn", "refused", "spread", "real", "clips", "wild"];
-    let none_asked = !sections.into_iter().any(is_set);
-    let wants = |name: &str| none_asked || is_set(name);
-    let kept = value("--keep").map(PathBuf::from);
+    let wants = |name: &str| arguments.wants(name, &sections);
+    let kept = arguments.value("--keep").map(PathBuf::from);
     let scratch = tempfile::tempdir().unwrap();
     let pictures = kept.as_deref().unwrap_or(scratch.path());
     let (from, count) = (
-        number("--from", 0),
-        number("--matches", matches::RATE.tried),
+        arguments.number("--from", 0),
+        arguments.number("--matches", matches::RATE.tried),
     );
 
     let mut all = Tally::default();
@@ -57,9 +49,14 @@ fn main() -> ExitCode {
         gate.compare(section, tally, rate);
     };
     if wants("drawn") {
-        let frames = number("--frames", matches::FRAMES);
-        let drawn = matches::drawn(pictures, from..from + count, frames, is_set("--two-clicks"));
-        if !is_set("--two-clicks") {
+        let frames = arguments.number("--frames", matches::FRAMES);
+        let drawn = matches::drawn(
+            pictures,
+            from..from + count,
+            frames,
+            arguments.is_set("--two-clicks"),
+        );
+        if !arguments.is_set("--two-clicks") {
             answered("drawn", &drawn.without_clicks, &matches::RATE);
         }
         if drawn.two_clicks.tried() > 0 {
@@ -71,7 +68,8 @@ fn main() -> ExitCode {
         }
     }
     if wants("refused") {
-        let count = number("--matches", refused::INPUTS.len())
+        let count = arguments
+            .number("--matches", refused::INPUTS.len())
             .min(refused::INPUTS.len().saturating_sub(from));
         answered(
             "refused",
@@ -88,7 +86,7 @@ fn main() -> ExitCode {
             // Who names them wants to know how they are answered.
             for section in ["real", "clips", "wild"]
                 .into_iter()
-                .filter(|name| is_set(name))
+                .filter(|name| arguments.is_set(name))
             {
                 answered(section, &Tally::default(), &real::MATCHES_RATE);
             }
@@ -107,7 +105,7 @@ fn main() -> ExitCode {
         }
     }
     println!("\nIn all: {all}");
-    if !is_set("--gate") {
+    if !arguments.is_set("--gate") {
         return ExitCode::SUCCESS;
     }
     let (lines, failed) = gate.verdict();

@@ -4,7 +4,9 @@ use super::memo::Follows;
 use crate::app::filter::{Filter, is_to_do};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_calibration::proposals::is_uncertain;
-use touchline_documents::document::{CameraId, Document, Frame, FrameChanges, FrameStatus, Frames};
+use touchline_documents::document::{
+    CameraId, Document, Frame, FrameChanges, FrameStatus, Frames, SolutionSource,
+};
 
 /// The number of frames of each kind, and the indices of the frames that were clicked again.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +22,8 @@ pub struct FrameCounts {
     pub uncertain: usize,
     /// Suggestions that were tracked from other frames.
     pub carried: usize,
+    /// Frames with a camera of another program that nobody has decided on.
+    pub imported: usize,
     /// Frames on which the forest is trained.
     pub used_for_training: usize,
     /// Gold frames.
@@ -136,6 +140,7 @@ impl FrameCounts {
                 frame.status == FrameStatus::Suggested && frame.is_carried(),
                 &mut self.carried,
             ),
+            (is_imported(frame), &mut self.imported),
             (frame.is_used_for_training(), &mut self.used_for_training),
             (frame.gold, &mut self.gold),
             (frame.gold && is_reference, &mut self.gold_references),
@@ -149,6 +154,10 @@ impl FrameCounts {
             .filter(|(is_one, _)| *is_one)
             .for_each(|(_, count)| change(count));
     }
+}
+
+fn is_imported(frame: &Frame) -> bool {
+    frame.is_open() && frame.ptz.is_some() && frame.source() == Some(SolutionSource::Import)
 }
 
 impl Follows for FrameCounts {
@@ -177,7 +186,7 @@ impl Follows for FrameCounts {
 mod tests {
     use super::*;
     use touchline_core::geometry::{ImagePoint, ImageSize};
-    use touchline_documents::document::{Click, FieldSpec, Repeat, Solution, SolutionSource};
+    use touchline_documents::document::{Click, FieldSpec, Repeat, Solution};
 
     fn document(frames: usize) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
@@ -189,7 +198,7 @@ mod tests {
     }
 
     /// All values except the editions.
-    fn said(counts: &FrameCounts) -> (Vec<usize>, Vec<usize>, [usize; 6], Vec<usize>) {
+    fn said(counts: &FrameCounts) -> (Vec<usize>, Vec<usize>, [usize; 7], Vec<usize>) {
         let filters = Filter::ALL.map(|filter| counts.shown_by(filter)).to_vec();
         let cameras = ["main", "other"]
             .map(|camera| counts.of_camera(&camera.into()))
@@ -197,6 +206,7 @@ mod tests {
         let rest = [
             counts.uncertain,
             counts.carried,
+            counts.imported,
             counts.used_for_training,
             counts.gold,
             counts.gold_references,

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use touchline_calibration::pipelines::{MendError, MendEvent, MendOptions, Mended, Tally, mend};
 use touchline_core::geometry::counted;
 use touchline_core::progress::Share;
-use touchline_documents::document::{Document, Frame, SolutionSource, Step};
+use touchline_documents::document::{Document, Step};
 
 /// Fewer cameras have no place in common.
 const FEWEST: usize = 3;
@@ -102,7 +102,11 @@ impl MendingProgress {
             MendEvent::Sampling(done) => share("Comparing a sample with the painted lines", done),
             MendEvent::Aligning(_, done) => share("Aligning all frames to the painted lines", done),
             MendEvent::Checking(done) => share("Checking doubtful frames", done),
-            MendEvent::Places(_) | MendEvent::NotAligned(..) | MendEvent::Tracking(_) => Self {
+            MendEvent::Places(_) => Self {
+                step: "Comparing a sample with the painted lines",
+                share: None,
+            },
+            MendEvent::NotAligned(..) | MendEvent::Tracking(_) => Self {
                 step: "Tracking the frames that do not fit",
                 share: None,
             },
@@ -129,7 +133,7 @@ impl App {
         if is_running {
             return Some("The cameras are being mended already.");
         }
-        let few = !has_imported_cameras(&open.document);
+        let few = open.counts().imported < FEWEST;
         few.then_some("Too few frames have imported cameras: 3 or more are needed.")
     }
 
@@ -198,15 +202,6 @@ impl App {
     }
 }
 
-/// Whether enough frames have cameras of another program to be mended.
-fn has_imported_cameras(document: &Document) -> bool {
-    let is_imported = |frame: &Frame| {
-        frame.is_open() && frame.ptz.is_some() && frame.source() == Some(SolutionSource::Import)
-    };
-    let mut imported = document.frames.iter().filter(|frame| is_imported(frame));
-    imported.nth(FEWEST - 1).is_some()
-}
-
 // ---- Words ----
 
 impl MendingState {
@@ -246,12 +241,12 @@ fn describe_mended(mended: &Mended, tally: &Tally) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Opened, Settings};
+    use crate::app::{Action, Navigation, Opened, Settings};
     use touchline_calibration::pipelines::{GivenCamera, MendedFrame, Outcome};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_documents::document::{
-        Camera, CameraId, FieldSpec, FramePtz, FrameStatus, Solution,
+        Camera, CameraId, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
     };
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
@@ -352,6 +347,7 @@ mod tests {
         let (mut app, mended) = app();
         let revision = app.open().unwrap().revision;
         take(&mut app, mended, revision);
+        app.update(Action::Navigate(Navigation::GoTo(1)));
         assert!(app.why_not(Command::MendCameras).is_some());
         assert!(app.why_not(Command::StopMending).is_some());
     }

@@ -2,7 +2,7 @@
 
 use crate::calibrate::describe_size;
 use std::fmt;
-use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::camera::CameraBase;
 use touchline_core::geometry::{ImagePoint, median};
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document, Frame};
@@ -78,13 +78,13 @@ impl CommonError {
             .iter()
             .filter(|frame| frame.camera == *camera);
         let moved_px = |frame: &Frame| {
-            let ptz = frame.ptz.as_ref()?.ptz();
+            let focal_px = frame.ptz.as_ref()?.focal_px;
             // The corner lies at a radius r of the ideal picture and is displaced by the lens to
             // r · stretch(r²), in focal lengths.
             let corner = found.principal_point.distance_px(ImagePoint::new(0.0, 0.0));
-            let radius = corner / ptz.focal_px;
+            let radius = corner / focal_px;
             let [before, after] = [given, found].map(|base| {
-                let lens = PtzCamera::new(*base, ptz).lens();
+                let lens = base.distortion.radial_at(focal_px);
                 corner * lens.stretch(radius * radius)
             });
             Some((after - before).abs() / frame.image_size.scale_from_1920())

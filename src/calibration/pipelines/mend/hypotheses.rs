@@ -97,12 +97,13 @@ struct Agreement {
     moved_px: f64,
 }
 
-/// The likeliest hypothesis and what follows from it.
-pub(super) struct Likeliest {
-    /// The errors that the given cameras have in common.
-    pub errors: Vec<CommonError>,
-    /// The given cameras without these errors.
+/// The given cameras without the errors of a hypothesis.
+pub(super) struct Corrected {
+    /// The cameras.
     pub given: Vec<GivenCamera>,
+    /// Where they stand; none where they agree on no place. Mirrored cameras stand at mirrored
+    /// places.
+    pub shots: Option<Shots>,
     /// The lens to begin with, where they leave out theirs.
     pub lens: Option<FocalCurve>,
 }
@@ -119,16 +120,14 @@ pub(super) struct Test<'a> {
 impl Test<'_> {
     /// The likeliest hypothesis, among these shifts (the most plausible first). Lens and mirror are
     /// considered only where few frames can be aligned without.
-    pub fn likeliest(&self, shifts: &[i64]) -> Likeliest {
+    pub fn likeliest(&self, shifts: &[i64]) -> (Vec<CommonError>, Corrected) {
         let enough = (DOUBTFUL * self.sample.pictures.len() as f64) as usize;
-        let mut tried: Vec<(Hypothesis, Agreement)> = Vec::new();
+        let mut tried: Vec<(Hypothesis, Corrected, Agreement)> = Vec::new();
         for (lacks_lens, is_mirrored) in
             [(false, false), (true, false), (false, true), (true, true)]
         {
-            if tried
-                .iter()
-                .any(|(_, agreement)| agreement.aligned >= enough)
-            {
+            let is_enough = |agreement: &Agreement| agreement.aligned >= enough;
+            if tried.iter().any(|(.., agreement)| is_enough(agreement)) {
                 break;
             }
             for &shift in shifts {
@@ -137,49 +136,52 @@ impl Test<'_> {
                     lacks_lens,
                     is_mirrored,
                 };
-                tried.push((hypothesis, self.agreement(hypothesis)));
+                let corrected = self.correct(hypothesis);
+                let agreement = self.agreement(&corrected);
+                tried.push((hypothesis, corrected, agreement));
             }
         }
-        let most = tried.iter().map(|(_, agreement)| agreement.aligned).max();
+        let most = tried.iter().map(|(.., agreement)| agreement.aligned).max();
         let least = (AS_MANY * most.unwrap_or(0) as f64).ceil() as usize;
-        tried.retain(|(_, agreement)| agreement.aligned >= least);
+        tried.retain(|(.., agreement)| agreement.aligned >= least);
         // Of equals the first one: the likeliest by the numbers, and not mirrored.
         let best = tried.into_iter().reduce(|best, other| {
-            if other.1.moved_px < best.1.moved_px {
+            if other.2.moved_px < best.2.moved_px {
                 other
             } else {
                 best
             }
         });
         let first_shift = shifts.first().copied().unwrap_or(0);
-        let best = best.map_or(
-            Hypothesis {
+        let Some((best, corrected, _)) = best else {
+            let as_given = Hypothesis {
                 shift: first_shift,
                 lacks_lens: false,
                 is_mirrored: false,
-            },
-            |(hypothesis, _)| hypothesis,
-        );
+            };
+            return (Vec::new(), self.correct(as_given));
+        };
         let mut errors = Vec::new();
         errors.extend(best.is_mirrored.then_some(CommonError::Mirrored));
         if best.shift != first_shift {
             errors.push(CommonError::Shifted(best.shift - first_shift));
         }
-        Likeliest {
-            errors,
-            given: self.cameras(best),
-            lens: self.lens(best),
-        }
+        (errors, corrected)
     }
 
-    /// The cameras that a hypothesis makes of the given ones.
-    fn cameras(&self, hypothesis: Hypothesis) -> Vec<GivenCamera> {
+    /// What a hypothesis makes of the given cameras.
+    fn correct(&self, hypothesis: Hypothesis) -> Corrected {
         let given = if hypothesis.is_mirrored {
             self.given.iter().map(reflect).collect()
         } else {
             mirror_back(self.given, &self.shots.places)
         };
-        shift_frames(self.document, given, hypothesis.shift)
+        let given = shift_frames(self.document, given, hypothesis.shift);
+        Corrected {
+            shots: Shots::new(self.document, self.shots.cuts.clone(), &given),
+            lens: self.lens(hypothesis),
+            given,
+        }
     }
 
     /// The lens that a hypothesis adds.
@@ -190,18 +192,24 @@ impl Test<'_> {
             .then(|| BasePriors::default().usual_lens(width_px))
     }
 
-    /// Aligns the sample's frames from the cameras of a hypothesis, each on the place of its shot.
-    fn agreement(&self, hypothesis: Hypothesis) -> Agreement {
-        let (given, lens) = (self.cameras(hypothesis), self.lens(hypothesis));
-        // Mirrored cameras stand at mirrored places, so the places follow from the cameras at hand.
-        let places = Shots::new(self.document, self.shots.cuts.clone(), &given);
+    /// Aligns the sample's frames from corrected cameras, each on the place of its shot.
+    fn agreement(&self, corrected: &Corrected) -> Agreement {
+        let Corrected { given, shots, lens } = corrected;
         let moved = |(index, picture): &(usize, Picture)| {
             let frame = &self.document.frames[*index];
-            let base = with_lens(&places.as_ref()?.place_of(*index)?.base, lens);
+            let base = with_lens(&shots.as_ref()?.place_of(*index)?.base, *lens);
             let (ptz, _) = ptz_on_base(given[*index].usable()?, &base, frame.image_size)?;
             let ground = GroundPicture::new(picture, &self.document.masks_of(frame));
             let field = self.fields.of_frame(self.document, frame);
-            let snapped = snap(&ground, field, &base, ptz, &[], &lenient()).ok()?;
+            let snapped = snap(
+                &ground,
+                field,
+                &base,
+                ptz,
+                &[],
+                &SnapOptions::for_unknown_lens(),
+            )
+            .ok()?;
             let [before, after] = [ptz, snapped.ptz].map(|ptz| PtzCamera::new(base, ptz));
             ground_moved_px(&before, &after, frame.image_size)
         };
@@ -249,13 +257,4 @@ fn shift_frames(document: &Document, given: Vec<GivenCamera>, shift: i64) -> Vec
 fn number(frame: &Frame) -> Option<(&str, i64)> {
     let video = frame.video.as_ref()?;
     Some((video.path.as_str(), i64::try_from(video.frame_index).ok()?))
-}
-
-/// Looser limits of the alignment: lines look curved while the lens is not known.
-fn lenient() -> SnapOptions {
-    SnapOptions {
-        halves_px: 4.0,
-        min_score: 0.5,
-        ..SnapOptions::default()
-    }
 }

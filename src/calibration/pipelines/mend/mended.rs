@@ -60,10 +60,15 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Whether a person has to look at the frame.
+    /// Why a person has to look at the frame; none if nobody has to.
     #[must_use]
-    pub const fn is_left(self) -> bool {
-        matches!(self, Self::Contradicted | Self::Uncertain | Self::Missing)
+    pub const fn why_left(self) -> Option<&'static str> {
+        match self {
+            Self::Contradicted => Some("the painted lines contradict its camera"),
+            Self::Uncertain => Some("its camera is uncertain"),
+            Self::Missing => Some("no camera was found"),
+            Self::Decided | Self::AsItCame | Self::Aligned | Self::Tracked => None,
+        }
     }
 }
 

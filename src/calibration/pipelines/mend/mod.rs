@@ -48,11 +48,11 @@ pub use mended::{Mended, MendedFrame, Outcome, Tally};
 
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::calibrate::{
-    BaseOnPaintError, check_frame, clips, estimate_on_paint, record_line_check,
+    BaseOnPaintError, check_frame, clips, estimate_on_paint, record_line_check, withdraw,
 };
 use crate::proposals::{PictureStream, read_picture};
 use given::given_cameras;
-use hypotheses::{Likeliest, Sample, Test};
+use hypotheses::{Corrected, Sample, Test};
 use places::Shots;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -197,13 +197,9 @@ pub fn mend(
         given: &given,
         sample: &sample,
     };
-    let Likeliest {
-        errors: mut common,
-        given,
-        lens,
-    } = test.likeliest(&options.shifts);
-    let shots =
-        Shots::new(&before, shots.cuts, &given).ok_or(MendError::NoPlace { cameras: usable })?;
+    let (mut common, corrected) = test.likeliest(&options.shifts);
+    let Corrected { given, shots, lens } = corrected;
+    let shots = shots.ok_or(MendError::NoPlace { cameras: usable })?;
     // Steps 4 and 5 on a copy: a cancelled run leaves the document unchanged.
     let mut mended = before.clone();
     let cameras = shots.place_cameras(&mut mended, &given, lens);
@@ -372,7 +368,7 @@ fn drop_unaligned(document: &mut Document, shots: &Shots) -> BTreeSet<usize> {
         for index in shot.clone() {
             let frame = &document.frames[index];
             if frame.is_open() && !aligned.contains(&index) {
-                places::drop_camera(&mut document.frames[index]);
+                withdraw(&mut document.frames[index]);
             }
         }
     }

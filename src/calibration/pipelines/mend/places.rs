@@ -1,13 +1,13 @@
 //! Which camera each shot of a video was filmed with, by the positions of the given cameras.
 
 use super::given::{GivenCamera, mirror, turn_round};
-use crate::calibrate::ptz_on_base;
+use crate::calibrate::{ptz_on_base, withdraw};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use touchline_core::camera::{CameraBase, FocalCurve, PtzCamera};
 use touchline_core::solve::base::{SharedPlace, shared_places};
 use touchline_documents::document::{
-    Camera, CameraId, Document, Frame, FrameStatus, Solution, SolutionSource,
+    Camera, CameraId, Document, FrameStatus, Solution, SolutionSource,
 };
 
 /// A place is that of a shot if at least this share of the shot's possible cameras stand there.
@@ -116,7 +116,7 @@ impl Shots {
                         let base = with_lens(&self.places[place].base, lens);
                         Some((ptz_on_base(camera, &base, frame.image_size)?.0, base))
                     });
-                drop_camera(frame);
+                withdraw(frame);
                 let Some((ptz, base)) = start else { continue };
                 frame.point(ptz, base.distortion.radial_at(ptz.focal_px));
                 frame.status = FrameStatus::Suggested;
@@ -193,13 +193,6 @@ pub(super) fn with_lens(base: &CameraBase, lens: Option<FocalCurve>) -> CameraBa
     }
 }
 
-/// Removes the camera of a frame that no person decided on.
-pub(super) fn drop_camera(frame: &mut Frame) {
-    frame.ptz = None;
-    frame.solution = None;
-    frame.status = FrameStatus::New;
-}
-
 /// The given cameras with those mirrored back, or turned round, that then stand at a place and do
 /// not now.
 pub(super) fn mirror_back(given: &[GivenCamera], places: &[SharedPlace]) -> Vec<GivenCamera> {
@@ -233,7 +226,7 @@ mod tests {
     use super::*;
     use touchline_core::camera::{BaseAngles, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::FieldSpec;
+    use touchline_documents::document::{FieldSpec, Frame};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
     const MAIN_M: Vec3 = Vec3::new(2.0, -70.0, 18.0);

@@ -306,6 +306,10 @@ impl App {
         }
         self.commit();
         self.session.dialog = None;
+        if let Some(open) = &mut self.open {
+            // The counts of this state, from which it follows whether there is something to mend.
+            open.derived.counts(&open.document);
+        }
         let can_mend = joined.cameras > 0 && self.why_not(Command::MendCameras).is_none();
         let offers = can_mend.then_some(("Mend the cameras", Command::MendCameras));
         self.session
