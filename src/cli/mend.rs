@@ -96,6 +96,9 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
     for error in &mended.common {
         messages.note(&error.to_string());
     }
+    for camera in &mended.not_aligned {
+        messages.note(&camera.to_string());
+    }
     let left = report_left(&document, &mended, messages);
     args.output.write(document, &folder)?;
     if args.output.output.is_some() {
@@ -176,12 +179,6 @@ impl MendReport {
                 self.clear();
                 self.messages.note(&describe_places(&places));
             }
-            MendEvent::NotAligned(camera, error) => {
-                self.clear();
-                self.messages.note(&format!(
-                    "{camera}: base and lens stay those of the given cameras: {error}"
-                ));
-            }
             MendEvent::Tracking(event) => {
                 self.clear();
                 self.tracking.hear(event);
@@ -215,23 +212,9 @@ impl Drop for MendReport {
 
 /// Where the given cameras stand.
 fn describe_places(places: &[SharedPlace]) -> String {
-    let describe = |place: &SharedPlace| {
-        let ([x, y, z], [dx, dy, dz]) = (
-            <[f64; 3]>::from(place.base.position_m),
-            <[f64; 3]>::from(place.scatter_m),
-        );
-        format!(
-            "({x:.2}, {y:.2}, {z:.2}) m, scattered by ({dx:.2}, {dy:.2}, {dz:.2}) m, in {}",
-            counted(place.members.len(), "frame")
-        )
-    };
-    let places: Vec<String> = places.iter().map(describe).collect();
-    let count = places.len();
-    format!(
-        "the cameras agree on {}: {}",
-        counted(count, "place"),
-        places.join("; ")
-    )
+    let count = counted(places.len(), "place");
+    let places: Vec<String> = places.iter().map(ToString::to_string).collect();
+    format!("the cameras agree on {count}: {}", places.join("; "))
 }
 
 /// Names the frames that are left for a person, and returns their number.

@@ -26,9 +26,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.spacing_mut().item_spacing.y = 3.0 * theme::SPACE;
         ui.label(RichText::new("touchline").size(26.0).color(ui.palette().strong));
         ui.label(
-            RichText::new("Drop a video, a folder of frames or a project. Or try the demo match (2 minutes).")
+            RichText::new("Drop a video, a folder of frames, a project, or cameras of another program with their video. Or try the demo match (2 minutes).")
                 .color(ui.palette().text),
         );
+        waiting_labels(panel, ui);
         ui.add_space(theme::SPACE);
         // While something is being opened, it can only be cancelled.
         if let Some(opening) = &panel.app.session.disk.opening {
@@ -66,6 +67,26 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
+/// Says which labels wait for their pictures.
+fn waiting_labels(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(labels) = panel.app.waiting_labels() else {
+        return;
+    };
+    let name = document_name(&labels.path);
+    let text = format!(
+        "{name} has labels ({}). Now drop or open the video or the frames that they are of.",
+        labels.format.title()
+    );
+    ui.label(RichText::new(text).color(ui.palette().accent));
+    if ui
+        .button("Leave them")
+        .on_hover_text("Import nothing. (Esc)")
+        .clicked()
+    {
+        panel.actions.push(Action::Command(Command::Cancel));
+    }
+}
+
 /// A field for a typed or pasted path, for systems without file dialogs.
 fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
     let memory = Id::unique("typed path");
@@ -75,11 +96,11 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
         Layout::left_to_right(Align::Center),
         |ui| {
             let field = TextEdit::singleline(&mut typed)
-                .hint_text("or type a path: a project, a folder, a video")
+                .hint_text("or type a path: a project, a folder, a video, labels")
                 .margin(Margin::symmetric(8, 6))
                 .desired_width(WIDTH - 72.0 - 3.0 * theme::SPACE);
             let response = ui.add(field).accessible_name("Path to open").on_hover_text(
-                "The path of a project, a folder of frames or a video; Enter opens it.",
+                "The path of a project, a folder of frames, a video, or labels of another program; Enter opens it.",
             );
             // A text field loses the focus with Enter.
             let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
@@ -93,7 +114,7 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
             if (entered || open.clicked()) && !typed.trim().is_empty() {
                 panel
                     .actions
-                    .push(Action::Open(PathBuf::from(typed.trim())));
+                    .push(Action::OpenAny(vec![PathBuf::from(typed.trim())]));
             }
         },
     );

@@ -173,8 +173,7 @@ impl Shell {
         }
     }
 
-    /// Receives the results of background work, the answers of file dialogs, and a dropped file. If
-    /// several files are dropped, the first is opened.
+    /// Receives the results of background work, the answers of file dialogs, and dropped files.
     fn take_in(&mut self, ctx: &egui::Context) {
         let actions = self.runner.poll();
         self.apply(actions);
@@ -188,7 +187,7 @@ impl Shell {
                 .map(|file| file.path().to_path_buf())
                 .collect()
         });
-        self.apply(dropped.into_iter().take(1).map(Action::Open));
+        self.apply((!dropped.is_empty()).then_some(Action::OpenAny(dropped)));
     }
 }
 

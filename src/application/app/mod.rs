@@ -86,7 +86,7 @@ pub use versioned::Versioned;
 
 use current::FreshSolve;
 use operation::{Report, RequestId};
-use operations::Operations;
+use operations::{ForeignLabels, Operations};
 use quality::Quality;
 use review::{AcceptQuestion, AcceptSheet, Review};
 use session::Session;
@@ -114,6 +114,8 @@ pub struct App {
     /// Returns the present time, which is stored with repeated clicks. None in tests: no time is
     /// stored.
     clock: Option<fn() -> jiff::Timestamp>,
+    /// Labels of another program that are imported as soon as their pictures are open.
+    waiting_labels: Option<ForeignLabels>,
     /// Whether the tour begins as soon as the demo match is open.
     tour_waits: bool,
     /// The number of the last request; see [`RequestId`].

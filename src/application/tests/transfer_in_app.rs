@@ -241,9 +241,10 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     act(&mut headless, TransferAction::ImportFormat(Format::Labelme));
     let before = headless.app.open().unwrap().document.frames.clone();
     headless.answer(Question::ImportFrom(Format::Labelme), &labelme);
-    let Look::Import(Ok(joined)) = found(&mut headless) else {
+    let Look::Import(Ok(look)) = found(&mut headless) else {
         panic!("{:?}", headless.app.operations.transfer.found);
     };
+    let joined = &look.joined;
     assert_eq!(
         (joined.matched, joined.kept, joined.added, joined.clicks),
         (1, 1, 0, 2)
@@ -337,10 +338,10 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
         Question::ImportFrom(Format::Json),
         &other.path().join("project.json"),
     );
-    let Look::Import(Ok(joined)) = found(&mut headless) else {
+    let Look::Import(Ok(look)) = found(&mut headless) else {
         panic!("{:?}", headless.app.operations.transfer.found)
     };
-    assert_eq!(joined.added, 6);
+    assert_eq!(look.joined.added, 6);
     act(&mut headless, TransferAction::TakeOver);
     for frame in [9, 1] {
         headless.act(Action::Navigate(Navigation::SelectFrame {
@@ -492,4 +493,37 @@ fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
         [0, 2, 3].map(|index| headless.app.other_picture(index)),
         [None; 3]
     );
+}
+
+#[test]
+fn labels_wait_for_their_pictures_and_are_then_shown_in_the_dialog() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut headless = opened(folder.path());
+    let cameras = tempfile::tempdir().unwrap();
+    let to = cameras.path().join("cameras");
+    headless.act(Action::Command(Command::Export));
+    headless.answer(Question::ExportAs(Format::SoccerNet), &to);
+    headless.wait_until("writing", |_| to.exists());
+    drop(headless);
+
+    // Nothing is open: the labels wait, and Escape leaves them.
+    let mut headless = Headless::new();
+    for _ in 0..2 {
+        headless.act(Action::OpenAny(vec![to.clone()]));
+        headless.wait_until("sorting", |app| app.waiting_labels().is_some());
+        headless.act(Action::Command(Command::Cancel));
+        assert!(headless.app.waiting_labels().is_none());
+    }
+    // With their pictures they are looked at as soon as those are open, and once more later.
+    for paths in [vec![to.clone(), folder.path().to_path_buf()], vec![to]] {
+        headless.act(Action::OpenAny(paths));
+        let Look::Import(Ok(look)) = found(&mut headless) else {
+            panic!("{:?}", headless.app.operations.transfer.found)
+        };
+        assert_eq!(look.format, Format::SoccerNet);
+        assert_eq!(headless.app.operations.transfer.tab, TransferTab::Import);
+        assert_eq!((look.joined.kept, look.joined.added), (2, 0));
+        headless.act(Action::View(ViewAction::CloseDialog));
+        headless.app.operations.transfer.found = None;
+    }
 }

@@ -24,8 +24,8 @@ pub use match_labels::{
     label_match,
 };
 pub use mend::{
-    CommonError, GivenCamera, GivenFault, MendError, MendEvent, MendOptions, Mended, MendedFrame,
-    Outcome, Tally, mend,
+    CameraSurvey, CommonError, GivenCamera, GivenFault, ImpossibleCamera, MendError, MendEvent,
+    MendOptions, Mended, MendedFrame, NotAligned, Outcome, Tally, mend, survey_cameras,
 };
 pub use track_clips::{
     TrackedFrames, TrackingEvent, TrackingOptions, give_first_base, track_clips,

@@ -123,6 +123,12 @@ impl Frame {
         self.is_suggestion() && self.solution.as_ref().is_some_and(on_paint)
     }
 
+    /// Whether its camera came from another program and is neither mended nor decided on.
+    #[must_use]
+    pub fn has_imported_camera(&self) -> bool {
+        self.is_open() && self.ptz.is_some() && self.source() == Some(SolutionSource::Import)
+    }
+
     /// Whether it has neither clicks nor a decision of the user, so that the program may suggest
     /// its camera.
     #[must_use]

@@ -27,7 +27,7 @@ use touchline::document::{CameraId, Document, FieldSpec, document_to_string};
 use touchline::field::builtin;
 use touchline::markings::{ProjectedLandmark, project_landmarks};
 use touchline::media::{FrameReader, FrameSource, VideoInfo};
-use touchline::pipelines::{MatchLabels, MatchOptions, MendEvent, MendOptions, label_match, mend};
+use touchline::pipelines::{MatchLabels, MatchOptions, MendOptions, label_match, mend};
 use touchline::progress::Progress;
 use touchline::store::read;
 use touchline::synthetic::{Preset, ShootOptions, StadiumOptions, stadium};
@@ -155,18 +155,12 @@ fn report(name: &str, seed: u64, drawn: &Drawn, folder: &Path, faults: &Faults, 
     let before = right(&document, drawn);
     let begun = Instant::now();
     let options = MendOptions::default();
-    let progress = Progress::new(|event| {
-        if let MendEvent::NotAligned(camera, error) = event {
-            eprintln!("{name} {seed}: {camera}: {error}");
-        }
-        std::ops::ControlFlow::Continue(())
-    });
     let result = mend(
         &mut document,
         folder,
         &mut FrameReader::new(),
         &options,
-        &progress,
+        &Progress::default(),
     );
     let seconds = begun.elapsed().as_secs_f64();
     let mended = match result {
@@ -181,6 +175,9 @@ fn report(name: &str, seed: u64, drawn: &Drawn, folder: &Path, faults: &Faults, 
     };
     for error in &mended.common {
         eprintln!("{name} {seed}: {error}");
+    }
+    for camera in &mended.not_aligned {
+        eprintln!("{name} {seed}: {camera}");
     }
     if is_verbose {
         let bases = drawn.document.cameras.iter().chain(&document.cameras);

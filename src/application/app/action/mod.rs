@@ -59,6 +59,8 @@ pub enum Action {
     Answer(Question, PathBuf),
     /// Open a document, a folder or a video.
     Open(PathBuf),
+    /// Open or import what lies at these paths, which the user dropped or typed.
+    OpenAny(Vec<PathBuf>),
     /// A document was read.
     Opened(Box<Opened>),
     /// The disk reports.

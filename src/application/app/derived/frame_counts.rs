@@ -4,9 +4,7 @@ use super::memo::Follows;
 use crate::app::filter::{Filter, is_to_do};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_calibration::proposals::is_uncertain;
-use touchline_documents::document::{
-    CameraId, Document, Frame, FrameChanges, FrameStatus, Frames, SolutionSource,
-};
+use touchline_documents::document::{CameraId, Document, Frame, FrameChanges, FrameStatus, Frames};
 
 /// The number of frames of each kind, and the indices of the frames that were clicked again.
 #[derive(Clone, Debug, Default)]
@@ -140,7 +138,7 @@ impl FrameCounts {
                 frame.status == FrameStatus::Suggested && frame.is_carried(),
                 &mut self.carried,
             ),
-            (is_imported(frame), &mut self.imported),
+            (frame.has_imported_camera(), &mut self.imported),
             (frame.is_used_for_training(), &mut self.used_for_training),
             (frame.gold, &mut self.gold),
             (frame.gold && is_reference, &mut self.gold_references),
@@ -154,10 +152,6 @@ impl FrameCounts {
             .filter(|(is_one, _)| *is_one)
             .for_each(|(_, count)| change(count));
     }
-}
-
-fn is_imported(frame: &Frame) -> bool {
-    frame.is_open() && frame.ptz.is_some() && frame.source() == Some(SolutionSource::Import)
 }
 
 impl Follows for FrameCounts {
@@ -186,7 +180,7 @@ impl Follows for FrameCounts {
 mod tests {
     use super::*;
     use touchline_core::geometry::{ImagePoint, ImageSize};
-    use touchline_documents::document::{Click, FieldSpec, Repeat, Solution};
+    use touchline_documents::document::{Click, FieldSpec, Repeat, Solution, SolutionSource};
 
     fn document(frames: usize) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));

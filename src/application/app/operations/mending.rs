@@ -5,11 +5,12 @@ use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::session::Level;
 use crate::app::{App, Command};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use touchline_calibration::pipelines::{MendError, MendEvent, MendOptions, Mended, Tally, mend};
 use touchline_core::geometry::counted;
 use touchline_core::progress::Share;
-use touchline_documents::document::{Document, Step};
+use touchline_documents::document::{Camera, CameraId, Document, Step};
 
 /// Fewer cameras have no place in common.
 const FEWEST: usize = 3;
@@ -22,8 +23,8 @@ pub struct Mending {
     document: Document,
     /// The folder from which the document's relative paths start.
     folder: PathBuf,
-    /// The revision of the open document when the work began.
-    revision: u64,
+    /// By how many frames the cameras may be shifted against the video.
+    shifts: Vec<i64>,
 }
 
 /// The mended document, and what became of each camera.
@@ -36,6 +37,9 @@ pub struct MendedDocument {
 #[derive(Debug, Default)]
 pub(in crate::app) struct MendingState {
     slot: Slot<Mending>,
+    /// By how many frames the cameras that were imported last may be shifted against the video, the
+    /// likeliest first; empty if they are not.
+    pub(super) shifts: Vec<i64>,
 }
 
 /// A step of mending, and how far it has come.
@@ -61,7 +65,9 @@ impl Operation for Mending {
         let mut document = self.document.clone();
         let steps = context.progress();
         let progress = steps.part(|event: MendEvent| MendingProgress::of_event(&event));
-        let options = MendOptions::default();
+        let options = MendOptions {
+            shifts: self.shifts.clone(),
+        };
         let mended = mend(
             &mut document,
             &self.folder,
@@ -91,6 +97,56 @@ impl Operation for Mending {
     }
 }
 
+impl Mending {
+    /// The present document with the mended cameras. Frames that changed since the work began keep
+    /// what they have now, with the base that their camera has now. None if a camera or the field
+    /// changed, for which the result is then not valid.
+    fn merge(&self, now: &Document, mended: &Document) -> Option<Document> {
+        let then = &self.document;
+        if now.cameras != then.cameras || now.field != then.field {
+            return None;
+        }
+        let mut merged = now.clone();
+        merged.field.clone_from(&mended.field);
+        merged.cameras.clone_from(&mended.cameras);
+        let mut kept = BTreeMap::new();
+        for index in 0..now.frames.len() {
+            let frame = &now.frames[index];
+            if then.frames.by_id(&frame.id) == Some(frame) {
+                if let Some(frame) = mended.frames.by_id(&frame.id) {
+                    merged.frames[index] = frame.clone();
+                }
+                continue;
+            }
+            let id = frame.camera.clone();
+            let camera = kept
+                .entry(id.clone())
+                .or_insert_with(|| keep_camera(&mut merged, now.camera(&id)));
+            if let Some(camera) = camera {
+                merged.frames[index].camera.clone_from(camera);
+            }
+        }
+        Some(merged)
+    }
+}
+
+/// Keeps a camera with its present base in a document whose cameras were mended, and returns its id
+/// there: its own, if the mending left it as it was or removed it.
+fn keep_camera(merged: &mut Document, camera: Option<&Camera>) -> Option<CameraId> {
+    let camera = camera?;
+    let id = match merged.camera(&camera.id) {
+        Some(mended) if mended == camera => return Some(camera.id.clone()),
+        Some(_) => merged.free_camera_name(&camera.id),
+        None => camera.id.clone(),
+    };
+    let own = Camera {
+        id: id.clone(),
+        ..camera.clone()
+    };
+    merged.cameras.push(own.into());
+    Some(id)
+}
+
 impl MendingProgress {
     fn of_event(event: &MendEvent) -> Self {
         let share = |step, share: &Share| Self {
@@ -106,7 +162,7 @@ impl MendingProgress {
                 step: "Comparing a sample with the painted lines",
                 share: None,
             },
-            MendEvent::NotAligned(..) | MendEvent::Tracking(_) => Self {
+            MendEvent::Tracking(_) => Self {
                 step: "Tracking the frames that do not fit",
                 share: None,
             },
@@ -153,12 +209,15 @@ impl App {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        let revision = open.revision;
+        let mut shifts = self.operations.mending.shifts.clone();
+        if shifts.is_empty() {
+            shifts = MendOptions::default().shifts;
+        }
         self.session.retract(Command::MendCameras);
         self.start(Mending {
             document,
             folder,
-            revision,
+            shifts,
         });
     }
 
@@ -168,13 +227,14 @@ impl App {
         mending: &Mending,
         MendedDocument { document, mended }: MendedDocument,
     ) {
-        let revision = self.open.as_ref().map(|open| open.revision);
-        if revision != Some(mending.revision) {
-            let text = "The document changed in the meantime; the mended cameras were discarded.";
+        let Some(open) = &self.open else { return };
+        let Some(merged) = mending.merge(&open.document, &document) else {
+            let text = "A camera or the field changed in the meantime; the mended cameras were \
+                        discarded.";
             self.session
                 .notify_with(Level::Info, text, [("Mend again", Command::MendCameras)]);
             return;
-        }
+        };
         if !self.begin_step(Step::on_document(STEP)) {
             return;
         }
@@ -184,7 +244,7 @@ impl App {
                 cameras,
                 frames,
                 ..
-            } = document;
+            } = merged;
             let now = &mut open.document;
             (now.field, now.cameras, now.frames) = (field, cameras, frames);
         }
@@ -230,9 +290,11 @@ fn describe_mended(mended: &Mended, tally: &Tally) -> String {
         tally.tracked,
         tally.left
     );
-    for error in &mended.common {
+    let common = mended.common.iter().map(ToString::to_string);
+    let not_aligned = mended.not_aligned.iter().map(ToString::to_string);
+    for remark in common.chain(not_aligned) {
         text += " Also, ";
-        text += &error.to_string();
+        text += &remark;
         text.push('.');
     }
     text
@@ -246,7 +308,7 @@ mod tests {
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_documents::document::{
-        Camera, CameraId, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+        FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
     };
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
@@ -294,13 +356,17 @@ mod tests {
         (app, mended)
     }
 
-    fn take(app: &mut App, document: Document, revision: u64) {
+    /// The mending of the document that is open now.
+    fn mending(app: &App) -> Mending {
         let open = app.open().unwrap();
-        let mending = Mending {
+        Mending {
             document: (*open.document).clone(),
             folder: open.folder.clone(),
-            revision,
-        };
+            shifts: vec![0],
+        }
+    }
+
+    fn take(app: &mut App, document: Document, mending: &Mending) {
         let frames = document.frames.iter().map(|frame| MendedFrame {
             id: frame.id.clone(),
             given: GivenCamera::Missing,
@@ -311,8 +377,9 @@ mod tests {
             frames: frames.collect(),
             places: Vec::new(),
             common: Vec::new(),
+            not_aligned: Vec::new(),
         };
-        app.take_mended(&mending, MendedDocument { document, mended });
+        app.take_mended(mending, MendedDocument { document, mended });
     }
 
     #[test]
@@ -320,8 +387,8 @@ mod tests {
         let (mut app, mended) = app();
         assert_eq!(app.why_not(Command::MendCameras), None);
         let before = (*app.open().unwrap().document).clone();
-        let revision = app.open().unwrap().revision;
-        take(&mut app, mended, revision);
+        let mending = mending(&app);
+        take(&mut app, mended, &mending);
         let now = (*app.open().unwrap().document).clone();
         assert_eq!(now.cameras.len(), 1);
         assert!(now.frames.iter().all(|frame| frame.is_snapped()));
@@ -333,11 +400,30 @@ mod tests {
     }
 
     #[test]
-    fn what_was_mended_for_another_state_of_the_document_is_discarded() {
+    fn a_frame_that_changed_meanwhile_keeps_its_camera_and_its_base() {
         let (mut app, mended) = app();
+        let mending = mending(&app);
+        app.update(Action::Navigate(Navigation::GoTo(0)));
+        app.update(Action::Command(Command::Accept));
+        let accepted = (*app.open().unwrap().document.frames[0]).clone();
+        assert!(!accepted.is_open());
+        let base = app.open().unwrap().document.cameras[0].base();
+        take(&mut app, mended, &mending);
+        let now = (*app.open().unwrap().document).clone();
+        assert_eq!(now.frames[0].ptz, accepted.ptz);
+        assert_eq!(now.frames[0].status, accepted.status);
+        assert_eq!(now.camera(&now.frames[0].camera).unwrap().base(), base);
+        assert!((1..4).all(|index| now.frames[index].is_snapped()));
+        assert_ne!(now.frames[1].camera, now.frames[0].camera);
+    }
+
+    #[test]
+    fn what_was_mended_for_other_cameras_is_discarded() {
+        let (mut app, mended) = app();
+        let mut mending = mending(&app);
+        mending.document.cameras[2].image_size = ImageSize::new(640, 360);
         let before = (*app.open().unwrap().document).clone();
-        let revision = app.open().unwrap().revision;
-        take(&mut app, mended, revision + 1);
+        take(&mut app, mended, &mending);
         assert_eq!(*app.open().unwrap().document, before);
         assert!(app.session.offers(Command::MendCameras));
     }
@@ -345,8 +431,8 @@ mod tests {
     #[test]
     fn without_imported_cameras_there_is_nothing_to_mend() {
         let (mut app, mended) = app();
-        let revision = app.open().unwrap().revision;
-        take(&mut app, mended, revision);
+        let mending = mending(&app);
+        take(&mut app, mended, &mending);
         app.update(Action::Navigate(Navigation::GoTo(1)));
         assert!(app.why_not(Command::MendCameras).is_some());
         assert!(app.why_not(Command::StopMending).is_some());

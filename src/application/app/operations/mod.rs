@@ -16,6 +16,7 @@ pub mod comparison;
 pub mod frame_snap;
 mod line_check;
 mod mending;
+mod path_sorting;
 mod picture_check;
 mod point_snap;
 pub mod shot_search;
@@ -32,6 +33,7 @@ pub use comparison::{Compared, Comparison};
 pub use frame_snap::FrameSnap;
 pub use line_check::PaintSays;
 pub use mending::Mending;
+pub use path_sorting::{ForeignLabels, PathSorting};
 pub use point_snap::PointSnap;
 pub use shot_search::{FoundShots, ShotSearch};
 
@@ -50,6 +52,7 @@ use comparison::ComparisonState;
 use frame_snap::FrameSnapState;
 use line_check::LineChecks;
 use mending::MendingState;
+use path_sorting::PathSortingState;
 use picture_check::PictureComparisonState;
 use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
@@ -81,6 +84,8 @@ pub struct Operations {
     pub frame_snap: FrameSnapState,
     /// The mending of imported cameras.
     pub(in crate::app) mending: MendingState,
+    /// The sorting of dropped paths.
+    pub(in crate::app) path_sorting: PathSortingState,
     /// The comparison of the frames' cameras with the painted lines.
     pub(in crate::app) line_checks: LineChecks,
     /// The check whether the pictures on disk are those that the document was made with.

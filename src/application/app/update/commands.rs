@@ -390,8 +390,8 @@ impl App {
         }
     }
 
-    /// Carries out Escape: ends one thing, the topmost of dialog, opening of a document, quality
-    /// page, estimated base, masks, mode, and at last the selections.
+    /// Carries out Escape: ends one thing, the topmost of dialog, opening of a document, labels
+    /// that wait, quality page, estimated base, masks, mode, and at last the selections.
     fn cancel(&mut self) {
         if self.session.dialog.is_some() {
             self.close_dialog();
@@ -401,6 +401,9 @@ impl App {
             self.tour_waits = false;
             self.session.disk.leaving = None;
             self.effects.push(Effect::CancelOpening);
+            return;
+        }
+        if self.open.is_none() && self.waiting_labels.take().is_some() {
             return;
         }
         if self.session.quality.open {

@@ -13,7 +13,7 @@ use touchline_core::field::{FieldError, Template};
 
 impl App {
     /// Opens a path, as soon as the present document can be left.
-    pub(super) fn open_path(&mut self, path: PathBuf) {
+    pub(in crate::app) fn open_path(&mut self, path: PathBuf) {
         self.tour_waits = false;
         self.leave_document(Leaving::Open(path));
     }
@@ -59,8 +59,8 @@ impl App {
             self.session
                 .notify(Level::Warning, format!("Opened read-only: {reason}"));
         }
-        // A new document has no sport yet.
-        if opened.is_new {
+        // A new document has no sport yet. With labels that wait, their sheet names the field.
+        if opened.is_new && self.waiting_labels.is_none() {
             self.session.dialog = Some(Dialog::Sport);
             self.session.sport_guess = super::sport::guessed_from(&opened.file.to_string_lossy());
         }
@@ -89,6 +89,7 @@ impl App {
         self.begin_waiting_tour();
         self.offer_tour();
         self.start_on_opening();
+        self.import_waiting_labels();
     }
 
     /// Requests the field templates that the document names and that have not been read.

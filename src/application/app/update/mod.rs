@@ -170,6 +170,7 @@ impl App {
             Action::Compare(with) => self.compare(with),
             Action::Answer(question, path) => self.answer(question, path),
             Action::Open(path) => self.open_path(path),
+            Action::OpenAny(paths) => self.open_any(paths),
             Action::Opened(opened) => self.opened(*opened),
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),

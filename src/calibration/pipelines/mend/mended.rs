@@ -2,11 +2,12 @@
 
 use super::common_error::CommonError;
 use super::given::GivenCamera;
-use crate::calibrate::{LINE_CHECK, ground_moved_px};
+use crate::calibrate::{BaseOnPaintError, LINE_CHECK, ground_moved_px};
 use std::collections::BTreeSet;
+use std::fmt;
 use touchline_core::camera::PtzCamera;
 use touchline_core::solve::base::SharedPlace;
-use touchline_documents::document::{Document, Frame, FrameId, ImportedCamera, Solution};
+use touchline_documents::document::{CameraId, Document, Frame, FrameId, ImportedCamera, Solution};
 
 /// A camera that moved by at most this much is as it came, px at 1920 px width: what the annotator
 /// would not see.
@@ -24,6 +25,27 @@ pub struct Mended {
     pub places: Vec<SharedPlace>,
     /// The errors that all given cameras had in common.
     pub common: Vec<CommonError>,
+    /// The cameras whose base and lens stay those of the given cameras.
+    pub not_aligned: Vec<NotAligned>,
+}
+
+/// A camera whose base and lens could not be estimated from the painted lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotAligned {
+    /// The camera.
+    pub camera: CameraId,
+    /// Why not.
+    pub reason: BaseOnPaintError,
+}
+
+impl fmt::Display for NotAligned {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { camera, reason } = self;
+        write!(
+            f,
+            "{camera}: base and lens stay those of the given cameras: {reason}"
+        )
+    }
 }
 
 /// What became of the camera of one frame.
@@ -94,15 +116,13 @@ pub struct Tally {
 }
 
 impl Mended {
-    /// Compares the documents before and after. `aligned` are the frames that were aligned to their
-    /// paint before the others were tracked, by their indices.
+    /// Compares the frames of the documents before and after. `aligned` are the frames that were
+    /// aligned to their paint before the others were tracked, by their indices.
     pub(super) fn new(
         before: &Document,
         after: &Document,
         given: &[GivenCamera],
         aligned: &BTreeSet<usize>,
-        places: Vec<SharedPlace>,
-        common: Vec<CommonError>,
     ) -> Self {
         let frame = |(index, given): (usize, &GivenCamera)| {
             let frame = &after.frames[index];
@@ -124,8 +144,9 @@ impl Mended {
         let frames = given.iter().enumerate().map(frame).collect();
         Self {
             frames,
-            places,
-            common,
+            places: Vec::new(),
+            common: Vec::new(),
+            not_aligned: Vec::new(),
         }
     }
 

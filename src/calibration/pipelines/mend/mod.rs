@@ -41,10 +41,12 @@ mod given;
 mod hypotheses;
 mod mended;
 mod places;
+mod survey;
 
 pub use common_error::CommonError;
 pub use given::{GivenCamera, GivenFault};
-pub use mended::{Mended, MendedFrame, Outcome, Tally};
+pub use mended::{Mended, MendedFrame, NotAligned, Outcome, Tally};
+pub use survey::{CameraSurvey, ImpossibleCamera, survey_cameras};
 
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::calibrate::{
@@ -96,9 +98,6 @@ pub enum MendEvent {
     Sampling(Share),
     /// Base, lens and frames are being aligned to the painted lines: pictures done.
     Aligning(CameraId, Share),
-    /// Base and lens of a camera could not be estimated from the painted lines; they stay those of
-    /// the given cameras.
-    NotAligned(CameraId, BaseOnPaintError),
     /// Frames are being tracked.
     Tracking(TrackingEvent),
     /// Frames that tracking left in doubt are compared with their paint: pictures done.
@@ -203,13 +202,25 @@ pub fn mend(
     // Steps 4 and 5 on a copy: a cancelled run leaves the document unchanged.
     let mut mended = before.clone();
     let cameras = shots.place_cameras(&mut mended, &given, lens);
+    let mut not_aligned = Vec::new();
     for (camera, place) in &cameras {
-        common.extend(mending.align(&mut mended, camera, place)?);
+        match mending.align(&mut mended, camera, place)? {
+            Ok(errors) => common.extend(errors),
+            Err(reason) => not_aligned.push(NotAligned {
+                camera: camera.clone(),
+                reason,
+            }),
+        }
     }
     let aligned = drop_unaligned(&mut mended, &shots);
     mending.track(&mut mended)?;
     mending.check_again(&mut mended)?;
-    let result = Mended::new(&before, &mended, &given, &aligned, shots.places, common);
+    let result = Mended {
+        places: shots.places,
+        common,
+        not_aligned,
+        ..Mended::new(&before, &mended, &given, &aligned)
+    };
     result.record_imported(&before, &mut mended);
     *document = mended;
     Ok(result)
@@ -235,13 +246,14 @@ impl Mending<'_> {
 
     /// Estimates the base of a camera from the paint of its frames and aligns the frames to it.
     /// Where too little paint is seen, the base stays where the given cameras place it. Returns the
-    /// lens and the sizes of the field in which the paint contradicts them.
+    /// lens and the sizes of the field in which the paint contradicts them; or why base and lens
+    /// could not be estimated, and stay those of the given cameras.
     fn align(
         &mut self,
         document: &mut Document,
         camera: &CameraId,
         place: &SharedPlace,
-    ) -> Result<Vec<CommonError>, MendError> {
+    ) -> Result<Result<Vec<CommonError>, BaseOnPaintError>, MendError> {
         let of_camera = document
             .frames
             .iter()
@@ -274,10 +286,7 @@ impl Mending<'_> {
         }
         let found = match found {
             Ok(found) => found,
-            Err(error) => {
-                let _ = progress.report(MendEvent::NotAligned(camera.clone(), error));
-                return Ok(Vec::new());
-            }
+            Err(reason) => return Ok(Err(reason)),
         };
         // Where the given base is as near to the paint, it stays: what the paint of one end of a
         // field leaves open would be replaced by another guess.
@@ -295,7 +304,7 @@ impl Mending<'_> {
             .model_of(document.field_of_camera(camera))?;
         found.write_frames(document, &before, &field, &mut picture);
         self.stop_if_cancelled()?;
-        Ok(common)
+        Ok(Ok(common))
     }
 
     /// Tracks the cameras that are there to the frames without one.

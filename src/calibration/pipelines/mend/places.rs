@@ -44,10 +44,7 @@ impl Shots {
             (0..given.len()).filter_map(usable).unzip();
         let places: Vec<SharedPlace> = shared_places(&cameras)
             .into_iter()
-            .map(|place| SharedPlace {
-                members: place.members.iter().map(|member| frames[*member]).collect(),
-                ..place
-            })
+            .map(|place| place.renumbered(&frames))
             .collect();
         let mut of_shot = Vec::new();
         for range in &ranges {

@@ -24,8 +24,9 @@
 //! The result is a start: an adjustment to painted lines or clicks follows (`adjust.rs`).
 
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, PtzCamera};
-use crate::geometry::{Angle, ImagePoint, Vec3, median, subsample};
+use crate::geometry::{Angle, ImagePoint, Vec3, counted, median, subsample};
 use nalgebra::{Matrix2, Vector2};
+use std::fmt;
 
 /// Positions within this distance of each other are near, m. Programs that calibrate frames one by
 /// one scatter by up to 0.6 m along each axis; two cameras of one broadcast are at least 5 m apart.
@@ -70,6 +71,33 @@ impl SharedPlace {
     #[must_use]
     pub fn contains(&self, position_m: Vec3) -> bool {
         is_within(position_m, self.base.position_m, self.scatter_m)
+    }
+
+    /// The same place with its members renumbered: member `i` becomes `numbers[i]`. `numbers`
+    /// ascend.
+    #[must_use]
+    pub fn renumbered(self, numbers: &[usize]) -> Self {
+        let members = self
+            .members
+            .iter()
+            .filter_map(|member| numbers.get(*member));
+        Self {
+            members: members.copied().collect(),
+            ..self
+        }
+    }
+}
+
+/// Position, scatter and number of members, in one line.
+impl fmt::Display for SharedPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = <[f64; 3]>::from(self.base.position_m);
+        let [dx, dy, dz] = <[f64; 3]>::from(self.scatter_m);
+        let frames = counted(self.members.len(), "frame");
+        write!(
+            f,
+            "({x:.2}, {y:.2}, {z:.2}) m, scattered by ({dx:.2}, {dy:.2}, {dz:.2}) m, in {frames}"
+        )
     }
 }
 

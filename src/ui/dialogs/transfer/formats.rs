@@ -7,10 +7,10 @@ use super::parts::{cameras_of, fact, left_out, line, notes};
 use crate::ui::Panel;
 use crate::ui::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
-use touchline_application::app::transfer::{Look, TransferAction, in_dialog};
+use touchline_application::app::transfer::{Look, TransferAction, describe_survey, in_dialog};
 use touchline_application::app::{Action, sentence};
 use touchline_core::geometry::counted;
-use touchline_documents::exchange::{About, Format, JoinedPair};
+use touchline_documents::exchange::{About, Format, Joined, JoinedPair};
 
 /// Width of the list of formats, points.
 const LIST: f32 = 210.0;
@@ -155,12 +155,12 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
         return;
     };
     match &found.look {
-        Look::Import(Ok(joined)) => {
-            let text = format!(
-                "{} frames of this document get labels, {} are new: {} clicks, {} new cameras.",
-                joined.matched, joined.added, joined.clicks, joined.cameras
-            );
-            line(ui, text, palette.strong);
+        Look::Import(Ok(look)) => {
+            let joined = &look.joined;
+            line(ui, describe_gain(joined), palette.strong);
+            for text in look.survey.iter().flat_map(describe_survey) {
+                line(ui, text, palette.text);
+            }
             if joined.kept > 0 {
                 line(
                     ui,
@@ -184,6 +184,24 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
         Look::Import(Err(why)) => line(ui, why, palette.bad),
         Look::Export(_) | Look::Dataset(_) => {}
     }
+}
+
+/// How many frames, clicks and cameras an import brings.
+fn describe_gain(joined: &Joined) -> String {
+    let mut text = format!(
+        "{} of this document get labels",
+        counted(joined.matched, "frame")
+    );
+    for (count, noun) in [
+        (joined.added, "new frame"),
+        (joined.clicks, "click"),
+        (joined.cameras, "new camera"),
+    ] {
+        if count > 0 {
+            text += &format!(", {}", counted(count, noun));
+        }
+    }
+    text + "."
 }
 
 /// Lists which imported frame was matched to which frame of the document, so that the user sees a

@@ -122,11 +122,27 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     };
     // An import needs two steps, choosing the files and merging them. The others need one.
     if tab == TransferTab::Import {
-        let take = ui.add_enabled(is_ready, Button::new("Import").fill(palette.accent_ground));
+        let can_mend = parts::can_mend(transfer);
+        if can_mend {
+            let mend = Button::new("Import and mend").fill(palette.accent_ground);
+            let tip = "Import them, then put all of them on one camera and its painted lines. \
+                       Two steps of undo. (Enter)";
+            if ui.add(mend).on_hover_text(tip).clicked() || entered {
+                push(TransferAction::TakeOverAndMend);
+            }
+        }
+        let (label_alone, fill, key) = if can_mend {
+            ("Only import", palette.control, "")
+        } else {
+            ("Import", palette.accent_ground, " (Enter)")
+        };
+        let take = ui.add_enabled(is_ready, Button::new(label_alone).fill(fill));
         let take = take
-            .on_hover_text("Merge it into the document. One step of undo. (Enter)")
+            .on_hover_text(format!(
+                "Merge it into the document. One step of undo.{key}"
+            ))
             .on_disabled_hover_text("Choose files first.");
-        if take.clicked() || entered {
+        if take.clicked() || (entered && !can_mend) {
             push(TransferAction::TakeOver);
         }
         if ui

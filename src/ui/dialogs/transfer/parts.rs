@@ -4,6 +4,7 @@ use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, RichText, Ui};
 use touchline_application::app::App;
 use touchline_application::app::transfer::{Look, TransferState, in_dialog};
+use touchline_calibration::pipelines::CameraSurvey;
 use touchline_documents::document::CameraId;
 
 /// Whether there is something to write or to merge.
@@ -14,10 +15,21 @@ pub fn is_ready(transfer: &TransferState) -> bool {
         .is_some_and(|found| match &found.look {
             Look::Export(made) => made.is_ok(),
             Look::Dataset(plan) => plan.is_ok(),
-            Look::Import(joined) => joined
+            Look::Import(look) => look
                 .as_ref()
-                .is_ok_and(|joined| joined.matched + joined.added > 0),
+                .is_ok_and(|look| look.joined.matched + look.joined.added > 0),
         })
+}
+
+/// Whether an import brings cameras that can be mended afterwards.
+pub fn can_mend(transfer: &TransferState) -> bool {
+    let Some(Look::Import(Ok(look))) = transfer.found.as_ref().map(|found| &found.look) else {
+        return false;
+    };
+    let shares_place = |survey: &CameraSurvey| !survey.places.is_empty();
+    cfg!(feature = "opencv")
+        && look.joined.cameras > 0
+        && look.survey.as_ref().is_some_and(shares_place)
 }
 
 /// The cameras of the open document.

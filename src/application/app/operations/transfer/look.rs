@@ -6,7 +6,8 @@ use crate::app::{App, sentence};
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use touchline_documents::document::Document;
+use touchline_calibration::pipelines::{CameraSurvey, survey_cameras};
+use touchline_documents::document::{Document, DocumentAt};
 use touchline_documents::exchange::{
     DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported, Joined,
     export, import, join, plan_dataset, size_of_only_video,
@@ -60,7 +61,31 @@ pub enum Look {
     /// A dataset, ready to be written.
     Dataset(Result<Arc<DatasetPlan>, String>),
     /// An import, ready to be taken over.
-    Import(Result<Arc<Joined>, String>),
+    Import(Result<Arc<ImportLook>, String>),
+}
+
+/// What an import would bring.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportLook {
+    /// The format of the files.
+    pub format: Format,
+    /// The document with the labels.
+    pub joined: Joined,
+    /// The document's imported cameras, compared with each other; none if no frame has one.
+    pub survey: Option<CameraSurvey>,
+}
+
+impl ImportLook {
+    fn new(at: DocumentAt<'_>, imported: &Imported) -> Self {
+        let joined = join(at, imported);
+        // A field that is not valid is named by whatever uses it next.
+        let survey = survey_cameras(joined.document.at(at.folder)).ok();
+        Self {
+            format: imported.format,
+            survey: survey.filter(|survey| survey.cameras > 0),
+            joined,
+        }
+    }
 }
 
 impl Operation for TransferLook {
@@ -93,7 +118,7 @@ impl Operation for TransferLook {
                     ..(**options).clone()
                 };
                 let imported = read_import(from, *format, &options);
-                Look::Import(imported.map(|imported| Arc::new(join(at, &imported))))
+                Look::Import(imported.map(|imported| Arc::new(ImportLook::new(at, &imported))))
             }
         })
     }

@@ -9,19 +9,20 @@ mod look;
 mod words;
 mod write;
 
-pub use look::{Found, Look, TransferLook};
-pub use words::{describe_bytes, in_dialog};
+pub use look::{Found, ImportLook, Look, TransferLook};
+pub use words::{describe_bytes, describe_survey, in_dialog};
 pub use write::TransferWrite;
 
 use crate::app::effect::Effect;
 use crate::app::operation::{Running, Slot};
+use crate::app::operations::ForeignLabels;
 use crate::app::session::{Dialog, Level};
 use crate::app::{App, Command, Question};
 use look::LookAt;
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Step};
 use touchline_documents::exchange::{
-    DatasetOptions, ExportOptions, Format, FrameChoice, ImportOptions,
+    Attachment, DatasetOptions, ExportOptions, Format, FrameChoice, ImportOptions,
 };
 use words::describe_joined;
 use write::Writing;
@@ -116,6 +117,8 @@ pub enum TransferAction {
     Choose,
     /// Take over what was read; one step of undo.
     TakeOver,
+    /// Take over what was read, and mend the cameras.
+    TakeOverAndMend,
     /// Stop what is running.
     Stop,
 }
@@ -147,6 +150,7 @@ impl App {
             TransferAction::Import(options) => transfer.import = *options,
             TransferAction::Choose => return self.choose_place(),
             TransferAction::TakeOver => return self.take_import(),
+            TransferAction::TakeOverAndMend => return self.take_import_and_mend(),
             TransferAction::Stop => return self.stop_transfer(),
         }
         self.look_again();
@@ -242,17 +246,7 @@ impl App {
                     replace: may_replace,
                 });
             }
-            Question::ImportFrom(format) => {
-                let mut options = transfer.import.clone();
-                if let Some(open) = &self.open {
-                    options.field = open.document.field.clone();
-                }
-                self.start_look(LookAt::Import {
-                    from: path,
-                    format,
-                    options: Box::new(options),
-                });
-            }
+            Question::ImportFrom(format) => self.look_at_labels(ForeignLabels { path, format }),
             _ => {
                 let plan = match found {
                     Some(Look::Dataset(Ok(plan))) => Some(plan.clone()),
@@ -269,11 +263,39 @@ impl App {
         }
     }
 
+    /// Opens the dialog on labels of another program and shows what they would bring.
+    pub(in crate::app) fn look_at_labels(&mut self, labels: ForeignLabels) {
+        let Some(open) = &self.open else { return };
+        let field = open.document.field.clone();
+        self.open_transfer(TransferTab::Import);
+        let ForeignLabels { path, format } = labels;
+        let transfer = &mut self.operations.transfer;
+        transfer.import_format = format;
+        let options = ImportOptions {
+            field,
+            ..transfer.import.clone()
+        };
+        self.start_look(LookAt::Import {
+            from: path,
+            format,
+            options: Box::new(options),
+        });
+    }
+
     fn stop_transfer(&mut self) {
         let transfer = &mut self.operations.transfer;
         if transfer.look.cancel() | transfer.write.cancel() {
             self.session
                 .notify(Level::Info, "Stopped; nothing was written.");
+        }
+    }
+
+    /// Takes over the import that was read and mends its cameras.
+    fn take_import_and_mend(&mut self) {
+        self.take_import();
+        // An import that could not be taken over has said so, and offers nothing.
+        if self.session.offers(Command::MendCameras) {
+            self.mending_command(Command::MendCameras);
         }
     }
 
@@ -283,11 +305,12 @@ impl App {
         let found = self.operations.transfer.found.take();
         let Some(Found {
             revision: then,
-            look: Look::Import(Ok(joined)),
+            look: Look::Import(Ok(look)),
         }) = found
         else {
             return;
         };
+        let joined = &look.joined;
         if Some(then) != revision {
             self.session.notify(
                 Level::Info,
@@ -306,6 +329,18 @@ impl App {
         }
         self.commit();
         self.session.dialog = None;
+        self.follow_import(&look);
+    }
+
+    /// What follows an import: the same format is offered for the export, the ways to attach the
+    /// cameras are kept for the mending, and the user is told.
+    fn follow_import(&mut self, look: &ImportLook) {
+        let joined = &look.joined;
+        if look.format.exports() {
+            self.operations.transfer.format = look.format;
+        }
+        let shifts = joined.attachment.as_ref().ok().and_then(Option::as_ref);
+        self.operations.mending.shifts = shifts.map(Attachment::shifts).unwrap_or_default();
         if let Some(open) = &mut self.open {
             // The counts of this state, from which it follows whether there is something to mend.
             open.derived.counts(&open.document);
@@ -313,6 +348,6 @@ impl App {
         let can_mend = joined.cameras > 0 && self.why_not(Command::MendCameras).is_none();
         let offers = can_mend.then_some(("Mend the cameras", Command::MendCameras));
         self.session
-            .notify_with(Level::Info, describe_joined(&joined), offers);
+            .notify_with(Level::Info, describe_joined(joined), offers);
     }
 }

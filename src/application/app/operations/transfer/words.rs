@@ -1,6 +1,7 @@
 //! Texts of the dialog for exports and imports.
 
 use crate::app::sentence;
+use touchline_calibration::pipelines::{CameraSurvey, ImpossibleCamera};
 use touchline_core::geometry::counted;
 use touchline_documents::exchange::{ExchangeError, Joined};
 
@@ -75,6 +76,39 @@ pub fn describe_bytes(bytes: u64) -> String {
     } else {
         format!("{value:.0} {}", UNITS[unit])
     }
+}
+
+/// What given cameras say about themselves, in a few lines: how many are impossible or mirrored,
+/// the first of them by name, and where the others stand.
+#[must_use]
+pub fn describe_survey(survey: &CameraSurvey) -> Vec<String> {
+    /// Impossible cameras that are named.
+    const NAMED: usize = 3;
+    let mut first = counted(survey.cameras, "camera");
+    for (count, kind) in [
+        (survey.impossible.len(), "impossible"),
+        (survey.mirrored, "mirrored"),
+    ] {
+        if count > 0 {
+            first += &format!(", {count} {kind}");
+        }
+    }
+    let mut lines = vec![first + "."];
+    let name = |camera: &ImpossibleCamera| format!("{}: {}.", camera.frame, camera.fault);
+    lines.extend(survey.impossible.iter().take(NAMED).map(name));
+    if survey.impossible.len() > NAMED {
+        lines.push(format!("… {} more.", survey.impossible.len() - NAMED));
+    }
+    lines.push(match &survey.places[..] {
+        [] => "They do not agree on a place where a camera stands.".to_owned(),
+        [place] => format!("They agree on one place: {place}."),
+        places => {
+            let places: Vec<String> = places.iter().map(ToString::to_string).collect();
+            let count = counted(places.len(), "place");
+            format!("They agree on {count}: {}.", places.join("; "))
+        }
+    });
+    lines
 }
 
 /// What was imported, as text.

@@ -1,0 +1,71 @@
+//! What given cameras say about themselves before any picture is read: which are impossible, which
+//! are mirrored, and where they stand.
+
+use super::given::{GivenCamera, GivenFault, given_cameras};
+use super::places::mirror_back;
+use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldError;
+use touchline_core::solve::base::{SharedPlace, shared_places};
+use touchline_documents::document::{DocumentAt, Fields};
+
+/// The cameras that another program gave for the frames of a document, compared with each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CameraSurvey {
+    /// Number of frames with a given camera.
+    pub cameras: usize,
+    /// The impossible ones among them, in the document's order.
+    pub impossible: Vec<ImpossibleCamera>,
+    /// Number of mirrored ones among them.
+    pub mirrored: usize,
+    /// The places that the possible ones share, the one with the most frames first. Their members
+    /// are indices of frames of the document.
+    pub places: Vec<SharedPlace>,
+}
+
+/// A frame with an impossible camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImpossibleCamera {
+    /// The frame's name.
+    pub frame: String,
+    /// What makes its camera impossible.
+    pub fault: GivenFault,
+}
+
+/// Examines the imported cameras of a document that no person has decided on.
+///
+/// # Errors
+/// The field of a camera is not valid.
+pub fn survey_cameras(at: DocumentAt<'_>) -> Result<CameraSurvey, FieldError> {
+    let document = at.document;
+    let fields = Fields::of(at)?;
+    let given: Vec<(usize, GivenCamera)> = given_cameras(document, &fields)
+        .into_iter()
+        .enumerate()
+        .filter(|(index, _)| document.frames[*index].has_imported_camera())
+        .collect();
+    let usable = |(index, given): &(usize, GivenCamera)| Some((*index, given.usable().copied()?));
+    let (frames, cameras): (Vec<usize>, Vec<PtzCamera>) = given.iter().filter_map(usable).unzip();
+    let places: Vec<SharedPlace> = shared_places(&cameras)
+        .into_iter()
+        .map(|place| place.renumbered(&frames))
+        .collect();
+    let impossible = given.iter().filter_map(|(index, given)| {
+        Some(ImpossibleCamera {
+            frame: document.frames[*index].name(),
+            fault: given.fault()?.clone(),
+        })
+    });
+    let impossible = impossible.collect();
+    let alone: Vec<GivenCamera> = given.iter().map(|(_, given)| given.clone()).collect();
+    let is_mirrored = |given: &&GivenCamera| matches!(given, GivenCamera::Mirrored(_));
+    let mirrored = mirror_back(&alone, &places)
+        .iter()
+        .filter(is_mirrored)
+        .count();
+    Ok(CameraSurvey {
+        cameras: given.len(),
+        impossible,
+        mirrored,
+        places,
+    })
+}
