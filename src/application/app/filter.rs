@@ -12,18 +12,21 @@ pub enum Filter {
     ToDo,
     /// Frames for which the forest has no answer.
     Unanswered,
+    /// Suggestions that the paint of their pictures does not support.
+    OffPaint,
     /// Frames with a status.
     Status(FrameStatus),
 }
 
 impl Filter {
     /// All filters, in the order of the list.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::All,
         Self::ToDo,
         Self::Status(FrameStatus::New),
         Self::Status(FrameStatus::Draft),
         Self::Status(FrameStatus::Suggested),
+        Self::OffPaint,
         Self::Unanswered,
         Self::Status(FrameStatus::Reference),
         Self::Status(FrameStatus::Rejected),
@@ -36,6 +39,7 @@ impl Filter {
             Self::All => true,
             Self::ToDo => is_to_do(frame),
             Self::Unanswered => frame.is_unanswered(),
+            Self::OffPaint => frame.is_suggested_off_paint(),
             Self::Status(wanted) => frame.status == wanted,
         }
     }
@@ -47,6 +51,7 @@ impl Filter {
             Self::All => "All frames",
             Self::ToDo => "To do",
             Self::Unanswered => "No answer",
+            Self::OffPaint => "Suggested, not on paint",
             Self::Status(status) => status_label(status),
         }
     }

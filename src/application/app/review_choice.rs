@@ -8,13 +8,20 @@ pub enum ReviewOrder {
     Confidence,
     /// Largest disagreement with the neighbours first.
     Disagreement,
+    /// Those first that the painted lines contradict.
+    Paint,
     /// In the document's order.
     Time,
 }
 
 impl ReviewOrder {
     /// All orders, as the panel lists them.
-    pub const ALL: [Self; 3] = [Self::Confidence, Self::Disagreement, Self::Time];
+    pub const ALL: [Self; 4] = [
+        Self::Confidence,
+        Self::Disagreement,
+        Self::Paint,
+        Self::Time,
+    ];
 
     /// The label in the panel.
     #[must_use]
@@ -22,6 +29,7 @@ impl ReviewOrder {
         match self {
             Self::Confidence => "Confidence",
             Self::Disagreement => "Disagreement",
+            Self::Paint => "Paint",
             Self::Time => "Time",
         }
     }
@@ -35,6 +43,9 @@ impl ReviewOrder {
             }
             Self::Disagreement => {
                 "Those most out of line with the frames before and after come first."
+            }
+            Self::Paint => {
+                "Those first that the painted lines contradict, then those on which they do not decide; among equals those that mending moved farthest."
             }
             Self::Time => "In the order of the frames.",
         }

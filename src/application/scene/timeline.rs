@@ -1,6 +1,7 @@
 //! The frames of a document on one line, as plain data: progress, suggestions and their doubt,
 //! shots.
 
+use touchline_core::markings::LineVerdict;
 use touchline_documents::document::{
     Document, Frame, FrameChanges, FrameStatus, Frames, Shot, ShotKind, VideoShots,
 };
@@ -47,6 +48,8 @@ pub struct TimelinePart {
     pub drafts: u32,
     /// Number of frames that cannot be calibrated.
     pub rejected: u32,
+    /// The least favourable verdict of the paint on a suggestion among them, where one is recorded.
+    pub paint: Option<LineVerdict>,
     /// Greatest doubt about one of them, 0 to 1: for a suggestion 1 − confidence; 1 for a frame
     /// without an answer.
     pub doubt: f64,
@@ -164,6 +167,9 @@ impl TimelinePart {
             FrameStatus::Suggested => self.suggestions += 1,
             FrameStatus::Reference => self.references += 1,
             FrameStatus::Rejected => self.rejected += 1,
+        }
+        if frame.status == FrameStatus::Suggested {
+            self.paint = self.paint.into_iter().chain(frame.paint_verdict()).min();
         }
         self.doubt = self.doubt.max(doubt(frame));
     }

@@ -6,15 +6,15 @@ pub const FEWEST_OPEN: usize = 30;
 /// Minimum probability for a verdict, on either side.
 const SUPPORTS: f64 = 0.9;
 
-/// The verdict of the paint on a camera.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The verdict of the paint on a camera; a less favourable one is less.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LineVerdict {
-    /// The paint lies where the camera predicts it.
-    Supports,
     /// The paint lies elsewhere.
     Contradicts,
     /// Too little paint is predicted or visible.
     CannotSay,
+    /// The paint lies where the camera predicts it.
+    Supports,
 }
 
 impl LineVerdict {

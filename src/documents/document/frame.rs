@@ -78,6 +78,10 @@ pub struct Frame {
         skip_serializing_if = "Vec::is_empty"
     )]
     pub masks: Vec<PixelBox>,
+    /// The name that the frame has in the files of another program that its camera or clicks came
+    /// from, without folders and ending; none where it is that of its picture. Exports use it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub labels_name: Option<String>,
     /// What its lens is known to be before it is solved; none: as its camera's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lens: Option<FrameLens>,
@@ -305,6 +309,7 @@ impl Frame {
             clicks: Vec::new(),
             repeats: Vec::new(),
             masks: Vec::new(),
+            labels_name: None,
             lens: None,
             ptz: None,
             solution: None,

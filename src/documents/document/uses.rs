@@ -37,16 +37,40 @@ impl Frame {
             .map(|warning| warning.message.as_str())
     }
 
+    /// The recorded evidence of the paint about its camera.
+    fn paint_evidence(&self) -> Option<&PaintEvidence> {
+        let solution = self.solution.as_ref().filter(|_| self.ptz.is_some())?;
+        solution.line_check.as_ref()
+    }
+
+    /// What the paint said about its camera, where that is recorded.
+    #[must_use]
+    pub fn paint_verdict(&self) -> Option<LineVerdict> {
+        self.paint_evidence().map(PaintEvidence::verdict)
+    }
+
     /// The recorded evidence of the paint, if it contradicts the camera.
     #[must_use]
     pub fn contradicting_paint(&self) -> Option<&PaintEvidence> {
-        let evidence = self
-            .solution
-            .as_ref()
-            .filter(|_| self.ptz.is_some())?
-            .line_check
-            .as_ref()?;
-        (evidence.verdict() == LineVerdict::Contradicts).then_some(evidence)
+        self.paint_evidence()
+            .filter(|evidence| evidence.verdict() == LineVerdict::Contradicts)
+    }
+
+    /// Whether it is a suggestion that the paint of its picture does not support.
+    #[must_use]
+    pub fn is_suggested_off_paint(&self) -> bool {
+        self.status == FrameStatus::Suggested && self.paint_verdict() != Some(LineVerdict::Supports)
+    }
+
+    /// How far mending moved the camera that another program gave the frame, px; infinitely far if
+    /// that camera was impossible. None if it has none.
+    #[must_use]
+    pub fn mended_by_px(&self) -> Option<f64> {
+        let imported = self.solution.as_ref()?.imported.as_ref()?;
+        if imported.fault.is_some() {
+            return Some(f64::INFINITY);
+        }
+        imported.moved_px
     }
 
     /// The recorded evidence of the paint, if it contradicts a camera that the user accepted.

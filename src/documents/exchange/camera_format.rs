@@ -126,10 +126,13 @@ pub trait CameraFormat: Sync {
     }
 }
 
-/// The name of a frame's files: its image's without the ending, or the video's with the frame's
-/// number.
+/// The name of a frame's files: the one that they came under, else its image's without the ending,
+/// or the video's with the frame's number.
 #[must_use]
 pub fn stem_of(frame: &FrameCamera) -> String {
+    if let Some(name) = &frame.labels_name {
+        return name.clone();
+    }
     let stem = |name: &str| {
         Path::new(name)
             .file_stem()

@@ -231,6 +231,7 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
         frame_index: index,
         pts_s: row.find("pts_s")?,
         rate: None,
+        labels_name: None,
         record: Record {
             status: row
                 .text("status")

@@ -49,6 +49,7 @@ fn frame_camera(
         .map(|covariance| covariance.diagonal());
     Some(FrameCamera {
         name: frame.name(),
+        labels_name: frame.labels_name.clone(),
         image: frame.image.clone(),
         camera: Some(frame.camera.as_str().to_owned()),
         video: frame.video.as_ref().map(|video| video.path.clone()),

@@ -55,6 +55,8 @@ pub struct Pinhole {
 pub struct FrameCamera {
     /// Its name in the format; unique within a file.
     pub name: String,
+    /// The name of its files, where another program gave it one.
+    pub labels_name: Option<String>,
     /// Its image as the document or the file has it; none for a frame of a video only.
     pub image: Option<String>,
     /// The name of its camera; none where the format has none.
@@ -119,6 +121,7 @@ impl FrameCamera {
             video: None,
             size,
             shown,
+            labels_name: None,
             frame_index: None,
             pts_s: None,
             rate: None,

@@ -5,7 +5,7 @@ use crate::document::Document;
 use std::path::PathBuf;
 
 /// A document made from foreign files.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
     /// The document; its relative paths start from `folder`.
     pub document: Document,

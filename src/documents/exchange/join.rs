@@ -93,7 +93,7 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
             Some((_, there)) if there.image_size != frame.image_size => joined.other_size += 1,
             Some((place, there)) => {
                 joined.pairs.push(JoinedPair {
-                    imported: frame.name(),
+                    imported: frame.labels_name.clone().unwrap_or_else(|| frame.name()),
                     document: there.name(),
                 });
                 match label(there, frame, &mut joined.document, &mut cameras) {
@@ -104,7 +104,8 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
                             **known = labelled;
                         }
                     }
-                    None => joined.kept += 1,
+                    // A file that could not be read brings nothing.
+                    None => joined.kept += usize::from(has_labels(frame)),
                 }
             }
             None => {
@@ -128,6 +129,11 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
     joined
 }
 
+/// Whether an imported frame has something that a frame of the document may get.
+fn has_labels(imported: &Frame) -> bool {
+    imported.ptz.is_some() || imported.lens.is_some() || !imported.clicks.is_empty()
+}
+
 /// A frame with the labels of an imported one; none where its own labels are kept.
 fn label(
     there: Frame,
@@ -136,6 +142,7 @@ fn label(
     cameras: &mut Cameras<'_>,
 ) -> Option<Frame> {
     let mut frame = there;
+    frame.labels_name = imported.labels_name.clone().or(frame.labels_name);
     let mut changed = false;
     if (imported.ptz.is_some() || imported.lens.is_some()) && frame.is_open() {
         frame.camera = cameras.take(&imported.camera, document);

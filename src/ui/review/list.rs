@@ -211,6 +211,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         }
     };
     let neighbours = row.apart_px().filter(|_| !row.gone).map(beside);
+    let mended = row.mended_by_px.filter(|_| !row.gone).map(describe_mended);
     let unlikely = frame.why_unlikely().filter(|_| !row.gone);
     response.widget_info(|| {
         let apart = neighbours
@@ -285,7 +286,12 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         confidence_bar(painter, bar, row.confidence);
     }
     // Second line: why the camera is unlikely, or else the distance from its neighbours.
-    if let Some(text) = unlikely.map(str::to_owned).or(neighbours.clone()) {
+    let is_by_paint = panel.app.session.review.order == ReviewOrder::Paint;
+    let beside = mended
+        .clone()
+        .filter(|_| is_by_paint)
+        .or(neighbours.clone());
+    if let Some(text) = unlikely.map(str::to_owned).or(beside) {
         let is_odd = unlikely.is_some() || row.disagrees() || row.is_still();
         let colour = if is_odd {
             ui.palette().caution
@@ -301,9 +307,11 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         );
     }
     // The tooltip says the same in full.
-    let neighbours = neighbours
+    let neighbours: String = neighbours
+        .into_iter()
+        .chain(mended)
         .map(|text| format!(", {text}"))
-        .unwrap_or_default();
+        .collect();
     let is = if row.gone { "" } else { "confidence " };
     let paint = paint
         .map(|says| format!(", {}", says.describe()))
@@ -327,6 +335,15 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     response.on_hover_text(tip);
+}
+
+/// How far mending moved the camera that a frame came with.
+fn describe_mended(moved_px: f64) -> String {
+    if moved_px.is_finite() {
+        format!("moved {moved_px:.0} px")
+    } else {
+        "came impossible".to_owned()
+    }
 }
 
 /// Draws the confidence as a bar.

@@ -1,8 +1,8 @@
 //! Drawn marks: letter and bar of a frame's status, and the result of the line check. Status and
 //! result differ in shape as well as in colour.
 
-use super::palette::Themed as _;
-use egui::{CornerRadius, Painter, Pos2, Rect, Stroke, Vec2, pos2};
+use super::palette::{Palette, Themed as _};
+use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Stroke, Vec2, pos2};
 use touchline_core::markings::LineVerdict;
 use touchline_documents::document::FrameStatus;
 
@@ -84,6 +84,15 @@ pub fn paint_status_bar(
                 x += step * 0.5 + 1.0;
             }
         }
+    }
+}
+
+/// The colour of a verdict of the paint where colour alone shows it.
+pub const fn verdict_colour(palette: &Palette, verdict: LineVerdict) -> Color32 {
+    match verdict {
+        LineVerdict::Supports => palette.good,
+        LineVerdict::CannotSay => palette.caution,
+        LineVerdict::Contradicts => palette.bad,
     }
 }
 

@@ -3,7 +3,7 @@
 mod marks;
 mod palette;
 
-pub use marks::{paint_line_mark, paint_status_bar, status_letter};
+pub use marks::{paint_line_mark, paint_status_bar, status_letter, verdict_colour};
 pub use palette::{ON_PICTURE, Palette, Themed};
 
 use egui::{

@@ -1,7 +1,10 @@
 //! All frames of the document on one line: a click or a drag goes there, with Shift it selects the
 //! frames up to there, and the handle of a cut moves it.
 
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{
     Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     Ui, WidgetInfo, pos2, vec2,
@@ -26,6 +29,8 @@ const HANDLES: f32 = 7.0;
 const DECODED: f32 = 2.0;
 /// The thickness of the edges around selected frames, points.
 const SELECTED_EDGE: f32 = 2.0;
+/// Height of the strip that shows what the paint says about suggestions, points.
+const PAINT: f32 = 4.0;
 /// Height of the band of doubt at its greatest, points.
 const DOUBT: f32 = 8.0;
 
@@ -377,7 +382,8 @@ impl Bar<'_> {
     }
 
     /// Draws the status of the frames, the references last so that a single one is never hidden.
-    /// The band of doubt at the bottom is higher where suggestions are less certain.
+    /// The band of doubt at the bottom is higher where suggestions are less certain; the strip at the
+    /// top says whether they lie on the paint.
     fn paint_frames(&self, painter: &Painter, line: Rect) {
         let colour = |status| painter.palette().status(status);
         let marks = |top: f32, bottom: f32| line.top() + top..=line.bottom() - bottom;
@@ -411,6 +417,10 @@ impl Bar<'_> {
                     line.bottom() - DECODED - height..=line.bottom() - DECODED,
                     painter.palette().bad.gamma_multiply(0.55),
                 );
+            }
+            if let Some(verdict) = part.paint {
+                let strip = line.top()..=line.top() + PAINT;
+                fill(strip, theme::verdict_colour(painter.palette(), verdict));
             }
             if part.references > 0 {
                 fill(marks(0.0, DECODED), colour(FrameStatus::Reference));

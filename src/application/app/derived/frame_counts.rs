@@ -18,6 +18,8 @@ pub struct FrameCounts {
     pub unanswered: usize,
     /// Suggestions of which the forest is uncertain.
     pub uncertain: usize,
+    /// Suggestions that the paint of their pictures does not support.
+    pub off_paint: usize,
     /// Suggestions that were tracked from other frames.
     pub carried: usize,
     /// Frames with a camera of another program that nobody has decided on.
@@ -55,6 +57,7 @@ impl FrameCounts {
             Filter::All => self.frames.len(),
             Filter::ToDo => self.to_do,
             Filter::Unanswered => self.unanswered,
+            Filter::OffPaint => self.off_paint,
             Filter::Status(status) => self.of_status(status),
         }
     }
@@ -134,6 +137,7 @@ impl FrameCounts {
             (is_to_do(frame), &mut self.to_do),
             (frame.is_unanswered(), &mut self.unanswered),
             (is_uncertain(frame), &mut self.uncertain),
+            (frame.is_suggested_off_paint(), &mut self.off_paint),
             (
                 frame.status == FrameStatus::Suggested && frame.is_carried(),
                 &mut self.carried,

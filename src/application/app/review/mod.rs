@@ -21,6 +21,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use touchline_calibration::calibrate::{Disagreement, Disagreements};
 use touchline_calibration::proposals::{ExpectedWrong, LabelAdvice};
+use touchline_core::markings::LineVerdict;
 use touchline_documents::document::{
     CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames, Shared,
 };
@@ -38,6 +39,11 @@ pub struct ReviewRow {
     pub confidence: Option<f64>,
     /// The disagreement with the frames before and after; none without both.
     pub disagreement: Option<Disagreement>,
+    /// What the painted lines said about it, where that is recorded.
+    pub paint: Option<LineVerdict>,
+    /// How far mending moved the camera that it came with, px; infinitely far if that camera was
+    /// impossible.
+    pub mended_by_px: Option<f64>,
     /// Whether the frame is no longer a suggestion: it was accepted, rejected, corrected or
     /// withdrawn while the list was held.
     pub gone: bool,
@@ -52,6 +58,18 @@ pub fn disagrees(found: &Disagreement) -> bool {
 }
 
 impl ReviewRow {
+    /// The row of a frame of the document.
+    fn new(place: usize, frame: &Frame, disagreement: Option<Disagreement>) -> Self {
+        Self {
+            frame: place,
+            confidence: confidence(frame),
+            disagreement,
+            paint: frame.paint_verdict(),
+            mended_by_px: frame.mended_by_px(),
+            gone: false,
+        }
+    }
+
     /// Whether the frame disagrees with its neighbours; see [`disagrees`].
     #[must_use]
     pub fn disagrees(&self) -> bool {
@@ -399,12 +417,23 @@ fn doubtful_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
     certain(a).total_cmp(&certain(b))
 }
 
+/// Orders by what the paint says: contradicted, undecided, supported; equal ones by how far mending
+/// moved them, the farthest first.
+fn off_paint_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
+    let verdict = |row: &ReviewRow| row.paint.unwrap_or(LineVerdict::CannotSay);
+    let moved = |row: &ReviewRow| row.mended_by_px.unwrap_or(0.0);
+    verdict(a)
+        .cmp(&verdict(b))
+        .then_with(|| moved(b).total_cmp(&moved(a)))
+}
+
 /// Compares two rows in the chosen order; equal ones by time.
 fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Ordering {
     let apart = |row: &ReviewRow| row.apart_px().unwrap_or(f64::NEG_INFINITY);
     let by_choice = match order {
         ReviewOrder::Confidence => doubtful_first(a, b),
         ReviewOrder::Disagreement => apart(b).total_cmp(&apart(a)),
+        ReviewOrder::Paint => off_paint_first(a, b),
         ReviewOrder::Time => Ordering::Equal,
     };
     by_choice.then(a.frame.cmp(&b.frame))
@@ -437,13 +466,8 @@ fn rows_of(
 ) -> Vec<ReviewRow> {
     let row = |(place, frame): (usize, &Shared<Frame>)| {
         let disagreement = disagreements.and_then(|disagreements| disagreements.of_frame(place));
-        let row = ReviewRow {
-            frame: place,
-            confidence: confidence(frame),
-            disagreement,
-            gone: false,
-        };
-        (frame.status == FrameStatus::Suggested).then_some(row)
+        let is_suggested = frame.status == FrameStatus::Suggested;
+        is_suggested.then(|| ReviewRow::new(place, frame, disagreement))
     };
     let mut rows: Vec<ReviewRow> = match places {
         Some(places) => places

@@ -4,7 +4,7 @@
 //! It is counted once, when the sheet opens: what is found out about the frames afterwards does not
 //! change the list that a person is looking at.
 
-use super::{BulkAccept, ReviewChoice, ReviewRow, confidence, doubtful_first};
+use super::{BulkAccept, ReviewChoice, ReviewRow, doubtful_first};
 use crate::app::OpenProject;
 use crate::app::selection::runs_of;
 use std::collections::{BTreeMap, BTreeSet};
@@ -159,12 +159,7 @@ impl Stretch {
         let Some(frame) = self.frames.get(place) else {
             return;
         };
-        self.rows.push(ReviewRow {
-            frame: place,
-            confidence: confidence(frame),
-            disagreement,
-            gone: false,
-        });
+        self.rows.push(ReviewRow::new(place, frame, disagreement));
     }
 
     /// Adds a frame that is left.

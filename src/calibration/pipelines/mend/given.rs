@@ -20,13 +20,18 @@ pub enum GivenCamera {
     Mirrored(Box<PtzCamera>),
 }
 
-/// What makes a camera impossible, in words.
+/// What makes a camera impossible, in words. What `check` advises to do about it does not apply to a
+/// camera of another program, and is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenFault(Fault);
 
 impl fmt::Display for GivenFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
+        let text = self.0.to_string();
+        let fault = text
+            .split_once("; ")
+            .map_or(text.as_str(), |(fault, _)| fault);
+        f.write_str(fault)
     }
 }
 

@@ -6,7 +6,7 @@ use super::places::mirror_back;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldError;
 use touchline_core::solve::base::{SharedPlace, shared_places};
-use touchline_documents::document::{DocumentAt, Fields};
+use touchline_documents::document::{DocumentAt, Fields, Frame};
 
 /// The cameras that another program gave for the frames of a document, compared with each other.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,10 +25,15 @@ pub struct CameraSurvey {
 /// A frame with an impossible camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImpossibleCamera {
-    /// The frame's name.
+    /// The name under which it came, or that of its picture.
     pub frame: String,
     /// What makes its camera impossible.
     pub fault: GivenFault,
+}
+
+/// The name under which a frame's camera came, else that of its picture.
+fn name_of_camera(frame: &Frame) -> String {
+    frame.labels_name.clone().unwrap_or_else(|| frame.name())
 }
 
 /// Examines the imported cameras of a document that no person has decided on.
@@ -51,7 +56,7 @@ pub fn survey_cameras(at: DocumentAt<'_>) -> Result<CameraSurvey, FieldError> {
         .collect();
     let impossible = given.iter().filter_map(|(index, given)| {
         Some(ImpossibleCamera {
-            frame: document.frames[*index].name(),
+            frame: name_of_camera(&document.frames[*index]),
             fault: given.fault()?.clone(),
         })
     });

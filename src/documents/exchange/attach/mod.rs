@@ -20,7 +20,7 @@ mod tests;
 
 pub use candidates::{AttachedPair, AttachmentCandidate, Counting};
 
-use super::files::base_name;
+use super::files::{base_name, stem};
 use super::format::Format;
 use super::imported::Imported;
 use super::places::{Places, names_video};
@@ -370,6 +370,7 @@ impl OnlyVideo {
             id: frame.id,
             image: None,
             video: frame.video,
+            labels_name: Some(stem(&imported.name()).to_owned()),
             ..imported.clone()
         };
         Some(labelled.into())

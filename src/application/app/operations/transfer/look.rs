@@ -73,18 +73,27 @@ pub struct ImportLook {
     pub joined: Joined,
     /// The document's imported cameras, compared with each other; none if no frame has one.
     pub survey: Option<CameraSurvey>,
+    /// The files' contents.
+    imported: Arc<Imported>,
 }
 
 impl ImportLook {
-    fn new(at: DocumentAt<'_>, imported: &Imported) -> Self {
-        let joined = join(at, imported);
+    /// What labels that were read would bring to a document.
+    pub(super) fn new(at: DocumentAt<'_>, imported: Arc<Imported>) -> Self {
+        let joined = join(at, &imported);
         // A field that is not valid is named by whatever uses it next.
         let survey = survey_cameras(joined.document.at(at.folder)).ok();
         Self {
             format: imported.format,
             survey: survey.filter(|survey| survey.cameras > 0),
             joined,
+            imported,
         }
+    }
+
+    /// What the same labels would bring to a document that has changed since.
+    pub(super) fn again(&self, at: DocumentAt<'_>) -> Self {
+        Self::new(at, Arc::clone(&self.imported))
     }
 }
 
@@ -118,7 +127,9 @@ impl Operation for TransferLook {
                     ..(**options).clone()
                 };
                 let imported = read_import(from, *format, &options);
-                Look::Import(imported.map(|imported| Arc::new(ImportLook::new(at, &imported))))
+                Look::Import(
+                    imported.map(|imported| Arc::new(ImportLook::new(at, Arc::new(imported)))),
+                )
             }
         })
     }

@@ -20,6 +20,7 @@ use crate::app::session::{Dialog, Level};
 use crate::app::{App, Command, Question};
 use look::LookAt;
 use std::path::PathBuf;
+use std::sync::Arc;
 use touchline_documents::document::{Document, Step};
 use touchline_documents::exchange::{
     Attachment, DatasetOptions, ExportOptions, Format, FrameChoice, ImportOptions,
@@ -301,7 +302,6 @@ impl App {
 
     /// Takes over the import that was read; one step of undo.
     fn take_import(&mut self) {
-        let revision = self.open.as_ref().map(|open| open.revision);
         let found = self.operations.transfer.found.take();
         let Some(Found {
             revision: then,
@@ -310,14 +310,15 @@ impl App {
         else {
             return;
         };
+        let Some(open) = &self.open else { return };
+        // The user or the background may have changed the document since: what was read is joined
+        // with its present state, in which labels that a frame got meanwhile stay.
+        let look = if open.revision == then {
+            look
+        } else {
+            Arc::new(look.again(open.document.at(&open.folder)))
+        };
         let joined = &look.joined;
-        if Some(then) != revision {
-            self.session.notify(
-                Level::Info,
-                "The document changed in the meantime; choose the file again.",
-            );
-            return;
-        }
         if !self.begin_step(Step::on_document("Import labels")) {
             return;
         }
