@@ -192,8 +192,9 @@ fn doubt(frame: &Frame) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, Solution, VideoFrame};
+    use touchline_documents::document::{FieldSpec, FramePtz, PaintEvidence, Solution, VideoFrame};
 
     fn document() -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
@@ -214,8 +215,14 @@ mod tests {
         document.frames[2].status = FrameStatus::Suggested;
         document.frames[2].solution = Some(Solution {
             confidence: Some(0.7),
+            line_check: Some(PaintEvidence {
+                score: 0.01,
+                bare: 100,
+                ..PaintEvidence::default()
+            }),
             ..Solution::default()
         });
+        document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 900.0), None));
         for frame in 8..10 {
             document.frames[frame].status = FrameStatus::Rejected;
         }
@@ -229,6 +236,12 @@ mod tests {
         assert_eq!(timeline.parts[0], first);
         assert!(
             timeline.parts[1].suggestions == 1 && (timeline.parts[1].doubt - 0.3).abs() < 1e-12
+        );
+        let verdicts = timeline.parts.iter().map(|part| part.paint);
+        let contradicted = Some(LineVerdict::Contradicts);
+        assert_eq!(
+            verdicts.collect::<Vec<_>>(),
+            [None, contradicted, None, None, None]
         );
         assert_eq!(
             (timeline.parts[4].rejected, timeline.parts[3].rejected),

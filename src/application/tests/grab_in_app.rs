@@ -272,3 +272,35 @@ fn where_nothing_of_the_frames_own_camera_is_drawn_there_is_nothing_to_grab() {
     assert!(!grabs(&bench), "rejected");
     assert!(Filter::All.shows(frame(&bench)) && SIZE.contains(at));
 }
+
+#[cfg(feature = "opencv")]
+#[test]
+fn doubtful_frames_beside_a_dragged_one_follow_it() {
+    use touchline_application::app::Effect;
+    use touchline_application::app::operation::Operation as _;
+    use touchline_application::app::operations::ClipTracking;
+
+    let tracks = |confidence: Option<f64>| {
+        let mut document = off_by_50_px(SolutionSource::Markings);
+        let neighbour = &mut document.frames[1];
+        neighbour.ptz = Some(FramePtz::new(truth(0), None));
+        neighbour.status = FrameStatus::Suggested;
+        neighbour.solution = Some(Solution {
+            source: Some(SolutionSource::Markings),
+            confidence,
+            ..Solution::default()
+        });
+        let mut bench = Bench::new(document);
+        bench.press_drawn(drawn_place(&bench, "centre_mark"));
+        bench.drag_to(landmark_in(&picture_camera(), "centre_mark"));
+        let starts = |bench: &Bench| {
+            let is_tracking = |effect: &Effect| matches!(effect, Effect::Start(job) if job.name() == ClipTracking::NAME);
+            bench.effects.iter().any(is_tracking)
+        };
+        assert!(!starts(&bench), "not before the release");
+        bench.release();
+        starts(&bench)
+    };
+    assert!(tracks(Some(0.3)));
+    assert!(!tracks(Some(0.99)));
+}

@@ -57,7 +57,7 @@ pub(crate) use clip::record_tracked_frame;
 pub use clip::{
     ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipSpan, ClipStop, MovedReference,
     TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame, clip_of_frame, clips, is_anchor,
-    record_tracked, track_clip,
+    is_doubtful, record_tracked, take_doubtful_stretch, track_clip,
 };
 pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub(crate) use field_size::set_size;

@@ -14,6 +14,8 @@ use touchline_documents::document::FrameStatus;
 
 /// Width of the column with the filter, points.
 const COLUMN: f32 = 116.0;
+/// Height of the list of filters, points: all of them.
+const LIST: f32 = 320.0;
 /// Width of a thumbnail divided by its height.
 const ASPECT: f32 = 16.0 / 9.0;
 
@@ -48,6 +50,7 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.session.filter;
     let shown = ComboBox::from_id_salt("filter")
         .width(ui.available_width())
+        .height(LIST)
         .selected_text(RichText::new(chosen.label()).color(ui.palette().strong))
         .show_ui(ui, |ui| {
             for filter in Filter::ALL {

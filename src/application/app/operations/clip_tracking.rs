@@ -5,7 +5,7 @@
 //! When the user corrects and accepts one of the frames, the clip is tracked again; the points that
 //! were followed the first time are reused.
 
-use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::session::Level;
 use crate::app::{App, Command};
@@ -14,8 +14,8 @@ use std::sync::Arc;
 use thiserror::Error;
 use touchline_calibration::calibrate::{
     BulkChange, ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions,
-    TrackedClip, TrackedFrame, clip_of_frame, length_on_lines, record_tracked, take_length,
-    track_clip,
+    TrackedClip, TrackedFrame, clip_of_frame, is_doubtful, length_on_lines, record_tracked,
+    take_doubtful_stretch, take_length, track_clip,
 };
 use touchline_calibration::proposals::{BatchId, Finder, offer_tracked_clip, read_picture};
 use touchline_core::field::{FieldError, FieldModel};
@@ -44,6 +44,9 @@ enum Cause {
     Command,
     /// The clip was tracked before, and the user corrected one of its frames.
     Correction,
+    /// The user corrects a suggestion by dragging a point, a drawn line or a landmark: only the
+    /// doubtful frames around it are tracked.
+    Drag,
 }
 
 /// The tracked cameras.
@@ -61,6 +64,9 @@ pub enum ClipTrackingError {
     /// The frame has no picture.
     #[error("the frame has no picture")]
     NoPicture,
+    /// No frame around the dragged one is in doubt.
+    #[error("no frame beside it is in doubt")]
+    NothingDoubtful,
     /// The clip cannot be tracked: no base, no known camera, or a picture that cannot be read.
     #[error(transparent)]
     Track(#[from] TrackClipError),
@@ -95,9 +101,14 @@ impl Operation for ClipTracking {
 
     fn run(&self, context: &Context<'_, ClipProgress>) -> Result<CarriedClip, ClipTrackingError> {
         let mut reader = context.open_reader();
-        let clip = clip_of_frame(self.document.at(&self.folder), self.frame)
+        let mut document = self.document.clone();
+        let mut clip = clip_of_frame(document.at(&self.folder), self.frame)
             .ok_or(ClipTrackingError::NoPicture)?;
-        let (at, options) = (self.document.at(&self.folder), TrackClipOptions::default());
+        if self.cause == Cause::Drag {
+            clip = take_doubtful_stretch(&mut document, &clip, self.frame)
+                .ok_or(ClipTrackingError::NothingDoubtful)?;
+        }
+        let (at, options) = (document.at(&self.folder), TrackClipOptions::default());
         let mut evidence = (*self.evidence).clone();
         let progress = context.progress();
         let tracked = track_clip(
@@ -133,6 +144,7 @@ impl Operation for ClipTracking {
     fn take_over(&self, app: &mut App, result: Result<CarriedClip, Failure<ClipTrackingError>>) {
         match result {
             Ok(carried) => app.take_carried_clip(self, carried),
+            Err(Failure::Failed(ClipTrackingError::NothingDoubtful)) => {}
             Err(failure) => app.session.notify(
                 failure.level(),
                 format!("No cameras were carried: {failure}."),
@@ -142,8 +154,9 @@ impl Operation for ClipTracking {
 }
 
 impl ClipTracking {
+    /// Whether the clip, or a part of it, follows a correction.
     fn is_again(&self) -> bool {
-        self.cause == Cause::Correction
+        matches!(self.cause, Cause::Correction | Cause::Drag)
     }
 
     /// The length of the field that the painted lines of the tracked frames require, if it differs
@@ -279,6 +292,36 @@ impl App {
             .is_some_and(|source| carried.evidence.shows(&source));
         if shown && frame.is_solved_by_clicks() && self.why_not_track().is_none() {
             self.track_clip_with(Arc::clone(&carried.evidence), Cause::Correction);
+        }
+    }
+
+    /// After a drag that corrects the suggestion of the shown frame: tracks the doubtful frames
+    /// around it again, if there are any beside it.
+    pub(in crate::app) fn track_doubtful_neighbours(&mut self) {
+        let (Some(open), Some(frame)) = (&self.open, self.frame()) else {
+            return;
+        };
+        let shown = self.session.frame;
+        let beside = [shown.checked_sub(1), shown.checked_add(1)];
+        let is_in_doubt = |place: usize| {
+            let beside = open.frame(place);
+            beside.is_some_and(|other| other.camera == frame.camera && is_doubtful(other))
+        };
+        let solution = frame.solution.as_ref().filter(|_| frame.ptz.is_some());
+        let is_corrected = solution.is_some_and(|solution| solution.proposed.is_some());
+        if !is_corrected || !beside.into_iter().flatten().any(is_in_doubt) {
+            return;
+        }
+        // A run that follows an earlier position of the point is obsolete.
+        let slot = &mut self.operations.clip_tracking.slot;
+        let running = slot.running().map(Running::operation);
+        if running.is_some_and(|tracking| tracking.cause == Cause::Drag) {
+            slot.cancel();
+        }
+        if self.why_not_track().is_none() {
+            let carried = self.operations.clip_tracking.carried.as_ref();
+            let evidence = carried.map(|last| Arc::clone(&last.evidence));
+            self.track_clip_with(evidence.unwrap_or_default(), Cause::Drag);
         }
     }
 

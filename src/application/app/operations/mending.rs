@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use touchline_calibration::pipelines::{MendError, MendEvent, MendOptions, Mended, Tally, mend};
 use touchline_core::geometry::counted;
 use touchline_core::progress::Share;
-use touchline_documents::document::{Camera, CameraId, Document, Step};
+use touchline_documents::document::{Camera, CameraId, Document, Frame, Step};
 
 /// Fewer cameras have no place in common.
 const FEWEST: usize = 3;
@@ -98,8 +98,8 @@ impl Operation for Mending {
 }
 
 impl Mending {
-    /// The present document with the mended cameras. Frames that changed since the work began keep
-    /// what they have now, with the base that their camera has now. None if a camera or the field
+    /// The present document with the mended cameras. Frames whose camera, clicks or status changed
+    /// since the work began keep what they have now, with the base that their camera has now. None if a camera or the field
     /// changed, for which the result is then not valid.
     fn merge(&self, now: &Document, mended: &Document) -> Option<Document> {
         let then = &self.document;
@@ -112,10 +112,11 @@ impl Mending {
         let mut kept = BTreeMap::new();
         for index in 0..now.frames.len() {
             let frame = &now.frames[index];
-            if then.frames.by_id(&frame.id) == Some(frame) {
-                if let Some(frame) = mended.frames.by_id(&frame.id) {
-                    merged.frames[index] = frame.clone();
-                }
+            let mended = mended.frames.by_id(&frame.id);
+            let then = then.frames.by_id(&frame.id);
+            let is_as_it_was = then.is_some_and(|then| has_same_labels(then, frame));
+            if let Some(mended) = mended.filter(|_| is_as_it_was) {
+                take_labels(&mut merged.frames[index], mended);
                 continue;
             }
             let id = frame.camera.clone();
@@ -128,6 +129,26 @@ impl Mending {
         }
         Some(merged)
     }
+}
+
+/// Whether two versions of a frame have the same camera, clicks and status. Other parts, such as the
+/// shot that the search for cuts writes, may differ.
+fn has_same_labels(one: &Frame, other: &Frame) -> bool {
+    one.camera == other.camera
+        && one.ptz == other.ptz
+        && one.lens == other.lens
+        && one.solution == other.solution
+        && one.status == other.status
+        && one.clicks == other.clicks
+}
+
+/// Gives a frame the camera of its mended version.
+fn take_labels(frame: &mut Frame, mended: &Frame) {
+    frame.camera.clone_from(&mended.camera);
+    frame.ptz.clone_from(&mended.ptz);
+    frame.lens.clone_from(&mended.lens);
+    frame.solution.clone_from(&mended.solution);
+    frame.status = mended.status;
 }
 
 /// Keeps a camera with its present base in a document whose cameras were mended, and returns its id
@@ -269,9 +290,11 @@ impl MendingState {
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let progress = self.slot.running()?.progress();
         let step = progress.map_or("Mending the imported cameras", |progress| progress.step);
+        let share = progress.and_then(|progress| progress.share);
+        let percent = share.map(|share| format!(" {:.0} %", 100.0 * share));
         Some(UnderWay {
-            text: format!("{step}…"),
-            share: progress.and_then(|progress| progress.share),
+            text: format!("{step}…{}", percent.unwrap_or_default()),
+            share,
             stop: Command::StopMending,
         })
     }
@@ -308,7 +331,7 @@ mod tests {
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_documents::document::{
-        FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+        Clip, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource,
     };
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
@@ -405,6 +428,8 @@ mod tests {
         let mending = mending(&app);
         app.update(Action::Navigate(Navigation::GoTo(0)));
         app.update(Action::Command(Command::Accept));
+        // Another part of a frame does not matter: the shot that the search for cuts wrote.
+        app.open.as_mut().unwrap().document.frames[1].clip = Some(Clip::Number(1));
         let accepted = (*app.open().unwrap().document.frames[0]).clone();
         assert!(!accepted.is_open());
         let base = app.open().unwrap().document.cameras[0].base();
@@ -414,6 +439,7 @@ mod tests {
         assert_eq!(now.frames[0].status, accepted.status);
         assert_eq!(now.camera(&now.frames[0].camera).unwrap().base(), base);
         assert!((1..4).all(|index| now.frames[index].is_snapped()));
+        assert_eq!(now.frames[1].clip, Some(Clip::Number(1)));
         assert_ne!(now.frames[1].camera, now.frames[0].camera);
     }
 

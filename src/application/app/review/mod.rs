@@ -524,11 +524,11 @@ pub fn percent(probability: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::Ptz;
-    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_documents::document::{
-        Camera, Document, FieldSpec, FramePtz, Solution, SolutionSource,
+        Camera, Document, FieldSpec, FramePtz, ImportedCamera, PaintEvidence, Solution,
+        SolutionSource,
     };
 
     fn opened(confidences: &[Option<f64>]) -> OpenProject {
@@ -613,6 +613,53 @@ mod tests {
             (Some(1), Some(2))
         );
         assert_eq!(Review::default().next(0, true), None);
+    }
+
+    #[test]
+    fn what_the_paint_contradicts_comes_first_and_then_what_was_moved_farthest() {
+        let mut open = opened(&[Some(0.9); 5]);
+        let verdicts = [
+            (0.99, 3.0),
+            (0.5, 0.0),
+            (0.99, 60.0),
+            (0.01, 2.0),
+            (0.99, f64::INFINITY),
+        ];
+        for (frame, (score, moved_px)) in open.document.frames.iter_mut().zip(verdicts) {
+            let camera = PtzCamera::new(
+                CameraBase::new(
+                    Vec3::new(0.0, -60.0, 15.0),
+                    BaseAngles::default().base_from_world(),
+                    ImageSize::new(64, 36).centre(),
+                ),
+                Ptz::from_degrees(0.0, -9.0, 900.0),
+            );
+            let fault = moved_px
+                .is_infinite()
+                .then(|| "under the ground".to_owned());
+            let solution = frame.solution.as_mut().unwrap();
+            solution.imported = ImportedCamera::new(&camera, Some(moved_px), fault);
+            solution.line_check = Some(PaintEvidence {
+                score,
+                predicted: 100,
+                found: 90,
+                bare: 10,
+                ..PaintEvidence::default()
+            });
+        }
+        let choice = ReviewChoice {
+            order: ReviewOrder::Paint,
+            ..ReviewChoice::default()
+        };
+        let review = review_of(&mut open, choice);
+        assert_eq!(frames(&review), [3, 1, 4, 2, 0]);
+        let off_paint: Vec<bool> = open
+            .document
+            .frames
+            .iter()
+            .map(|frame| frame.is_suggested_off_paint())
+            .collect();
+        assert_eq!(off_paint, [false, true, false, true, false]);
     }
 
     #[test]

@@ -127,6 +127,7 @@ impl App {
         let moved = self.open.as_ref().map(|open| open.revision) != revision;
         if moved {
             self.snap_later(click, exactly);
+            self.track_doubtful_neighbours();
         }
         let unnamed = self
             .frame()

@@ -11,6 +11,7 @@ mod options;
 mod paint;
 mod pictures;
 mod record;
+mod stretch;
 mod track;
 
 pub use anchors::is_anchor;
@@ -20,4 +21,5 @@ pub use frames::{ClipFrame, ClipFrames, ClipSpan, clip_of_frame, clips};
 pub use options::{ClipProgress, TrackClipOptions};
 pub use record::record_tracked;
 pub(crate) use record::record_tracked_frame;
+pub use stretch::{is_doubtful, take_doubtful_stretch};
 pub use track::{ClipStop, MovedReference, TrackedClip, TrackedFrame, track_clip};

@@ -238,6 +238,43 @@ fn cameras_counted_from_one_are_moved_unless_this_program_named_them() {
 }
 
 #[test]
+fn attached_cameras_are_exported_under_the_names_that_they_came_with() {
+    let truth = solved_video();
+    let folder = tempfile::tempdir().unwrap();
+    let names = |index: usize| format!("camera_shot7-{:03}.json", 100 + index);
+    for (index, (_, bytes)) in exported(&truth, Format::SoccerNet)
+        .files
+        .sorted()
+        .iter()
+        .enumerate()
+    {
+        fs::write(folder.path().join(names(index)), bytes).unwrap();
+    }
+    let options = ImportOptions {
+        video_size: Some(SIZE),
+        ..ImportOptions::default()
+    };
+    let imported = import(folder.path(), Format::SoccerNet, &options).unwrap();
+    let open = unsolved(&truth);
+    let joined = join(open.at(Path::new("/match")), &imported);
+    assert_eq!(
+        (joined.matched, joined.added),
+        (FRAMES, 0),
+        "{:?}",
+        joined.notes
+    );
+    assert_eq!(joined.pairs[3].imported, "shot7-103");
+    let again = exported(&joined.document, Format::SoccerNet).files;
+    let expected: Vec<String> = (0..FRAMES).map(names).collect();
+    let written: Vec<String> = again
+        .sorted()
+        .iter()
+        .map(|(name, _)| (*name).to_owned())
+        .collect();
+    assert_eq!(written, expected);
+}
+
+#[test]
 fn cameras_of_another_video_are_not_attached() {
     let open = unsolved(&solved_video());
     let names: Vec<String> = (0..400).map(|number| format!("c_{number}.json")).collect();
