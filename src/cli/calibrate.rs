@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::match_report::{MatchReport, describe_no_camera};
 use super::messages::Messages;
-use super::new::parameter;
+use super::new::{parameter, read_field};
 use super::output::{refuse_existing, write_file};
 use anyhow::{Context as _, ensure};
 use image::DynamicImage;
@@ -15,7 +15,7 @@ use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, pain
 use touchline_calibration::calibrate::AutocalibratedCamera;
 use touchline_calibration::pipelines::{LabelledMatch, MatchLabels, MatchOptions, label_match};
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Document, FieldSize, FieldSpec, document_from_frames};
+use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::store;
 use touchline_documents::store::Location;
 use touchline_vision::media::{FrameReader, FrameSource};
@@ -83,18 +83,12 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         );
         refuse_existing(panorama, args.force)?;
     }
-    let mut field = FieldSpec::new(&args.field);
     ensure!(
-        !field.is_file(),
+        !FieldSpec::new(&args.field).is_file(),
         "{}: calibrate takes the templates that are built in",
         args.field
     );
-    field.params = args.set.iter().cloned().collect();
-    // A stated parameter means that the size is known and not to be fitted.
-    if !field.params.is_empty() {
-        field.size = Some(FieldSize::Confirmed);
-    }
-    field.model(Path::new(""))?;
+    let field = read_field(&args.field, &args.set)?;
     let source = FrameSource::open(&args.frames)?;
     for notice in source.notices() {
         messages.note(&notice.to_string());

@@ -7,7 +7,7 @@ use super::output::refuse_existing;
 use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::counted;
-use touchline_documents::document::{FieldSpec, document_from_frames};
+use touchline_documents::document::{FieldSize, FieldSpec, document_from_frames};
 use touchline_documents::store;
 use touchline_documents::store::Location;
 use touchline_vision::media::FrameSource;
@@ -111,6 +111,10 @@ pub(super) fn read_field(template: &str, params: &[(String, f64)]) -> anyhow::Re
             .clone_into(&mut field.template);
     }
     field.params = params.iter().cloned().collect();
+    // A stated parameter means that the size is known and not to be fitted.
+    if !field.params.is_empty() {
+        field.size = Some(FieldSize::Confirmed);
+    }
     field.model(Path::new(""))?;
     Ok(field)
 }

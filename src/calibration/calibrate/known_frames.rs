@@ -71,6 +71,10 @@ pub enum BaseOnPaintError {
 /// Maximum number of frames whose pictures are read, spread evenly over all that have a camera.
 const MOST_FRAMES: usize = 150;
 
+/// A fitted size is taken if the lines of that field find at least this share of the paint that
+/// those of the assumed size find; less than 1 for what changes by chance.
+const LEAST_SHARE_WITH_SIZE: f64 = 0.99;
+
 /// Number of pictures in memory at the same time.
 pub(super) const AT_ONCE: usize = 8;
 
@@ -146,19 +150,29 @@ impl KnownFrames<'_> {
         let model = options.richest(&problem.camera_clicks());
         let mut start = first.adjusted(&problem, &seen, &model, &options.adjust);
 
-        let mut sizes = Vec::new();
-        // Only with its size fitted does the field have the right lines to align to in step 3.
-        if let Some(open) = open_field {
-            let template = open.template().map_err(BaseEstimationError::from)?;
-            sizes = problem.fit_size(template, &seen.painted, (&start.base, &start.ptz), &model);
-            if !first.by_clicks {
-                as_paint_alone_gives(&mut sizes);
-            }
-            problem = problem.on_field(open.of_size(&sizes).map_err(BaseEstimationError::from)?);
-        }
         // Step 3: measure again from the adjusted cameras. Frames that failed at first may align
         // now, and paint that was assigned to the wrong line may find its own.
-        let seen = Seen::of(&problem, &start, &masks, picture)?;
+        let mut again = Seen::of(&problem, &start, &masks, picture)?;
+        let mut sizes = Vec::new();
+        // Only with its size fitted does a field of another size have the right lines to align to.
+        // Seen from one end, a far line that is off by 2 px for another reason gives a width that is
+        // off by 1 m and moves the near line by 20 px. So the fitted lines must find the paint too.
+        if let Some(open) = open_field {
+            let template = open.template().map_err(BaseEstimationError::from)?;
+            let from = (&start.base, start.ptz.as_slice());
+            let mut fitted = problem.fit_size(template, &seen.painted, from, &model);
+            if !first.by_clicks {
+                as_paint_alone_gives(&mut fitted);
+            }
+            let field = open.of_size(&fitted).map_err(BaseEstimationError::from)?;
+            let sized = problem.clone().on_field(field);
+            let with_size = Seen::of(&sized, &start, &masks, picture).ok();
+            let enough = LEAST_SHARE_WITH_SIZE * again.places as f64;
+            if let Some(with_size) = with_size.filter(|with| with.places as f64 >= enough) {
+                (problem, again, sizes) = (sized, with_size, fitted);
+            }
+        }
+        let seen = again;
         start.ptz.clone_from(&seen.ptz);
         let clicks = problem.camera_clicks();
         let from = (&start.base, start.ptz.as_slice());

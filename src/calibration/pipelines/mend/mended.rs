@@ -212,6 +212,13 @@ fn outcome(
     }
 }
 
+/// Whether an open frame's camera is to be compared with its paint: it is in doubt, or nothing is
+/// recorded about it.
+pub(super) fn wants_check(frame: &Frame) -> bool {
+    let is_unknown = frame.paint_verdict().is_none();
+    is_doubted(frame) || (frame.is_open() && frame.ptz.is_some() && is_unknown)
+}
+
 /// Whether an open frame's camera is contradicted by its paint or uncertain.
 pub(super) fn is_doubted(frame: &Frame) -> bool {
     let is_doubtful = |known: &Solution| is_contradicted(known) || is_uncertain(known);

@@ -23,8 +23,8 @@
 //!    ([`estimate_on_paint`]), and the frames are aligned again.
 //! 5. **Tracking.** Frames that could not be aligned lose their camera and get one from their
 //!    neighbours ([`track_clip`](crate::calibrate::track_clip)), which compares every frame with
-//!    its paint; frames that are then in doubt are compared once more with the cameras that came
-//!    out of the last adjustment.
+//!    its paint; frames that were tracked or are then in doubt are compared with the cameras that
+//!    came out of the last adjustment.
 //!
 //! # Robustness
 //!
@@ -52,10 +52,11 @@ use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::calibrate::{
     BaseOnPaintError, check_frame, clips, estimate_on_paint, record_line_check, withdraw,
 };
-use crate::proposals::{PictureStream, read_picture};
+use crate::proposals::{FramePicture, PictureStream, read_picture};
 use given::given_cameras;
 use hypotheses::{Corrected, Sample, Test};
 use places::Shots;
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 use thiserror::Error;
@@ -72,6 +73,9 @@ use touchline_vision::track::find_cuts;
 /// position to 0.1 m, that of one end through a long lens to 1 m or worse. There the given cameras
 /// know better, but all of them may be wrong alike.
 const PLACE_SIGMA_M: f64 = 0.5;
+
+/// Number of pictures that are compared with their paint at the same time.
+const AT_ONCE: usize = 8;
 
 /// Options of mending.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,7 +104,7 @@ pub enum MendEvent {
     Aligning(CameraId, Share),
     /// Frames are being tracked.
     Tracking(TrackingEvent),
-    /// Frames that tracking left in doubt are compared with their paint: pictures done.
+    /// Frames that were tracked or are in doubt are compared with their paint: pictures done.
     Checking(Share),
 }
 
@@ -322,32 +326,40 @@ impl Mending<'_> {
         self.stop_if_cancelled()
     }
 
-    /// Compares the frames that tracking left in doubt with their paint once more. What it saw
-    /// before its last adjustment does not apply to the cameras that came out of it.
+    /// Compares the frames that were tracked, and those left in doubt, with their paint. What tracking
+    /// saw before its last adjustment does not apply to the cameras that came out of it.
     fn check_again(&mut self, document: &mut Document) -> Result<(), MendError> {
         let fields = Fields::of(document.at(self.folder))?;
-        let doubted: Vec<usize> = (0..document.frames.len())
-            .filter(|index| mended::is_doubted(&document.frames[*index]))
+        let unchecked: Vec<usize> = (0..document.frames.len())
+            .filter(|index| mended::wants_check(&document.frames[*index]))
             .collect();
-        let checks: Vec<(usize, LineCheck)> = {
+        let mut checks: Vec<(usize, LineCheck)> = Vec::new();
+        {
             let document = &*document;
-            PictureStream::new(document.at(self.folder), doubted)
+            let mut stream = PictureStream::new(document.at(self.folder), unchecked)
                 .with_reader(&mut *self.reader)
-                .with_progress(self.progress.part(MendEvent::Checking))
-                .filter_map(|read| {
-                    let field = fields.of_frame(document, read.frame);
-                    let picture = read.picture.ok()?;
-                    Some((
-                        read.index,
-                        check_frame(document, read.frame, field, &picture)?,
-                    ))
-                })
-                .collect()
-        };
+                .with_progress(self.progress.part(MendEvent::Checking));
+            let check = |read: &FramePicture<'_>| {
+                let field = fields.of_frame(document, read.frame);
+                let picture = read.picture.as_ref().ok()?;
+                let check = check_frame(document, read.frame, field, picture)?;
+                Some((read.index, check))
+            };
+            // A few pictures are in memory at the same time.
+            loop {
+                let some: Vec<FramePicture<'_>> = stream.by_ref().take(AT_ONCE).collect();
+                if some.is_empty() {
+                    break;
+                }
+                checks.par_extend(some.par_iter().filter_map(check));
+            }
+        }
         for (index, check) in checks {
             let frame = &mut document.frames[index];
+            let was_doubted = mended::is_doubted(frame);
             record_line_check(frame, &check);
-            if check.verdict() == LineVerdict::Supports
+            if was_doubted
+                && check.verdict() == LineVerdict::Supports
                 && let Some(solution) = &mut frame.solution
             {
                 solution.confidence = Some(check.score);
