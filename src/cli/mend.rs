@@ -3,33 +3,35 @@
 use super::Outcome;
 use super::attached_labels::{AttachedLabels, attach_to_video, open_video, recognize};
 use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::export::format_parser;
+use super::export::{format_parser, parse_size};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::new::{parameter, read_field};
 use super::track::TrackingReport;
+use anyhow::ensure;
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::pipelines::{
-    MendError, MendEvent, MendOptions, Mended, mend as mend_document,
+    MendError, MendEvent, MendOptions, Mended, MendedNumbers, mend as mend_document, mend_numbers,
 };
-use touchline_core::geometry::counted;
+use touchline_core::geometry::{ImageSize, counted};
 use touchline_core::progress::{Progress, Share};
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::Document;
-use touchline_documents::exchange::{Format, ImportOptions, import};
+use touchline_documents::exchange::{Format, ImportOptions, import, recognize_format};
 use touchline_documents::report::{Cell, Table};
-use touchline_vision::media::FrameReader;
+use touchline_vision::media::{FrameReader, FrameSource};
 
 /// Mends cameras that another program gave for the frames of a video: one place, base and lens for
 /// all of them, each frame on its painted lines, and what was absurd carried from its neighbours.
 ///
 /// VIDEO and CAMERAS give a new document; without CAMERAS, VIDEO is a document whose frames have
-/// imported cameras. Exit code 1 if frames are left for a person.
+/// imported cameras. Cameras alone, without a video, are compared with each other only: one place,
+/// and what is out of line with its neighbours. Exit code 1 if frames are left for a person.
 #[derive(clap::Args, Debug)]
 pub struct MendArgs {
-    /// The video, or a document with imported cameras.
+    /// The video, a document with imported cameras, or cameras alone.
     #[arg(value_name = "VIDEO")]
     video: PathBuf,
     /// The file or folder of the cameras.
@@ -38,14 +40,17 @@ pub struct MendArgs {
     #[command(flatten)]
     output: DocumentOutput,
     /// The format of the cameras; without it the format is recognized by endings and contents.
-    #[arg(long, requires = "cameras", value_parser = format_parser(Format::imports))]
+    #[arg(long, value_parser = format_parser(Format::imports))]
     format: Option<Format>,
     /// The field's template.
-    #[arg(long, requires = "cameras", default_value = "soccer")]
+    #[arg(long, default_value = "soccer")]
     field: String,
     /// A parameter of the field, such as `length_m=105`; may be given several times.
-    #[arg(long = "set", requires = "cameras", value_name = "NAME=NUMBER", value_parser = parameter)]
+    #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
     set: Vec<(String, f64)>,
+    /// The size of the pictures, for cameras without a video whose files do not say it.
+    #[arg(long, conflicts_with = "cameras", value_parser = parse_size)]
+    size: Option<ImageSize>,
 }
 
 /// Cameras to be mended.
@@ -64,6 +69,9 @@ struct Given {
 /// written.
 pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
+    if let Some(format) = format_of_cameras_alone(args)? {
+        return mend_cameras_alone(args, format, messages);
+    }
     let Given {
         mut document,
         folder,
@@ -108,6 +116,62 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         Outcome::SomeFailed
     } else {
         Outcome::Done
+    })
+}
+
+/// The format of the cameras, where neither a video nor a document is given with them.
+fn format_of_cameras_alone(args: &MendArgs) -> anyhow::Result<Option<Format>> {
+    if args.cameras.is_some() {
+        return Ok(None);
+    }
+    let is_video = args.video.is_file() && FrameSource::open(&args.video).is_ok();
+    ensure!(
+        !is_video,
+        "{}: give the cameras of this video as the second argument",
+        args.video.display()
+    );
+    let recognized = || recognize_format(&args.video).ok();
+    let format = args.format.or_else(recognized);
+    Ok(format.filter(|format| *format != Format::Json))
+}
+
+/// Mends cameras by their numbers alone and writes the document.
+fn mend_cameras_alone(
+    args: &MendArgs,
+    format: Format,
+    messages: Messages,
+) -> anyhow::Result<Outcome> {
+    messages.note(&format!("the format is {format}: {}", format.title()));
+    let options = ImportOptions {
+        size: args.size,
+        field: read_field(&args.field, &args.set)?,
+        ..ImportOptions::default()
+    };
+    let imported = import(&args.video, format, &options)?;
+    for note in &imported.notes {
+        messages.note(note);
+    }
+    let (mut document, folder) = (imported.document, imported.folder);
+    let before = document.clone();
+    let mended = mend_numbers(&mut document, &folder)?;
+    document.count_edits_since(&before);
+    messages.note(&describe_places(&mended.places));
+    messages.note(
+        "without a video nothing was compared with a picture: a stretch that is wrong alike stays",
+    );
+    for id in &mended.left {
+        if let Some(frame) = document.frames.by_id(id) {
+            messages.frame_failed(&frame.name(), "no camera beside it is near enough");
+        }
+    }
+    args.output.write(document, &folder)?;
+    if args.output.output.is_some() {
+        super::output::print(&numbers_table(&mended).to_text())?;
+    }
+    Ok(if mended.left.is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::SomeFailed
     })
 }
 
@@ -229,11 +293,22 @@ fn report_left(document: &Document, mended: &Mended, messages: Messages) -> usiz
     left
 }
 
+/// How many frames came without a video, and what became of them.
+fn numbers_table(mended: &MendedNumbers) -> Table {
+    counts_table(&[
+        ("came with a camera", mended.came),
+        ("of these impossible", mended.impossible),
+        ("of these mirrored", mended.mirrored),
+        ("out of line with their neighbours", mended.out_of_line),
+        ("interpolated", mended.interpolated),
+        ("left for a person", mended.left.len()),
+    ])
+}
+
 /// How many frames came, and what became of them.
 fn tally_table(mended: &Mended) -> Table {
     let tally = mended.tally();
-    let mut table = Table::new(&[("frames", "Frames"), ("count", "Count")]);
-    for (what, count) in [
+    counts_table(&[
         ("came with a camera", tally.came),
         ("of these impossible", tally.impossible),
         ("of these mirrored", tally.mirrored),
@@ -242,8 +317,13 @@ fn tally_table(mended: &Mended) -> Table {
         ("mended on their painted lines", tally.aligned),
         ("mended by their neighbours", tally.tracked),
         ("left for a person", tally.left),
-    ] {
-        table.push(vec![Cell::Text(what.to_owned()), Cell::Count(count)]);
+    ])
+}
+
+fn counts_table(counts: &[(&str, usize)]) -> Table {
+    let mut table = Table::new(&[("frames", "Frames"), ("count", "Count")]);
+    for (what, count) in counts {
+        table.push(vec![Cell::Text((*what).to_owned()), Cell::Count(*count)]);
     }
     table
 }

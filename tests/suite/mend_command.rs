@@ -137,3 +137,45 @@ fn what_cannot_be_mended_is_said_in_one_line_and_nothing_is_written() {
         assert!(!folder.join("mended.json").exists());
     }
 }
+
+#[test]
+fn cameras_without_a_video_are_compared_with_each_other() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    let given = given(&truth, |index, base, ptz| match index {
+        7 => ptz.pan = ptz.pan + Angle::from_degrees(9.0),
+        13 => ptz.focal_px = 3e6,
+        17 => base.position_m.z = -4.0,
+        _ => {}
+    });
+    write(&folder.join("given.json"), &given);
+    let exported = touchline(&folder, "export given.json --format soccernet -o cameras");
+    assert_eq!(exported.code, 0, "{}", exported.stderr);
+    let size = truth.frames[0].image_size;
+    let order = format!(
+        "mend cameras --size {}x{} -o numbers.json",
+        size.width, size.height
+    );
+    let ran = touchline(&folder, &order);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("nothing was compared with a picture"),
+        "{}",
+        ran.stderr
+    );
+    let mended = document(&folder.join("numbers.json"));
+    assert_eq!(mended.cameras.len(), 1);
+    let sources = [7, 13, 17].map(|index| mended.frames[index].solution.clone().unwrap().source);
+    assert_eq!(sources, [Some(SolutionSource::Interpolated); 3]);
+    for index in 0..truth.frames.len() {
+        let [is, was] = [&mended, &truth].map(|document| document.pointed(&document.frames[index]));
+        let (is, was) = (is.unwrap().ptz(), was.unwrap().ptz());
+        let off_deg = (is.pan - was.pan).degrees().abs();
+        assert!(off_deg < 0.5, "{index}: {off_deg}");
+    }
+    // A video alone has no cameras.
+    let ran = touchline(&folder, "mend cameras --format json -o none.json");
+    assert_eq!(ran.code, 2);
+    assert!(!folder.join("none.json").exists());
+}

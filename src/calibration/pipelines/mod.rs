@@ -25,7 +25,8 @@ pub use match_labels::{
 };
 pub use mend::{
     CameraSurvey, CommonError, GivenCamera, GivenFault, ImpossibleCamera, MendError, MendEvent,
-    MendOptions, Mended, MendedFrame, NotAligned, Outcome, Tally, mend, survey_cameras,
+    MendOptions, Mended, MendedFrame, MendedNumbers, NotAligned, Outcome, Tally, mend,
+    mend_numbers, survey_cameras,
 };
 pub use track_clips::{
     TrackedFrames, TrackingEvent, TrackingOptions, give_first_base, track_clips,

@@ -26,6 +26,8 @@
 //!    its paint; frames that were tracked or are then in doubt are compared with the cameras that
 //!    came out of the last adjustment.
 //!
+//! Without pictures only the numbers can be compared (`numbers_only.rs`).
+//!
 //! # Robustness
 //!
 //! Robust against absurd cameras, stretches that are wrong alike, positions that scatter, a lens
@@ -40,12 +42,14 @@ mod common_error;
 mod given;
 mod hypotheses;
 mod mended;
+mod numbers_only;
 mod places;
 mod survey;
 
 pub use common_error::CommonError;
 pub use given::{GivenCamera, GivenFault};
 pub use mended::{Mended, MendedFrame, NotAligned, Outcome, Tally};
+pub use numbers_only::{MendedNumbers, mend_numbers};
 pub use survey::{CameraSurvey, ImpossibleCamera, survey_cameras};
 
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
@@ -158,24 +162,7 @@ pub fn mend(
     let before = document.clone();
     let fields = Fields::of(before.at(folder))?;
     let given = given_cameras(&before, &fields);
-    let usable = given
-        .iter()
-        .filter(|given| given.usable().is_some())
-        .count();
-    if usable == 0 {
-        let first = given.iter().find_map(|given| given.fault().cloned());
-        let cameras = before
-            .frames
-            .iter()
-            .filter(|frame| frame.ptz.is_some())
-            .count();
-        return Err(
-            first.map_or(MendError::NoCamera, |first| MendError::NonePossible {
-                cameras,
-                first,
-            }),
-        );
-    }
+    let usable = count_usable(&given)?;
     let mut mending = Mending {
         folder,
         reader,
@@ -228,6 +215,25 @@ pub fn mend(
     result.record_imported(&before, &mut mended);
     *document = mended;
     Ok(result)
+}
+
+/// The number of given cameras that can be used; at least one.
+fn count_usable(given: &[GivenCamera]) -> Result<usize, MendError> {
+    let usable = given
+        .iter()
+        .filter(|given| given.usable().is_some())
+        .count();
+    if usable > 0 {
+        return Ok(usable);
+    }
+    let faults: Vec<&GivenFault> = given.iter().filter_map(GivenCamera::fault).collect();
+    Err(match faults.first() {
+        Some(first) => MendError::NonePossible {
+            cameras: faults.len(),
+            first: (*first).clone(),
+        },
+        None => MendError::NoCamera,
+    })
 }
 
 /// The state while cameras are mended.

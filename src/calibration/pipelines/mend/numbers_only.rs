@@ -1,0 +1,262 @@
+//! Given cameras put on one place by their numbers alone, where there is no picture to compare them
+//! with.
+//!
+//! 1. Impossible and mirrored cameras are recognized as with pictures, and the place that the others
+//!    share becomes the camera of all frames.
+//! 2. Smoothness. A frame whose camera lies farther from those of its neighbours than they lie apart
+//!    loses it, the farthest first, until all agree ([`Disagreements`]).
+//! 3. Short gaps are interpolated.
+//!
+//! No claim of a confidence follows from this: a stretch of frames that are wrong alike is smooth.
+
+use super::given::{GivenCamera, given_cameras};
+use super::places::{Shots, mirror_back};
+use super::{MendError, count_usable};
+use crate::calibrate::{Disagreement, Disagreements, withdraw};
+use std::path::Path;
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::Angle;
+use touchline_core::solve::base::SharedPlace;
+use touchline_documents::document::{
+    Camera, Clip, Document, Fields, Frame, FrameId, FrameStatus, Solution, SolutionSource,
+};
+
+/// A camera is out of line if it is farther than this from what its neighbours predict, px at
+/// 1920 px width, and farther than they are apart. Programs that calibrate frames one by one
+/// scatter by 10 px.
+const OUT_OF_LINE_PX: f64 = 20.0;
+
+/// The longest gap that is interpolated, frames. In one second a camera turns to somewhere else.
+const LONGEST_GAP: usize = 12;
+
+/// What became of given cameras without pictures.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MendedNumbers {
+    /// Number of frames that came with a camera.
+    pub came: usize,
+    /// Number of impossible cameras among them.
+    pub impossible: usize,
+    /// Number of mirrored cameras among them.
+    pub mirrored: usize,
+    /// Number of cameras that are out of line with those of their neighbours.
+    pub out_of_line: usize,
+    /// Number of frames whose camera was interpolated.
+    pub interpolated: usize,
+    /// The places that the cameras share.
+    pub places: Vec<SharedPlace>,
+    /// The frames that have no camera.
+    pub left: Vec<FrameId>,
+}
+
+/// Mends the given cameras of a document without its pictures. Frames that people decided on keep
+/// their cameras.
+///
+/// # Errors
+/// There is nothing to mend, the cameras have no place in common, or the field of a camera is not
+/// valid; the document is then unchanged.
+pub fn mend_numbers(document: &mut Document, folder: &Path) -> Result<MendedNumbers, MendError> {
+    let fields = Fields::of(document.at(folder))?;
+    let given = given_cameras(document, &fields);
+    let cameras = count_usable(&given)?;
+    // All frames are one shot, since only pictures show cuts.
+    let shots = Shots::new(document, Vec::new(), &given).ok_or(MendError::NoPlace { cameras })?;
+    let given = mirror_back(&given, &shots.places);
+    let mut mended = document.clone();
+    join_shots(&mut mended);
+    shots.place_cameras(&mut mended, &given, None);
+    let out_of_line = drop_out_of_line(&mut mended);
+    let interpolated = interpolate_gaps(&mut mended);
+    let has_camera = |given: &&GivenCamera| !matches!(given, GivenCamera::Missing);
+    let is_mirrored = |given: &&GivenCamera| matches!(given, GivenCamera::Mirrored(_));
+    let left = mended.frames.iter().filter(|frame| frame.ptz.is_none());
+    let result = MendedNumbers {
+        came: given.iter().filter(has_camera).count(),
+        impossible: given.iter().filter(|given| given.fault().is_some()).count(),
+        mirrored: given.iter().filter(is_mirrored).count(),
+        out_of_line,
+        interpolated,
+        left: left.map(|frame| frame.id.clone()).collect(),
+        places: shots.places,
+    };
+    *document = mended;
+    Ok(result)
+}
+
+/// Puts frames that belong to neither a shot nor a video into one shot: cameras of single files are
+/// those of a sequence, in the order of the files.
+fn join_shots(document: &mut Document) {
+    let is_alone = |frame: &Frame| frame.clip.is_none() && frame.video.is_none();
+    for index in 0..document.frames.len() {
+        if is_alone(&document.frames[index]) {
+            document.frames[index].clip = Some(Clip::Number(1));
+        }
+    }
+}
+
+/// Takes away the cameras that are out of line with those of their neighbours, the farthest first:
+/// its neighbours seem out of line only as long as it is there. Returns their number.
+fn drop_out_of_line(document: &mut Document) -> usize {
+    let is_out = |found: &Disagreement| {
+        found.apart_px > OUT_OF_LINE_PX && found.apart_px > found.neighbours_px
+    };
+    let mut disagreements = Disagreements::of(document);
+    let mut dropped = 0;
+    loop {
+        let out = (0..document.frames.len())
+            .filter(|index| document.frames[*index].is_open())
+            .filter_map(|index| Some((index, disagreements.of_frame(index).filter(is_out)?)));
+        let worst = out.max_by(|(_, a), (_, b)| a.apart_px.total_cmp(&b.apart_px));
+        let Some((index, _)) = worst else {
+            return dropped;
+        };
+        withdraw(&mut document.frames[index]);
+        dropped += 1;
+        disagreements.update(document);
+    }
+}
+
+/// Interpolates pan, tilt and the logarithm of the focal length over short gaps between frames of
+/// one camera. Returns the number of filled frames.
+fn interpolate_gaps(document: &mut Document) -> usize {
+    let solved: Vec<usize> = (0..document.frames.len())
+        .filter(|index| document.frames[*index].ptz.is_some())
+        .collect();
+    let mut filled = 0;
+    for pair in solved.windows(2) {
+        let [before, after] = [pair[0], pair[1]];
+        let [first, last] = [before, after].map(|index| &document.frames[index]);
+        let is_one_camera = first.camera == last.camera && first.clip == last.clip;
+        let ends = [first, last].map(|frame| frame.ptz.as_ref().map(|ptz| ptz.ptz()));
+        let [Some(from), Some(to)] = ends else {
+            continue;
+        };
+        if !is_one_camera || after - before - 1 > LONGEST_GAP {
+            continue;
+        }
+        let base = document.camera(&first.camera).and_then(Camera::base);
+        let camera = first.camera.clone();
+        for index in before + 1..after {
+            let share = (index - before) as f64 / (after - before) as f64;
+            let ptz = between(from, to, share);
+            let frame = &mut document.frames[index];
+            if !frame.is_open() {
+                continue;
+            }
+            frame.camera.clone_from(&camera);
+            let lens = base.map(|base| base.distortion.radial_at(ptz.focal_px));
+            frame.point(ptz, lens.unwrap_or_default());
+            frame.status = FrameStatus::Suggested;
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Interpolated),
+                ..Solution::default()
+            });
+            filled += 1;
+        }
+    }
+    filled
+}
+
+/// The direction and focal length at a share of the way from one to another.
+fn between(from: Ptz, to: Ptz, share: f64) -> Ptz {
+    let on_way = |from: f64, to: f64| from + share * (to - from);
+    let turned = |from: Angle, to: Angle| {
+        let turn_deg = (to - from).wrapped().degrees();
+        from + Angle::from_degrees(share * turn_deg)
+    };
+    Ptz {
+        pan: turned(from.pan, to.pan),
+        tilt: turned(from.tilt, to.tilt),
+        focal_px: on_way(from.focal_px.ln(), to.focal_px.ln()).exp(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, CameraBase, Radial};
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{CameraId, FieldSpec};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// Frames of a camera that pans by 0.3° a frame; each has a camera of its own, 2 cm beside the
+    /// common place.
+    fn document(frames: usize) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for index in 0..frames {
+            let id = CameraId::from(format!("main-{index}").as_str());
+            let mut camera = Camera::new(id.clone(), SIZE);
+            let off_m = 0.02 * (index % 3) as f64;
+            camera.set_base(&CameraBase::new(
+                Vec3::new(1.0 + off_m, -70.0, 18.0),
+                BaseAngles::default().base_from_world(),
+                SIZE.centre(),
+            ));
+            document.cameras.push(camera.into());
+            let mut frame = Frame::from_image(&format!("{index:03}.jpg"), id, SIZE);
+            let pan_deg = -6.0 + 0.3 * index as f64;
+            frame.point(Ptz::from_degrees(pan_deg, -12.0, 2400.0), Radial::default());
+            frame.status = FrameStatus::Suggested;
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Import),
+                ..Solution::default()
+            });
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    fn pan_deg(document: &Document, index: usize) -> f64 {
+        let ptz = document.frames[index].ptz.as_ref().unwrap().ptz();
+        ptz.pan.degrees()
+    }
+
+    #[test]
+    fn cameras_out_of_line_are_replaced_by_those_between_their_neighbours() {
+        let mut document = document(40);
+        document.frames[10].point(Ptz::from_degrees(12.0, -12.0, 2400.0), Radial::default());
+        document.frames[20].point(Ptz::from_degrees(0.0, -12.0, 3.0e6), Radial::default());
+        let mended = mend_numbers(&mut document, Path::new("/match")).unwrap();
+        assert_eq!(
+            (mended.came, mended.impossible, mended.out_of_line),
+            (40, 1, 1)
+        );
+        assert_eq!((mended.interpolated, mended.left.len()), (2, 0));
+        assert_eq!(document.cameras.len(), 1);
+        for index in 0..40 {
+            let expected = -6.0 + 0.3 * index as f64;
+            let off_deg = (pan_deg(&document, index) - expected).abs();
+            assert!(off_deg < 0.1, "{index}: {off_deg}");
+        }
+        let source = |index: usize| document.frames[index].source();
+        assert_eq!(source(10), Some(SolutionSource::Interpolated));
+        assert_eq!(source(11), Some(SolutionSource::Import));
+    }
+
+    #[test]
+    fn long_gaps_stay_and_are_named() {
+        let mut document = document(60);
+        for index in 20..40 {
+            document.frames[index].point(Ptz::from_degrees(0.0, -12.0, 3.0e6), Radial::default());
+        }
+        let mended = mend_numbers(&mut document, Path::new("/match")).unwrap();
+        assert_eq!((mended.impossible, mended.interpolated), (20, 0));
+        assert_eq!(mended.left.len(), 20);
+        assert_eq!(mended.left[0], document.frames[20].id);
+    }
+
+    #[test]
+    fn nothing_possible_is_an_error_and_changes_nothing() {
+        let mut document = document(5);
+        for frame in &mut document.frames {
+            frame.point(Ptz::from_degrees(0.0, -12.0, 3.0e6), Radial::default());
+        }
+        let before = document.clone();
+        let error = mend_numbers(&mut document, Path::new("/match")).unwrap_err();
+        assert!(
+            matches!(error, MendError::NonePossible { cameras: 5, .. }),
+            "{error}"
+        );
+        assert_eq!(document, before);
+    }
+}
