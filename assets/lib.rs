@@ -35,6 +35,9 @@ pub const FIELDS: &[(&str, &str)] = &[
 /// The JSON Schema of documents.
 pub const SCHEMA: &str = include_str!("touchline.schema.json");
 
+/// The program's icon, a PNG of 128 × 128 px: made from `desktop/touchline.svg`.
+pub const ICON_PNG: &[u8] = include_bytes!("desktop/touchline-128.png");
+
 /// The Python loader that goes with every dataset.
 pub const DATASET_LOADER: &str = include_str!("python/touchline_dataset.py");
 

@@ -41,7 +41,7 @@ mod synth;
 mod track;
 mod train;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use messages::Messages;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -102,6 +102,12 @@ pub enum Next {
     Exit(ExitCode),
     /// Open the window, on a document if one was named.
     Window(Option<PathBuf>),
+}
+
+/// The command line as clap has it, for man pages and completions.
+#[must_use]
+pub fn command() -> clap::Command {
+    Cli::command()
 }
 
 /// Reads the process's arguments and runs the command that they name.

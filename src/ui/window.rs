@@ -18,6 +18,12 @@ pub enum WindowError {
     BrokeDown(#[from] Panicked),
 }
 
+/// The icon in title bars and task lists, where the desktop has no entry of the program; empty, and
+/// with it the window system's own, if it cannot be decoded.
+fn icon() -> egui::IconData {
+    eframe::icon_data::from_png_bytes(touchline_assets::ICON_PNG).unwrap_or_default()
+}
+
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
@@ -32,6 +38,7 @@ pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
     let mut viewport = egui::ViewportBuilder::default()
         .with_title("touchline")
         .with_app_id("touchline")
+        .with_icon(icon())
         .with_inner_size(known.map_or([1280.0, 720.0], |place| place.size))
         .with_maximized(known.is_some_and(|place| place.maximized))
         .with_min_inner_size(WindowPlace::LEAST)
