@@ -1,0 +1,132 @@
+//! Long work beside the interpreter: its lock is released, Ctrl-C and the caller's function are
+//! attended to.
+
+use crate::errors::internal;
+use pyo3::prelude::*;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use touchline_core::progress::{Progress, Share};
+
+/// How often signals are looked at where no step is reported.
+const SIGNALS: Duration = Duration::from_millis(50);
+
+/// The steps of a long function, from any thread, and whether it is to stop.
+#[derive(Default)]
+pub struct Steps {
+    state: Mutex<State>,
+    changed: Condvar,
+    is_cancelled: AtomicBool,
+    counted: AtomicUsize,
+}
+
+#[derive(Clone, Copy, Default)]
+struct State {
+    /// The last step that was not yet shown.
+    step: Option<Share>,
+    is_finished: bool,
+}
+
+impl Steps {
+    /// Reports a step. A break means that the function must return early.
+    pub fn report(&self, done: usize, of: usize) -> ControlFlow<()> {
+        self.state().step = Some(Share { done, of });
+        self.changed.notify_one();
+        self.check()
+    }
+
+    /// Whether to go on.
+    pub fn check(&self) -> ControlFlow<()> {
+        if self.is_cancelled.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// The progress of a function that reports each of `of` parts when it is done.
+    pub fn count(&self, of: usize) -> Progress<'_, ()> {
+        self.counted.store(0, Ordering::Relaxed);
+        Progress::new(move |()| self.report(self.counted.fetch_add(1, Ordering::Relaxed) + 1, of))
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn finish(&self) {
+        self.state().is_finished = true;
+        self.changed.notify_one();
+    }
+
+    /// Waits for the end of the work. Steps go to the caller's function; if that raises something,
+    /// or Ctrl-C is pressed, the work is cancelled, and the exception is returned once it has ended.
+    fn attend(&self, callback: Option<&Py<PyAny>>) -> PyResult<()> {
+        let mut outcome = Ok(());
+        loop {
+            let state = {
+                let state = self.state();
+                let unchanged = state.step.is_none() && !state.is_finished;
+                let mut state = if unchanged {
+                    let waited = self.changed.wait_timeout(state, SIGNALS);
+                    waited.unwrap_or_else(PoisonError::into_inner).0
+                } else {
+                    state
+                };
+                State {
+                    step: state.step.take(),
+                    ..*state
+                }
+            };
+            if outcome.is_ok() {
+                outcome = Python::attach(|py| show(py, callback, state.step));
+            }
+            if outcome.is_err() {
+                self.is_cancelled.store(true, Ordering::Relaxed);
+            }
+            if state.is_finished {
+                return outcome;
+            }
+        }
+    }
+}
+
+/// Hands a step to the caller's function and lets Python handle its signals.
+fn show(py: Python<'_>, callback: Option<&Py<PyAny>>, step: Option<Share>) -> PyResult<()> {
+    if let (Some(callback), Some(step)) = (callback, step) {
+        callback.call1(py, (step.done, step.of))?;
+    }
+    py.check_signals()
+}
+
+/// Runs long work on the threads of rayon, while this thread attends to the interpreter: only the
+/// main thread receives Ctrl-C, and a thread that computes cannot look for it.
+///
+/// # Errors
+/// The caller's function raised something, Ctrl-C was pressed, or the work panicked.
+pub fn run<T: Send>(
+    py: Python<'_>,
+    callback: Option<&Py<PyAny>>,
+    work: impl FnOnce(&Steps) -> T + Send,
+) -> PyResult<T> {
+    let steps = Steps::default();
+    let result = Mutex::new(None);
+    let attended = py.detach(|| {
+        rayon::in_place_scope(|scope| {
+            scope.spawn(|_| {
+                let made = catch_unwind(AssertUnwindSafe(|| work(&steps)));
+                *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(made);
+                steps.finish();
+            });
+            steps.attend(callback)
+        })
+    });
+    attended?;
+    match result.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(Ok(made)) => Ok(made),
+        Some(Err(panic)) => Err(internal(panic.as_ref())),
+        None => Err(internal(&"the work did not begin")),
+    }
+}

@@ -1,0 +1,279 @@
+//! Cameras from clicks: of two points, of a frame, of a document.
+
+use crate::arrays::{Numbers, array, matrix};
+use crate::camera::{PyBase, PyCamera};
+use crate::document::PyDocument;
+use crate::errors::{failure, without_panic};
+use crate::field::{PyField, field_or_usual};
+use crate::report::Report;
+use crate::{json, progress};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use touchline_calibration::calibrate::{
+    BaseProblem, EstimatedBase, SolveOutcome, follow_all_bases, observations, solve_document,
+};
+use touchline_core::camera::PtzCamera;
+use touchline_core::geometry::Mat3;
+use touchline_core::progress::Progress;
+use touchline_core::solve::base::{BaseOptions, BaseProgress, CrownModel, LensModel};
+use touchline_core::solve::{SolveContext, Warning, solve_two_points};
+use touchline_documents::document::{CameraId, Click, Document, Frame};
+
+/// The cameras for which two points of the world appear at two pixels, in ascending order of focal
+/// length: one, or rarely two.
+///
+/// `pixels`: (2, 2), px. `points`: (2, 3), m, or (2, 2) on the plane z = 0.
+#[pyfunction]
+pub fn two_point(
+    base: &PyBase,
+    pixels: &Bound<'_, PyAny>,
+    points: &Bound<'_, PyAny>,
+) -> PyResult<Vec<PyCamera>> {
+    let pixels = Numbers::read(pixels, "pixels")?;
+    pixels.finite()?;
+    let points = Numbers::read(points, "points")?;
+    points.finite()?;
+    let (&[a, b], &[at_a, at_b]) = (&*pixels.image_points()?, &*points.world_points()?) else {
+        return Err(PyValueError::new_err(
+            "pixels, points: two of each are needed",
+        ));
+    };
+    without_panic(|| {
+        let found = solve_two_points(&base.base, [at_a, at_b], [a, b]).map_err(failure)?;
+        let cameras = found
+            .iter()
+            .map(|ptz| PyCamera::new(PtzCamera::new(base.base, ptz), base.image_size));
+        Ok(cameras.collect())
+    })
+}
+
+/// A frame's camera with its uncertainty.
+#[pyclass(module = "touchline", frozen, name = "Solution")]
+pub struct PySolution {
+    pub camera: PyCamera,
+    pub covariance: Mat3,
+    pub rms_px: f64,
+    pub worst_corner_sigma_px: f64,
+    pub residuals_px: Vec<[f64; 2]>,
+    pub alternatives: Vec<PyCamera>,
+    pub warnings: Vec<Warning>,
+}
+
+#[pymethods]
+impl PySolution {
+    /// The camera.
+    #[getter]
+    fn camera(&self) -> PyCamera {
+        self.camera.clone()
+    }
+
+    /// Covariance of pan (deg), tilt (deg) and focal length (px), (3, 3).
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        matrix(py, &self.covariance)
+    }
+
+    /// Root mean square of the residuals, px.
+    #[getter]
+    fn rms_px(&self) -> f64 {
+        self.rms_px
+    }
+
+    /// 1-σ of the overlay at the worst corner of the picture, px.
+    #[getter]
+    fn worst_corner_sigma_px(&self) -> f64 {
+        self.worst_corner_sigma_px
+    }
+
+    /// From where the camera puts what was clicked to the clicks that took part, (M, 2), px; NaN
+    /// where it has no image.
+    #[getter]
+    fn residuals_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let numbers = self.residuals_px.as_flattened().to_vec();
+        Ok(array(py, [self.residuals_px.len(), 2], numbers)?.into_any())
+    }
+
+    /// Other cameras that fit the same clicks, best first.
+    #[getter]
+    fn alternatives(&self) -> Vec<PyCamera> {
+        self.alternatives.clone()
+    }
+
+    /// What a person should know: dicts with `code`, `message` and `clicks`.
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        json::to_python(py, &self.warnings)
+    }
+
+    fn __repr__(&self) -> String {
+        let ptz = self.camera.camera.ptz();
+        format!(
+            "<touchline.Solution pan {:.2}, tilt {:.2}, focal length {:.0} px, rms {:.2} px>",
+            ptz.pan, ptz.tilt, ptz.focal_px, self.rms_px
+        )
+    }
+}
+
+/// Pan, tilt and focal length of a frame from its clicks and a known base.
+///
+/// `clicks`: dicts with `landmark` or `line`, `image_px`, and `check=True` for one that is held out,
+/// as in documents. `field`: by default a soccer pitch of 105 × 68 m.
+#[pyfunction]
+#[pyo3(signature = (base, clicks, field = None))]
+pub fn solve_frame(
+    base: &PyBase,
+    clicks: &Bound<'_, PyAny>,
+    field: Option<&PyField>,
+) -> PyResult<PySolution> {
+    let clicks: Vec<Click> = json::from_python(clicks, "clicks")?;
+    let field = field_or_usual(field)?;
+    let frame = Frame {
+        clicks,
+        ..Frame::from_image("", CameraId::from("main"), base.image_size)
+    };
+    without_panic(|| {
+        let clicks = observations(&frame, &field).map_err(failure)?;
+        let context = SolveContext::new(base.image_size);
+        let found =
+            touchline_core::solve::solve_frame(&base.base, &clicks, &context).map_err(failure)?;
+        let camera = |ptz| PyCamera::new(PtzCamera::new(base.base, ptz), base.image_size);
+        let residuals = found
+            .residuals
+            .iter()
+            .map(|click| click.offset_px.map_or([f64::NAN; 2], Into::into));
+        Ok(PySolution {
+            camera: camera(found.ptz),
+            covariance: found.covariance,
+            rms_px: found.rms_px,
+            worst_corner_sigma_px: found.worst_corner_sigma_px,
+            residuals_px: residuals.collect(),
+            alternatives: found
+                .alternatives
+                .iter()
+                .map(|other| camera(other.ptz))
+                .collect(),
+            warnings: found.warnings,
+        })
+    })
+}
+
+/// Solves every frame of a document with enough clicks, as `touchline solve`. Statuses stay.
+///
+/// `progress(done, of)` is called as frames are done; what it raises, or Ctrl-C, stops the work and
+/// leaves the document as it was.
+#[pyfunction]
+#[pyo3(signature = (document, progress = None))]
+pub fn solve(document: &Bound<'_, PyDocument>, progress: Option<Py<PyAny>>) -> PyResult<Report> {
+    let (mut solved, folder) = (
+        document.borrow().document.clone(),
+        document.borrow().folder.clone(),
+    );
+    let outcomes = progress::run(document.py(), progress.as_ref(), |steps| {
+        let all = solved.frames.len();
+        let outcomes = solve_document(&mut solved, &folder, &steps.count(all));
+        (outcomes, solved)
+    })?;
+    let (outcomes, solved) = outcomes;
+    let report = report(&solved, &outcomes.map_err(failure)?);
+    document.borrow_mut().document = solved;
+    Ok(report)
+}
+
+/// What became of the frames.
+fn report(document: &Document, outcomes: &[SolveOutcome]) -> Report {
+    let mut report = Report::default();
+    for (frame, outcome) in document.frames.iter().zip(outcomes) {
+        match outcome {
+            SolveOutcome::Solved => report.solved += 1,
+            SolveOutcome::Failed(error) => report.fail(frame, error),
+            _ => report.passed += 1,
+        }
+    }
+    report
+}
+
+/// The lens models by name, as `touchline refine-base --distortion` has them.
+fn lens_model(name: &str) -> PyResult<Option<LensModel>> {
+    match name {
+        "auto" => Ok(None),
+        "none" => Ok(Some(LensModel::Pinhole)),
+        "k1" => Ok(Some(LensModel::K1)),
+        "k1-focal" => Ok(Some(LensModel::K1Focal)),
+        "k1-focal-k2" => Ok(Some(LensModel::K1FocalK2)),
+        _ => Err(PyValueError::new_err(format!(
+            "distortion: {name:?} is none of auto, none, k1, k1-focal, k1-focal-k2"
+        ))),
+    }
+}
+
+/// Estimates where the cameras of a document stand, their base rotations and lenses, from the clicks
+/// of all frames but rejected ones, and solves all frames, as `touchline refine-base`.
+///
+/// Three and more frames with four landmarks each are a good start. `crown_m`: None chooses it by
+/// cross-validation. `progress(done, of)` as in `solve`.
+#[pyfunction]
+#[pyo3(signature = (document, distortion = "auto", crown_m = None, principal_point = true, progress = None))]
+pub fn estimate_base(
+    document: &Bound<'_, PyDocument>,
+    distortion: &str,
+    crown_m: Option<f64>,
+    principal_point: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Report> {
+    let options = BaseOptions {
+        lens: lens_model(distortion)?,
+        crown: crown_m.map(CrownModel::Fixed),
+        principal_point,
+        ..BaseOptions::default()
+    };
+    let (mut solved, folder) = (
+        document.borrow().document.clone(),
+        document.borrow().folder.clone(),
+    );
+    let estimated = progress::run(document.py(), progress.as_ref(), |steps| {
+        let before = solved.clone();
+        let ids: Vec<CameraId> = solved
+            .cameras
+            .iter()
+            .map(|camera| camera.id.clone())
+            .collect();
+        let adjusting = Progress::new(|at: BaseProgress| steps.report(at.done, at.total));
+
+        // The base of each camera; one that fails does not stop the others.
+        let (mut estimates, mut errors) = (Vec::new(), Vec::new());
+        for id in ids {
+            let problem = BaseProblem::of(solved.at(&folder), &id);
+            match problem
+                .and_then(|problem| problem.estimate(&solved, &options, &adjusting.renew()))
+            {
+                Ok(estimate) => estimates.push(estimate),
+                Err(error) => errors.push(format!("camera {:?}: {error}", id.as_str())),
+            }
+        }
+        if estimates.is_empty() {
+            return Err(if errors.is_empty() {
+                "the document has no camera".to_owned()
+            } else {
+                errors.join("; ")
+            });
+        }
+
+        // Write the bases and solve all frames with them.
+        estimates
+            .iter()
+            .for_each(|estimate| estimate.write_camera(&mut solved));
+        let all = solved.frames.len();
+        let outcomes = solve_document(&mut solved, &folder, &steps.count(all))
+            .map_err(|error| error.to_string())?;
+        follow_all_bases(&mut solved, &before);
+        estimates
+            .iter()
+            .for_each(|estimate: &EstimatedBase| estimate.mark_disputes(&mut solved));
+        let mut report = report(&solved, &outcomes);
+        report.notes = errors;
+        Ok((solved, report))
+    })?;
+    let (solved, report) = estimated.map_err(failure)?;
+    document.borrow_mut().document = solved;
+    Ok(report)
+}
