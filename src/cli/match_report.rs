@@ -4,7 +4,7 @@ use super::messages::Messages;
 use super::track::TrackingReport;
 use indicatif::ProgressBar;
 use std::sync::{Mutex, PoisonError};
-use touchline_calibration::calibrate::describe_size;
+use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent};
 
 /// Length of the bar of a search. Its steps count differently, so that it shows their share.

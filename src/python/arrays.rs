@@ -173,11 +173,11 @@ fn not_numbers(name: &str, found: &str) -> PyErr {
 ///
 /// # Errors
 /// The shape does not fit the numbers.
-pub fn array<'py, T: Element, D: Dimension>(
-    py: Python<'py>,
+pub fn array<T: Element, D: Dimension>(
+    py: Python<'_>,
     shape: impl numpy::ndarray::IntoDimension<Dim = D>,
     values: Vec<T>,
-) -> PyResult<Bound<'py, PyArray<T, D>>> {
+) -> PyResult<Bound<'_, PyArray<T, D>>> {
     let array = Array::from_shape_vec(shape.into_dimension(), values)
         .map_err(|error| PyValueError::new_err(error.to_string()))?;
     Ok(array.into_pyarray(py))

@@ -14,13 +14,15 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use touchline_calibration::autocalibrate::AutocalibrationProgress;
 use touchline_calibration::calibrate::{ClipProgress, TrackClipOptions, clips};
 use touchline_calibration::pipelines::{
-    LearningProgress, MatchEvent, MatchLabels, MatchOptions, TrackingEvent, TrackingOptions,
-    label_match, track_clips,
+    LabelMatchError, LearningProgress, MatchEvent, MatchLabels, MatchOptions, TrackingEvent,
+    TrackingOptions, label_match, track_clips,
 };
 use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldError;
 use touchline_core::geometry::ImageSize;
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{
@@ -53,7 +55,7 @@ pub fn calibrate(
     found_only: bool,
     bgr: bool,
     name: &str,
-    progress: Option<Py<PyAny>>,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyDocument> {
     let py = frames.py();
     if !SAMPLED.contains(&look_at) {
@@ -79,7 +81,7 @@ pub fn calibrate(
     };
     let folder = std::path::absolute(".")?;
     let (mut document, decoded) = if let Ok(path) = frames.extract::<PathBuf>() {
-        let made = progress::run(py, progress.as_ref(), |steps| {
+        let made = progress::run(py, progress, |steps| {
             document_of_path(&path, &folder, field, steps)
         })?;
         (made.map_err(failure)?, None)
@@ -93,26 +95,42 @@ pub fn calibrate(
     let Some(camera) = document.cameras.first().map(|camera| camera.id.clone()) else {
         return Err(Error::new_err("not one image can be read"));
     };
-    let (labels, document) = progress::run(py, progress.as_ref(), |steps| {
-        let events = Progress::new(|event| show_match(steps, &event));
-        let mut reader: Box<dyn ReadFrames> = match decoded {
-            Some(decoded) => Box::new(decoded),
-            None => Box::new(FrameReader::new()),
-        };
-        let labels = label_match(
-            &mut document,
-            &folder,
-            &camera,
-            &mut *reader,
-            &options,
-            &events,
-        );
+    let raised = decoded.as_ref().map(|decoded| Arc::clone(&decoded.raised));
+    let (labels, document) = progress::run(py, progress, |steps| {
+        let labels = label(&mut document, &folder, &camera, decoded, &options, steps);
         (labels, document)
     })?;
+    if let Some(raised) = raised {
+        raised.raise()?;
+    }
     match labels.map_err(failure)? {
         MatchLabels::Labelled(_) => Ok(PyDocument::new(document, folder, None)),
         MatchLabels::NoCamera(why) => Err(NoCamera::new_err(why.describe(&document))),
     }
+}
+
+/// Labels a match, whose pictures are read from their files or decoded by Python. What Python raises
+/// ends it.
+fn label(
+    document: &mut Document,
+    folder: &Path,
+    camera: &CameraId,
+    decoded: Option<DecodedFrames>,
+    options: &MatchOptions,
+    steps: &Steps,
+) -> Result<MatchLabels, LabelMatchError> {
+    let raised = decoded.as_ref().map(|decoded| Arc::clone(&decoded.raised));
+    let events = Progress::new(|event| {
+        if raised.as_ref().is_some_and(|raised| raised.is_some()) {
+            return ControlFlow::Break(());
+        }
+        show_match(steps, &event)
+    });
+    let mut reader: Box<dyn ReadFrames> = match decoded {
+        Some(decoded) => Box::new(decoded),
+        None => Box::new(FrameReader::new()),
+    };
+    label_match(document, folder, camera, &mut *reader, options, &events)
 }
 
 /// A document of a video or of a folder's images.
@@ -213,7 +231,7 @@ pub fn track(
     document: &Bound<'_, PyDocument>,
     smooth: bool,
     frames: Option<(usize, usize)>,
-    progress: Option<Py<PyAny>>,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Report> {
     let within = frames.map(|(first, last)| first..=last);
     if within.as_ref().is_some_and(RangeInclusive::is_empty) {
@@ -229,44 +247,50 @@ pub fn track(
         clip,
         ..TrackingOptions::default()
     };
-    let (mut tracked, folder) = (
-        document.borrow().document.clone(),
-        document.borrow().folder.clone(),
-    );
-    let (found, notes, tracked) = progress::run(document.py(), progress.as_ref(), |steps| {
-        let notes = std::sync::Mutex::new(Vec::new());
-        let events = Progress::new(|event: TrackingEvent| {
-            if let TrackingEvent::Failed(_, error) = &event {
-                notes
-                    .lock()
-                    .unwrap_or_else(std::sync::PoisonError::into_inner)
-                    .push(error.to_string());
-            }
-            show_tracking(steps, &event)
-        });
-        let clips = clips(tracked.at(&folder), within.as_ref());
-        let mut reader = FrameReader::new();
-        let found = track_clips(
-            &mut tracked,
-            &folder,
-            &clips,
-            &mut reader,
-            &options,
-            &mut Vec::new(),
-            &events,
-        );
-        drop(events);
-        (found, notes.into_inner().unwrap_or_default(), tracked)
+    let (mut tracked, folder) = document.borrow().copy();
+    let found = progress::run(document.py(), progress, |steps| {
+        let report = track_all(&mut tracked, &folder, within.as_ref(), &options, steps);
+        report.map(|report| (tracked, report))
     })?;
-    let found = found.map_err(failure)?;
-    let report = Report {
-        solved: found.tracked,
-        passed: tracked.frames.len() - found.tracked,
-        notes,
-        ..Report::default()
-    };
+    let (tracked, report) = found.map_err(failure)?;
     document.borrow_mut().document = tracked;
     Ok(report)
+}
+
+/// Tracks the clips of a document; one that cannot be tracked becomes a note.
+fn track_all(
+    document: &mut Document,
+    folder: &Path,
+    within: Option<&RangeInclusive<usize>>,
+    options: &TrackingOptions,
+    steps: &Steps,
+) -> Result<Report, FieldError> {
+    let notes = Mutex::new(Vec::new());
+    let events = Progress::new(|event: TrackingEvent| {
+        if let TrackingEvent::Failed(_, error) = &event {
+            let mut notes = notes.lock().unwrap_or_else(PoisonError::into_inner);
+            notes.push(error.to_string());
+        }
+        show_tracking(steps, &event)
+    });
+    let clips = clips(document.at(folder), within);
+    let mut reader = FrameReader::new();
+    let found = track_clips(
+        document,
+        folder,
+        &clips,
+        &mut reader,
+        options,
+        &mut Vec::new(),
+        &events,
+    )?;
+    drop(events);
+    Ok(Report {
+        solved: found.tracked,
+        passed: document.frames.len() - found.tracked,
+        notes: notes.into_inner().unwrap_or_else(PoisonError::into_inner),
+        ..Report::default()
+    })
 }
 
 /// Pulls a camera onto the painted lines of its picture: (height, width, 3), uint8, red first, or
@@ -311,7 +335,7 @@ pub fn snap(
     let snapped = snapped.map_err(failure)?;
     let found = PtzCamera::new(*start.base(), snapped.ptz);
     Ok(PySolution {
-        camera: PyCamera::new(found, *image_size),
+        camera: PyCamera::new(&found, *image_size),
         covariance: snapped.uncertainty.ptz_covariance_deg(),
         rms_px: snapped.rms_px,
         worst_corner_sigma_px: snapped

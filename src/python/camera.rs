@@ -85,7 +85,7 @@ impl PyBase {
             )));
         }
         Ok(PyCamera::new(
-            PtzCamera::new(self.base, ptz),
+            &PtzCamera::new(self.base, ptz),
             self.image_size,
         ))
     }
@@ -150,7 +150,8 @@ pub struct PyCamera {
 
 impl PyCamera {
     /// A camera of pictures of this size.
-    pub const fn new(camera: PtzCamera, image_size: ImageSize) -> Self {
+    pub const fn new(camera: &PtzCamera, image_size: ImageSize) -> Self {
+        let camera = *camera;
         Self { camera, image_size }
     }
 }

@@ -14,8 +14,8 @@ use std::sync::{Mutex, PoisonError};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{
-    Camera, CameraId, Click, Document, Frame, FrameId, FrameStatus, MAX_CLICKS, RejectReason,
-    Target, document_from_bytes, document_to_string,
+    Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, RejectReason, Target,
+    document_from_bytes, document_to_string,
 };
 use touchline_documents::store::{self, Location};
 
@@ -37,7 +37,7 @@ pub struct PyDocument {
 /// are included; nothing is written.
 #[pyfunction]
 pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyDocument> {
-    let read = progress::run(py, None, |_| store::read(&path))?;
+    let read = progress::run(py, None, move |_| store::read(&path))?;
     let (location, document, _) = read.map_err(failure)?;
     let file = Some(location.file().to_path_buf());
     Ok(PyDocument::new(
@@ -57,6 +57,12 @@ impl PyDocument {
             file,
             reader: Mutex::default(),
         }
+    }
+
+    /// A copy for a function to change, and the folder that its paths start from. It shares what is
+    /// not changed.
+    pub fn copy(&self) -> (Document, PathBuf) {
+        (self.document.clone(), self.folder.clone())
     }
 
     /// The position of the frame that Python names: by its position or its id.
@@ -130,11 +136,12 @@ fn is_empty_folder(path: &Path) -> bool {
 
 #[pymethods]
 impl PyDocument {
-    /// A document from the text of its JSON; relative paths start from `folder`.
+    /// A document from the text of its JSON; relative paths start from `folder`, by default the
+    /// working folder.
     #[staticmethod]
-    #[pyo3(signature = (text, folder = PathBuf::from(".")))]
-    fn from_json(text: &str, folder: PathBuf) -> PyResult<Self> {
-        let folder = std::path::absolute(folder)?;
+    #[pyo3(signature = (text, folder = None))]
+    fn from_json(text: &str, folder: Option<PathBuf>) -> PyResult<Self> {
+        let folder = std::path::absolute(folder.unwrap_or_else(|| PathBuf::from(".")))?;
         without_panic(|| {
             let document = document_from_bytes(text.as_bytes()).map_err(failure)?;
             Ok(Self::new(document, folder, None))
@@ -211,7 +218,7 @@ impl PyDocument {
     fn camera(&self, frame: &Bound<'_, PyAny>) -> PyResult<Option<PyCamera>> {
         let frame = self.frame(frame)?;
         let camera = self.document.pointed(frame);
-        Ok(camera.map(|camera| PyCamera::new(camera, frame.image_size)))
+        Ok(camera.map(|camera| PyCamera::new(&camera, frame.image_size)))
     }
 
     /// The picture of a frame: (height, width, 3), uint8, red first, or blue with `bgr`.
@@ -321,11 +328,6 @@ impl PyDocument {
             }
         }
         Ok(())
-    }
-
-    /// The id of a frame by its position.
-    pub fn id(&self, index: usize) -> Option<&FrameId> {
-        self.document.frames.get(index).map(|frame| &frame.id)
     }
 }
 

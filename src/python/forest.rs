@@ -97,7 +97,7 @@ impl PyForest {
         seed: u64,
         all_references: bool,
         measured: bool,
-        progress: Option<Py<PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         if trees.is_some_and(|trees| !(1..=64).contains(&trees)) {
             return Err(PyValueError::new_err("trees: 1 to 64 are possible"));
@@ -111,17 +111,14 @@ impl PyForest {
             },
             ..LearnOptions::default()
         };
-        let (given, folder) = (
-            document.borrow().document.clone(),
-            document.borrow().folder.clone(),
-        );
+        let (given, folder) = document.borrow().copy();
         let references = TrainingFrames::of(&given, all_references).frames;
         if references.is_empty() {
             return Err(Error::new_err(
                 "there are no references to train with; accept solved frames first",
             ));
         }
-        let trained = progress::run(document.py(), progress.as_ref(), |steps| {
+        let trained = progress::run(document.py(), progress, |steps| {
             train(&given, &folder, &references, &options, measured, steps)
         })?;
         Self::new(trained?, FILE)
@@ -131,7 +128,7 @@ impl PyForest {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let place = path.display().to_string();
-        let bytes = progress::run(py, None, |_| read_named(&path, MAX_FOREST_BYTES))?;
+        let bytes = progress::run(py, None, move |_| read_named(&path, MAX_FOREST_BYTES))?;
         let bytes = bytes.map_err(|error| failure(format_args!("cannot read {place}: {error}")))?;
         let model = progress::run(py, None, |_| ForestModel::from_bytes(&bytes))?;
         Self::new(
@@ -143,14 +140,14 @@ impl PyForest {
     /// Writes the forest to a file; one that exists is replaced only with `overwrite=True`.
     #[pyo3(signature = (path, overwrite = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
-        let place = path.display();
+        let place = path.display().to_string();
         refuse_part_of_project(&path).map_err(failure)?;
         if !overwrite && path.exists() {
             return Err(Error::new_err(format!(
                 "{place} already exists; give overwrite=True to replace it, or another path"
             )));
         }
-        let written = progress::run(py, None, |_| {
+        let written = progress::run(py, None, move |_| {
             write(&path, &self.model.to_bytes(), overwrite)
         })?;
         written.map_err(|error| failure(format_args!("cannot write {place}: {error}")))
@@ -182,7 +179,6 @@ impl PyForest {
     /// `camera`: which camera took it, by default the one with pictures of this size. `snap`: pull
     /// the answer onto the painted lines. Where no camera is found, `Answer.camera` is None.
     #[pyo3(signature = (image, camera = None, *, bgr = false, min_confidence = None, snap = false, seed = 0))]
-    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn relocalize(
         &self,
         image: &Bound<'_, PyAny>,
@@ -404,7 +400,7 @@ pub fn in_python(
     worst_corner_sigma_px: Option<f64>,
 ) -> PySolution {
     PySolution {
-        camera: PyCamera::new(*camera, frame.image_size),
+        camera: PyCamera::new(camera, frame.image_size),
         covariance: covariance.unwrap_or_else(|| touchline_core::geometry::Mat3::repeat(f64::NAN)),
         rms_px: rms_px.unwrap_or(f64::NAN),
         worst_corner_sigma_px: worst_corner_sigma_px.unwrap_or(f64::NAN),

@@ -5,6 +5,7 @@ use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
 use touchline_core::geometry::ImageSize;
 use touchline_vision::media::{FrameRef, MediaError, Picture, ReadFrames, Video, load_image};
 
@@ -101,16 +102,49 @@ pub fn picture_array<'py>(
     Ok(array(py, [height as usize, width as usize, RGB], pixels)?.into_any())
 }
 
+/// The first exception that Python raised on another thread.
+#[derive(Default)]
+pub struct Raised(Mutex<Option<PyErr>>);
+
+impl Raised {
+    /// Keeps an exception, unless there is one.
+    fn keep(&self, error: PyErr) {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.get_or_insert(error);
+    }
+
+    /// Whether there is one.
+    pub fn is_some(&self) -> bool {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.is_some()
+    }
+
+    /// The exception as a result.
+    ///
+    /// # Errors
+    /// There is one.
+    pub fn raise(&self) -> PyResult<()> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.take().map_or(Ok(()), Err)
+    }
+}
+
 /// A sequence of Python's that gives the frames of a video by their index.
 pub struct DecodedFrames {
     frames: Py<PyAny>,
     bgr: bool,
+    /// What the sequence raised: a missing picture would only be left out.
+    pub raised: Arc<Raised>,
 }
 
 impl DecodedFrames {
     /// Reads frames from a sequence: `len(frames)` and `frames[index]`.
-    pub const fn new(frames: Py<PyAny>, bgr: bool) -> Self {
-        Self { frames, bgr }
+    pub fn new(frames: Py<PyAny>, bgr: bool) -> Self {
+        Self {
+            frames,
+            bgr,
+            raised: Arc::default(),
+        }
     }
 
     /// The frame at an index.
@@ -128,11 +162,15 @@ impl ReadFrames for DecodedFrames {
             FrameRef::Video { index, .. } => *index,
             FrameRef::Image(_) => 0,
         };
-        let read = Python::attach(|py| self.frame(py, index).map_err(|error| error.to_string()));
-        read.map_err(|reason| MediaError::ReaderFailed {
-            path: frame.path().to_path_buf(),
-            reader: format!("Python's frames[{index}]"),
-            reason,
+        let read = Python::attach(|py| self.frame(py, index));
+        read.map_err(|error| {
+            let reason = error.to_string();
+            self.raised.keep(error);
+            MediaError::ReaderFailed {
+                path: frame.path().to_path_buf(),
+                reader: format!("frames[{index}]"),
+                reason,
+            }
         })
     }
 }

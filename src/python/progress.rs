@@ -108,9 +108,10 @@ fn show(py: Python<'_>, callback: Option<&Py<PyAny>>, step: Option<Share>) -> Py
 /// The caller's function raised something, Ctrl-C was pressed, or the work panicked.
 pub fn run<T: Send>(
     py: Python<'_>,
-    callback: Option<&Py<PyAny>>,
+    callback: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Steps) -> T + Send,
 ) -> PyResult<T> {
+    let callback = callback.map(|callback| callback.clone().unbind());
     let steps = Steps::default();
     let result = Mutex::new(None);
     let attended = py.detach(|| {
@@ -120,7 +121,7 @@ pub fn run<T: Send>(
                 *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(made);
                 steps.finish();
             });
-            steps.attend(callback)
+            steps.attend(callback.as_ref())
         })
     });
     attended?;

@@ -5,12 +5,14 @@ use crate::camera::{PyBase, PyCamera};
 use crate::document::PyDocument;
 use crate::errors::{failure, without_panic};
 use crate::field::{PyField, field_or_usual};
+use crate::json;
+use crate::progress::{self, Steps};
 use crate::report::Report;
-use crate::{json, progress};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::path::Path;
 use touchline_calibration::calibrate::{
-    BaseProblem, EstimatedBase, SolveOutcome, follow_all_bases, observations, solve_document,
+    BaseProblem, SolveOutcome, follow_all_bases, observations, solve_document,
 };
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::Mat3;
@@ -42,7 +44,7 @@ pub fn two_point(
         let found = solve_two_points(&base.base, [at_a, at_b], [a, b]).map_err(failure)?;
         let cameras = found
             .iter()
-            .map(|ptz| PyCamera::new(PtzCamera::new(base.base, ptz), base.image_size));
+            .map(|ptz| PyCamera::new(&PtzCamera::new(base.base, ptz), base.image_size));
         Ok(cameras.collect())
     })
 }
@@ -136,7 +138,7 @@ pub fn solve_frame(
         let context = SolveContext::new(base.image_size);
         let found =
             touchline_core::solve::solve_frame(&base.base, &clicks, &context).map_err(failure)?;
-        let camera = |ptz| PyCamera::new(PtzCamera::new(base.base, ptz), base.image_size);
+        let camera = |ptz| PyCamera::new(&PtzCamera::new(base.base, ptz), base.image_size);
         let residuals = found
             .residuals
             .iter()
@@ -163,17 +165,16 @@ pub fn solve_frame(
 /// leaves the document as it was.
 #[pyfunction]
 #[pyo3(signature = (document, progress = None))]
-pub fn solve(document: &Bound<'_, PyDocument>, progress: Option<Py<PyAny>>) -> PyResult<Report> {
-    let (mut solved, folder) = (
-        document.borrow().document.clone(),
-        document.borrow().folder.clone(),
-    );
-    let outcomes = progress::run(document.py(), progress.as_ref(), |steps| {
+pub fn solve(
+    document: &Bound<'_, PyDocument>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Report> {
+    let (mut solved, folder) = document.borrow().copy();
+    let (outcomes, solved) = progress::run(document.py(), progress, |steps| {
         let all = solved.frames.len();
         let outcomes = solve_document(&mut solved, &folder, &steps.count(all));
         (outcomes, solved)
     })?;
-    let (outcomes, solved) = outcomes;
     let report = report(&solved, &outcomes.map_err(failure)?);
     document.borrow_mut().document = solved;
     Ok(report)
@@ -218,7 +219,7 @@ pub fn estimate_base(
     distortion: &str,
     crown_m: Option<f64>,
     principal_point: bool,
-    progress: Option<Py<PyAny>>,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Report> {
     let options = BaseOptions {
         lens: lens_model(distortion)?,
@@ -226,54 +227,54 @@ pub fn estimate_base(
         principal_point,
         ..BaseOptions::default()
     };
-    let (mut solved, folder) = (
-        document.borrow().document.clone(),
-        document.borrow().folder.clone(),
-    );
-    let estimated = progress::run(document.py(), progress.as_ref(), |steps| {
-        let before = solved.clone();
-        let ids: Vec<CameraId> = solved
-            .cameras
-            .iter()
-            .map(|camera| camera.id.clone())
-            .collect();
-        let adjusting = Progress::new(|at: BaseProgress| steps.report(at.done, at.total));
-
-        // The base of each camera; one that fails does not stop the others.
-        let (mut estimates, mut errors) = (Vec::new(), Vec::new());
-        for id in ids {
-            let problem = BaseProblem::of(solved.at(&folder), &id);
-            match problem
-                .and_then(|problem| problem.estimate(&solved, &options, &adjusting.renew()))
-            {
-                Ok(estimate) => estimates.push(estimate),
-                Err(error) => errors.push(format!("camera {:?}: {error}", id.as_str())),
-            }
-        }
-        if estimates.is_empty() {
-            return Err(if errors.is_empty() {
-                "the document has no camera".to_owned()
-            } else {
-                errors.join("; ")
-            });
-        }
-
-        // Write the bases and solve all frames with them.
-        estimates
-            .iter()
-            .for_each(|estimate| estimate.write_camera(&mut solved));
-        let all = solved.frames.len();
-        let outcomes = solve_document(&mut solved, &folder, &steps.count(all))
-            .map_err(|error| error.to_string())?;
-        follow_all_bases(&mut solved, &before);
-        estimates
-            .iter()
-            .for_each(|estimate: &EstimatedBase| estimate.mark_disputes(&mut solved));
-        let mut report = report(&solved, &outcomes);
-        report.notes = errors;
-        Ok((solved, report))
+    let (mut solved, folder) = document.borrow().copy();
+    let estimated = progress::run(document.py(), progress, |steps| {
+        estimate_all(&mut solved, &folder, &options, steps).map(|report| (solved, report))
     })?;
     let (solved, report) = estimated.map_err(failure)?;
     document.borrow_mut().document = solved;
     Ok(report)
+}
+
+/// Estimates the base of each camera, and solves all frames with them.
+fn estimate_all(
+    document: &mut Document,
+    folder: &Path,
+    options: &BaseOptions,
+    steps: &Steps,
+) -> Result<Report, String> {
+    let before = document.clone();
+    let adjusting = Progress::new(|at: BaseProgress| steps.report(at.done, at.total));
+
+    // A camera whose base cannot be estimated does not stop the others.
+    let (mut estimates, mut errors) = (Vec::new(), Vec::new());
+    for camera in &before.cameras {
+        let problem = BaseProblem::of(before.at(folder), &camera.id);
+        match problem.and_then(|problem| problem.estimate(&before, options, &adjusting.renew())) {
+            Ok(estimate) => estimates.push(estimate),
+            Err(error) => errors.push(format!("camera {:?}: {error}", camera.id.as_str())),
+        }
+    }
+    if before.cameras.is_empty() {
+        return Err("the document has no camera".to_owned());
+    }
+    if estimates.is_empty() {
+        return Err(errors.join("; "));
+    }
+
+    for estimate in &estimates {
+        estimate.write_camera(document);
+    }
+    let counting = steps.count(document.frames.len());
+    let outcomes =
+        solve_document(document, folder, &counting).map_err(|error| error.to_string())?;
+    // Proposals that were made with the old base are no longer valid.
+    follow_all_bases(document, &before);
+    for estimate in &estimates {
+        estimate.mark_disputes(document);
+    }
+    Ok(Report {
+        notes: errors,
+        ..report(document, &outcomes)
+    })
 }

@@ -17,13 +17,14 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// The crates by their folders, lowest first.
-pub const CRATES: [&str; 7] = [
+pub const CRATES: [&str; 8] = [
     "src/core",
     "src/vision",
     "src/documents",
     "src/calibration",
     "src/application",
     "src/experiments",
+    "src/python",
     "src",
 ];
 
@@ -50,6 +51,7 @@ const PAIRS: &[Pair] = &[
 /// anything.
 const FENCES: &[Fence] = &[
     (&["egui"], &["ui"], "egui stays in ui"),
+    (&["pyo3"], &["python"], "Python stays in python"),
     (
         &["wgpu"],
         &["application/render", "ui"],
