@@ -6,8 +6,7 @@ use crate::errors::{Error, NoCamera, failure};
 use crate::field::{PyField, field_or_usual, spec};
 use crate::images::{DecodedFrames, picture};
 use crate::progress::{self, Steps};
-use crate::report::Report;
-use crate::solve::PySolution;
+use crate::results::{PySolution, Report};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -34,18 +33,21 @@ use touchline_vision::paint::{GroundPicture, SnapOptions};
 /// How many frames the camera may be found from, as `touchline calibrate --look-at`.
 const SAMPLED: RangeInclusive<usize> = 3..=300;
 
-/// Finds the camera of a video or of a folder of pictures without a click, as `touchline calibrate`:
-/// where it stands, its lens, and each frame's pan, tilt and focal length, as suggestions.
+/// Finds the camera of a video or of a folder of pictures without a click, as
+/// `touchline calibrate`: where it stands, its lens, and each frame's pan, tilt and focal length, as
+/// suggestions.
 ///
 /// `frames`: a path, or a sequence of pictures (height, width, 3), uint8, red first, or blue with
 /// `bgr`, which are read by their index when they are needed; they are the frames of one video that
-/// `name` names in the document. `params`: parameters of the field; its size is then taken as known.
-/// `look_at`: the camera is found from this many frames at most. `found_only`: answer only those.
+/// `name` names in the document. `params`: parameters of the field, the size of which is then taken
+/// as known. `look_at`: the camera is found from this many frames at most. `found_only`: answer only those.
 ///
 /// Raises `NoCamera` where the pictures do not decide. The document is saved by `save`.
 #[pyfunction]
-#[pyo3(signature = (frames, field = "soccer", params = None, *, look_at = 40, found_only = false, bgr = false,
-                    name = "video.mp4", progress = None))]
+#[pyo3(signature = (
+    frames, field = "soccer", params = None, *, look_at = 40, found_only = false, bgr = false,
+    name = "video.mp4", progress = None
+))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn calibrate(
     frames: &Bound<'_, PyAny>,
@@ -109,8 +111,8 @@ pub fn calibrate(
     }
 }
 
-/// Labels a match, whose pictures are read from their files or decoded by Python. What Python raises
-/// ends it.
+/// Labels a match. Its pictures are read from their files or decoded by Python; what Python raises
+/// ends the work.
 fn label(
     document: &mut Document,
     folder: &Path,
@@ -221,9 +223,10 @@ fn show_tracking(steps: &Steps, event: &TrackingEvent) -> ControlFlow<()> {
 }
 
 /// Carries the cameras of solved frames to their neighbours, one adjustment a shot, as
-/// `touchline track`. Frames that are carried become suggestions.
+/// `touchline track`. Frames that get a camera become suggestions.
 ///
-/// `frames`: the first and the last number of the frames to be tracked. `smooth`: smooth the motion.
+/// `frames`: the first and the last number of the frames to be tracked. `smooth`: smooth the
+/// motion.
 /// `progress(done, of)` as in `solve`.
 #[pyfunction]
 #[pyo3(signature = (document, *, smooth = false, frames = None, progress = None))]
@@ -320,7 +323,7 @@ pub fn snap(
     if picture.size() != *image_size {
         let (is, wanted) = (picture.size(), image_size);
         return Err(PyValueError::new_err(format!(
-            "image: {} × {} px, but the camera's pictures have {} × {} px; scale the picture, or take the camera of this size",
+            "image: {} × {} px, but the camera's pictures have {} × {} px; scale the picture",
             is.width, is.height, wanted.width, wanted.height
         )));
     }
@@ -328,21 +331,18 @@ pub fn snap(
         reach_px,
         ..SnapOptions::default()
     };
-    let snapped = progress::run(image.py(), None, |_| {
+    let on_paint = progress::run(image.py(), None, |_| {
         let ground = GroundPicture::new(&picture, &[]);
         touchline_vision::paint::snap(&ground, &field, start.base(), start.ptz(), &[], &options)
     })?;
-    let snapped = snapped.map_err(failure)?;
-    let found = PtzCamera::new(*start.base(), snapped.ptz);
-    Ok(PySolution {
-        camera: PyCamera::new(&found, *image_size),
-        covariance: snapped.uncertainty.ptz_covariance_deg(),
-        rms_px: snapped.rms_px,
-        worst_corner_sigma_px: snapped
+    let on_paint = on_paint.map_err(failure)?;
+    let found = PtzCamera::new(*start.base(), on_paint.ptz);
+    Ok(PySolution::without_clicks(
+        PyCamera::new(&found, *image_size),
+        on_paint.uncertainty.ptz_covariance_deg(),
+        on_paint.rms_px,
+        on_paint
             .uncertainty
             .worst_corner_sigma_px(&found, *image_size),
-        residuals_px: Vec::new(),
-        alternatives: Vec::new(),
-        warnings: Vec::new(),
-    })
+    ))
 }

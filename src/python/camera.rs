@@ -29,10 +29,13 @@ impl PyBase {
     ///
     /// `position_m`: (3,), `world`. `base_from_world`: (3, 3); without it the camera is level and
     /// looks along +y at pan 0. `principal_point_px`: (2,); without it the middle of the picture.
-    /// Lens: k1 = `k1` + `per_1000_px` · (f − `at_focal_px`) / 1000, k2 = `k2_per_k1_squared` · k1².
+    /// Lens: k1 = `k1` + `per_1000_px` · (f − `at_focal_px`) / 1000, k2 = `k2_per_k1_squared` ·
+    /// k1².
     #[new]
-    #[pyo3(signature = (position_m, image_size_px, base_from_world = None, principal_point_px = None, *,
-                        k1 = 0.0, per_1000_px = 0.0, at_focal_px = 0.0, k2_per_k1_squared = 0.0))]
+    #[pyo3(signature = (
+        position_m, image_size_px, base_from_world = None, principal_point_px = None, *,
+        k1 = 0.0, per_1000_px = 0.0, at_focal_px = 0.0, k2_per_k1_squared = 0.0
+    ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         position_m: &Bound<'_, PyAny>,
@@ -81,7 +84,7 @@ impl PyBase {
         let ptz = Ptz::from_degrees(pan_deg, tilt_deg, focal_px);
         if !ptz.is_finite() {
             return Err(PyValueError::new_err(format!(
-                "pan_deg, tilt_deg, focal_px: finite numbers and a positive focal length are needed, not {pan_deg}, {tilt_deg}, {focal_px}"
+                "finite angles and a positive focal length are needed, not {pan_deg}, {tilt_deg}, {focal_px}"
             )));
         }
         Ok(PyCamera::new(
@@ -247,7 +250,7 @@ pub fn project<'py>(
     let (numbers, length) = points.rows(&[3, 2])?;
     let show = |row: &[f64], pixel: &mut [f64]| pixel.copy_from_slice(&image_of(&camera, row));
     let pixels = without_panic(|| Ok(py.detach(|| map_rows(numbers, length, 2, show))))?;
-    shaped(py, pixels, 2, points.is_single())
+    rows_for_python(py, pixels, 2, points.is_single())
 }
 
 /// The pixel of a point of the world; NaN where it has none.
@@ -276,7 +279,7 @@ pub fn unproject<'py>(
     let meet =
         |row: &[f64], point: &mut [f64]| point.copy_from_slice(&plane_of(&camera, row, height_m));
     let points = without_panic(|| Ok(py.detach(|| map_rows(numbers, length, 3, meet))))?;
-    shaped(py, points, 3, pixels.is_single())
+    rows_for_python(py, points, 3, pixels.is_single())
 }
 
 /// The point of the plane z = `height_m` that a pixel shows; NaN where it shows none.
@@ -311,7 +314,7 @@ fn map_rows(
 }
 
 /// Rows for Python; a single one without its dimension.
-fn shaped(
+fn rows_for_python(
     py: Python<'_>,
     numbers: Vec<f64>,
     length: usize,
@@ -325,8 +328,8 @@ fn shaped(
 
 /// The homography from the plane z = 0 (x, y in m) to the picture (px), (3, 3).
 ///
-/// It is that of the pinhole: distortion is neglected. H · (x, y, 1) is the pixel times a depth that
-/// is positive in front of the camera.
+/// It is that of the pinhole: distortion is neglected. H · (x, y, 1) is the pixel times a depth
+/// that is positive in front of the camera.
 #[pyfunction]
 pub fn homography<'py>(
     py: Python<'py>,

@@ -1,7 +1,7 @@
 //! A document in Python.
 
 use crate::camera::{PyBase, PyCamera};
-use crate::errors::{Error, failure, without_panic};
+use crate::errors::{Error, exists, failure, without_panic};
 use crate::field::PyField;
 use crate::frames::{PyFrames, position};
 use crate::images::{KeptVideo, picture_array};
@@ -91,7 +91,7 @@ impl PyDocument {
     }
 
     /// The camera of this name; without a name the first.
-    fn named_camera(&self, id: Option<&str>) -> PyResult<&Camera> {
+    fn camera_by_name(&self, id: Option<&str>) -> PyResult<&Camera> {
         let found = match id {
             Some(id) => self.document.camera(&CameraId::from(id)),
             None => self.document.cameras.first().map(|camera| &**camera),
@@ -107,10 +107,7 @@ impl PyDocument {
     /// Writes the document to where it was read or to `path`; paths in it are rewritten for there.
     fn write(&mut self, path: &Path, overwrite: bool) -> PyResult<()> {
         if !overwrite && path.exists() && !is_empty_folder(path) {
-            let path = path.display();
-            return Err(Error::new_err(format!(
-                "{path} already exists; give overwrite=True to replace it, or another path"
-            )));
+            return Err(exists(path));
         }
         let location = Location::for_new_document(path).map_err(failure)?;
         let mut document = self.document.clone();
@@ -209,7 +206,7 @@ impl PyDocument {
     /// The base of a camera, by default the first one's; None where it is not known yet.
     #[pyo3(signature = (camera = None))]
     fn base(&self, camera: Option<&str>) -> PyResult<Option<PyBase>> {
-        let camera = self.named_camera(camera)?;
+        let camera = self.camera_by_name(camera)?;
         let image_size = camera.image_size;
         Ok(camera.base().map(|base| PyBase { base, image_size }))
     }
@@ -237,8 +234,8 @@ impl PyDocument {
         picture_array(py, &picture.map_err(failure)?, bgr)
     }
 
-    /// Sets the clicks of a frame: dicts with `landmark` or `line`, `image_px`, and `check=True` for
-    /// one that is held out. The frame keeps its camera until it is solved again.
+    /// Sets the clicks of a frame: dicts with `landmark` or `line`, `image_px`, and `check=True`
+    /// for one that is held out. The frame keeps its camera until it is solved again.
     fn set_clicks(&mut self, frame: &Bound<'_, PyAny>, clicks: &Bound<'_, PyAny>) -> PyResult<()> {
         let index = self.position(frame)?;
         let clicks: Vec<Click> = json::from_python(clicks, "clicks")?;

@@ -6,13 +6,14 @@ use pyo3::prelude::*;
 use std::any::Any;
 use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use touchline_core::progress::panic_message;
 
 create_exception!(
     touchline,
     Error,
     PyException,
-    "What could not be done, with the text of the command line: a file, a document, clicks that give no camera."
+    "What could not be done, with the text of the command line."
 );
 
 create_exception!(
@@ -25,6 +26,14 @@ create_exception!(
 /// The exception for an error of the library.
 pub fn failure(error: impl Display) -> PyErr {
     Error::new_err(error.to_string())
+}
+
+/// The exception for a file that is not to be replaced.
+pub fn exists(path: &Path) -> PyErr {
+    let path = path.display();
+    failure(format_args!(
+        "{path} already exists; give overwrite=True to replace it, or another path"
+    ))
 }
 
 /// Runs a function whose panic becomes a `RuntimeError` of one line.

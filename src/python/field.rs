@@ -119,7 +119,8 @@ impl PyField {
             .collect()
     }
 
-    /// Points along a line, at most `step_m` apart: an array of shape (N, 3), m, the crown included.
+    /// Points along a line, at most `step_m` apart: an array of shape (N, 3), m, the crown
+    /// included.
     #[pyo3(signature = (name, step_m = 0.5))]
     fn line<'py>(&self, py: Python<'py>, name: &str, step_m: f64) -> PyResult<Bound<'py, PyAny>> {
         let Some(line) = self.model.line(name) else {

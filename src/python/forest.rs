@@ -2,10 +2,10 @@
 
 use crate::camera::PyCamera;
 use crate::document::PyDocument;
-use crate::errors::{Error, failure};
+use crate::errors::{Error, exists, failure};
 use crate::images::{OnePicture, picture};
 use crate::progress::{self, Steps};
-use crate::solve::PySolution;
+use crate::results::PySolution;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
@@ -15,8 +15,8 @@ use touchline_calibration::proposals::{
     FeatureStore, FramePictures, LearnError, LearnOptions, TrainingFrames, adopt_bases, learn,
     measure, study,
 };
-use touchline_core::camera::PtzCamera;
 use touchline_core::files::{read_named, refuse_part_of_project};
+use touchline_core::geometry::Mat3;
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{
     Camera, CameraId, Document, Frame, VideoFrame, document_from_bytes,
@@ -90,7 +90,9 @@ impl PyForest {
     /// each reference with a forest without it, and bound the stated probabilities by the answers.
     /// The same `seed` gives the same forest. `progress(done, of)` counts within the present step.
     #[staticmethod]
-    #[pyo3(signature = (document, *, trees = None, seed = 0, all_references = false, measured = true, progress = None))]
+    #[pyo3(signature = (
+        document, *, trees = None, seed = 0, all_references = false, measured = true, progress = None
+    ))]
     fn train(
         document: &Bound<'_, PyDocument>,
         trees: Option<u32>,
@@ -143,9 +145,7 @@ impl PyForest {
         let place = path.display().to_string();
         refuse_part_of_project(&path).map_err(failure)?;
         if !overwrite && path.exists() {
-            return Err(Error::new_err(format!(
-                "{place} already exists; give overwrite=True to replace it, or another path"
-            )));
+            return Err(exists(&path));
         }
         let written = progress::run(py, None, move |_| {
             write(&path, &self.model.to_bytes(), overwrite)
@@ -178,7 +178,9 @@ impl PyForest {
     /// The answer is that of `touchline relocalize`, the check against the painted lines included.
     /// `camera`: which camera took it, by default the one with pictures of this size. `snap`: pull
     /// the answer onto the painted lines. Where no camera is found, `Answer.camera` is None.
-    #[pyo3(signature = (image, camera = None, *, bgr = false, min_confidence = None, snap = false, seed = 0))]
+    #[pyo3(signature = (
+        image, camera = None, *, bgr = false, min_confidence = None, snap = false, seed = 0
+    ))]
     fn relocalize(
         &self,
         image: &Bound<'_, PyAny>,
@@ -276,7 +278,7 @@ fn train(
         error => failure(error),
     })?;
     if measured {
-        let asking = Progress::new(|share: Share| steps.report(share.done, share.of));
+        let measuring = Progress::new(|share: Share| steps.report(share.done, share.of));
         let relocalizing = RelocalizeOptions::default();
         let quality = measure(
             &pictures,
@@ -284,7 +286,7 @@ fn train(
             references,
             options,
             &relocalizing,
-            &asking,
+            &measuring,
         );
         if let Some(quality) = quality {
             quality.bound(document, &mut model);
@@ -307,8 +309,8 @@ fn write(path: &Path, bytes: &[u8], overwrite: bool) -> std::io::Result<()> {
 pub struct Answer {
     /// The camera with its uncertainty; None where none was found.
     pub solution: Option<Py<PySolution>>,
-    /// The probability that the overlay is right within 10 px at 1920 px width; None where no camera
-    /// was found.
+    /// The probability that the overlay is right within 10 px at 1920 px width; None where no
+    /// camera was found.
     pub confidence: Option<f64>,
     /// Why no camera was found; None where one was.
     pub reason: Option<String>,
@@ -337,7 +339,7 @@ impl Answer {
     }
 }
 
-/// Asks a forest for the last frame of a document, whose picture is given.
+/// The answer of a forest for the last frame of a document; `picture` is that of the frame.
 fn answer(
     mut document: Document,
     picture: Picture,
@@ -376,12 +378,13 @@ fn answer(
         });
     };
     let confidence = solution.confidence;
-    let solution = in_python(
-        &camera,
-        frame,
-        solution.covariance,
-        solution.rms_px,
-        solution.worst_corner_sigma_px,
+    let solution = PySolution::without_clicks(
+        PyCamera::new(&camera, frame.image_size),
+        solution
+            .covariance
+            .unwrap_or_else(|| Mat3::repeat(f64::NAN)),
+        solution.rms_px.unwrap_or(f64::NAN),
+        solution.worst_corner_sigma_px.unwrap_or(f64::NAN),
     );
     let solution = Python::attach(|py| Py::new(py, solution)).map_err(|error| error.to_string())?;
     Ok(Answer {
@@ -389,23 +392,4 @@ fn answer(
         confidence,
         reason: None,
     })
-}
-
-/// A solution that rests on no clicks.
-pub fn in_python(
-    camera: &PtzCamera,
-    frame: &Frame,
-    covariance: Option<touchline_core::geometry::Mat3>,
-    rms_px: Option<f64>,
-    worst_corner_sigma_px: Option<f64>,
-) -> PySolution {
-    PySolution {
-        camera: PyCamera::new(camera, frame.image_size),
-        covariance: covariance.unwrap_or_else(|| touchline_core::geometry::Mat3::repeat(f64::NAN)),
-        rms_px: rms_px.unwrap_or(f64::NAN),
-        worst_corner_sigma_px: worst_corner_sigma_px.unwrap_or(f64::NAN),
-        residuals_px: Vec::new(),
-        alternatives: Vec::new(),
-        warnings: Vec::new(),
-    }
 }

@@ -15,7 +15,7 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::Mat3;
 use touchline_documents::document::{Clip, Document, Frame, FramePtz, Frames, Target};
 
-/// The frames of a document as they were when they were asked for: arrays with one entry a frame.
+/// The frames of a document at the time of the access: arrays with one entry a frame.
 ///
 /// Floating-point arrays hold NaN where a frame is unsolved (see `solved`). Every access computes
 /// its array anew: keep it. Frames are changed through the document.
@@ -111,7 +111,7 @@ fn or_nan(number: Option<f64>) -> [f64; 1] {
 }
 
 /// Pan, tilt and focal length as the document states them; NaN where a frame is unsolved.
-fn stated_ptz(ptz: Option<&FramePtz>) -> [f64; 3] {
+fn ptz_or_nan(ptz: Option<&FramePtz>) -> [f64; 3] {
     ptz.map_or([f64::NAN; 3], |ptz| {
         [ptz.pan_deg, ptz.tilt_deg, ptz.focal_px]
     })
@@ -218,7 +218,7 @@ impl PyFrames {
     #[getter]
     fn ptz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.column(py, [self.__len__(), 3], |_, frame| {
-            stated_ptz(frame.ptz.as_ref())
+            ptz_or_nan(frame.ptz.as_ref())
         })
     }
 

@@ -175,7 +175,7 @@ impl ReadFrames for DecodedFrames {
     }
 }
 
-/// One picture, whichever frame is asked for.
+/// One picture, for any frame.
 pub struct OnePicture(pub Picture);
 
 impl ReadFrames for OnePicture {
@@ -184,7 +184,7 @@ impl ReadFrames for OnePicture {
     }
 }
 
-/// Reads frames and keeps the last video open, for frames that are asked for one by one.
+/// Reads frames and keeps the last video open, for frames that are read one by one.
 #[derive(Default)]
 pub struct KeptVideo(Option<Video>);
 

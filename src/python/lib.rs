@@ -6,7 +6,7 @@
 //!
 //! - Errors are exceptions with the texts of the command line ([`errors`]); a panic becomes a
 //!   `RuntimeError`.
-//! - Long work runs beside the interpreter, whose lock is released ([`progress`]).
+//! - Long work runs beside the interpreter; its lock is released ([`progress`]).
 //! - A function that changes a document works on a copy and hands it over at its end: documents
 //!   share what did not change, and a cancelled call leaves nothing half done.
 //!
@@ -15,9 +15,9 @@
 //! | 6 | `calibrate` (whole videos, tracking, snapping), `forest` |
 //! | 5 | `solve` (from clicks) |
 //! | 4 | `document` |
-//! | 3 | `frames` (of a document as columns), `score` |
-//! | 2 | `camera` (bases, cameras, projection) |
-//! | 1 | `arrays` (NumPy in and out), `field`, `images`, `json` (dicts with the document's keys), `progress`, `report` |
+//! | 3 | `frames` (of a document as columns), `results`, `score` |
+//! | 2 | `camera` (bases, cameras, projection), `field`, `images` |
+//! | 1 | `arrays` (NumPy in and out), `json` (dicts with the document's keys), `progress` |
 //! | 0 | `errors` |
 
 mod arrays;
@@ -31,7 +31,7 @@ mod frames;
 mod images;
 mod json;
 mod progress;
-mod report;
+mod results;
 mod score;
 mod solve;
 
@@ -51,8 +51,8 @@ fn _touchline(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<forest::Answer>()?;
     module.add_class::<forest::PyForest>()?;
     module.add_class::<frames::PyFrames>()?;
-    module.add_class::<report::Report>()?;
-    module.add_class::<solve::PySolution>()?;
+    module.add_class::<results::Report>()?;
+    module.add_class::<results::PySolution>()?;
     module.add_function(wrap_pyfunction!(calibrate::calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(calibrate::snap, module)?)?;
     module.add_function(wrap_pyfunction!(calibrate::track, module)?)?;
@@ -64,7 +64,7 @@ fn _touchline(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(field::field_names, module)?)?;
     module.add_function(wrap_pyfunction!(score::iou, module)?)?;
     module.add_function(wrap_pyfunction!(score::jac, module)?)?;
-    module.add_function(wrap_pyfunction!(score::shown_lines, module)?)?;
+    module.add_function(wrap_pyfunction!(score::visible_lines, module)?)?;
     module.add_function(wrap_pyfunction!(solve::estimate_base, module)?)?;
     module.add_function(wrap_pyfunction!(solve::solve, module)?)?;
     module.add_function(wrap_pyfunction!(solve::solve_frame, module)?)?;

@@ -62,7 +62,7 @@ impl Steps {
     }
 
     /// Waits for the end of the work. Steps go to the caller's function; if that raises something,
-    /// or Ctrl-C is pressed, the work is cancelled, and the exception is returned once it has ended.
+    /// or Ctrl-C is pressed, the work is cancelled and the exception returned once it has ended.
     fn attend(&self, callback: Option<&Py<PyAny>>) -> PyResult<()> {
         let mut outcome = Ok(());
         loop {

@@ -34,8 +34,8 @@ pub fn iou(
     })
 }
 
-/// `SoccerNet`'s JaC of one picture, 0 to 1: the share of lines found within `threshold_px` (at 960 px
-/// width) of all that are annotated or shown. Of the annotation and the same turned by half a turn
+/// `SoccerNet`'s JaC of one picture, 0 to 1: the share of lines found within `threshold_px` (at 960
+/// px width) of all that are annotated or shown. Of the annotation and the same turned by half a turn
 /// the better counts.
 ///
 /// `lines`: arrays of shape (N, 2), px of the picture, by the names of the field's lines.
@@ -73,7 +73,7 @@ pub fn jac(
 /// points along round ones. Arrays of shape (N, 2), px, by name.
 #[pyfunction]
 #[pyo3(signature = (camera, field = None))]
-pub fn shown_lines<'py>(
+pub fn visible_lines<'py>(
     py: Python<'py>,
     camera: &PyCamera,
     field: Option<&PyField>,

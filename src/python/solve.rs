@@ -1,13 +1,13 @@
 //! Cameras from clicks: of two points, of a frame, of a document.
 
-use crate::arrays::{Numbers, array, matrix};
+use crate::arrays::Numbers;
 use crate::camera::{PyBase, PyCamera};
 use crate::document::PyDocument;
 use crate::errors::{failure, without_panic};
 use crate::field::{PyField, field_or_usual};
 use crate::json;
 use crate::progress::{self, Steps};
-use crate::report::Report;
+use crate::results::{PySolution, Report};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::Path;
@@ -15,10 +15,9 @@ use touchline_calibration::calibrate::{
     BaseProblem, SolveOutcome, follow_all_bases, observations, solve_document,
 };
 use touchline_core::camera::PtzCamera;
-use touchline_core::geometry::Mat3;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, BaseProgress, CrownModel, LensModel};
-use touchline_core::solve::{SolveContext, Warning, solve_two_points};
+use touchline_core::solve::{SolveContext, solve_two_points};
 use touchline_documents::document::{CameraId, Click, Document, Frame};
 
 /// The cameras for which two points of the world appear at two pixels, in ascending order of focal
@@ -49,77 +48,10 @@ pub fn two_point(
     })
 }
 
-/// A frame's camera with its uncertainty.
-#[pyclass(module = "touchline", frozen, name = "Solution")]
-pub struct PySolution {
-    pub camera: PyCamera,
-    pub covariance: Mat3,
-    pub rms_px: f64,
-    pub worst_corner_sigma_px: f64,
-    pub residuals_px: Vec<[f64; 2]>,
-    pub alternatives: Vec<PyCamera>,
-    pub warnings: Vec<Warning>,
-}
-
-#[pymethods]
-impl PySolution {
-    /// The camera.
-    #[getter]
-    fn camera(&self) -> PyCamera {
-        self.camera.clone()
-    }
-
-    /// Covariance of pan (deg), tilt (deg) and focal length (px), (3, 3).
-    #[getter]
-    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        matrix(py, &self.covariance)
-    }
-
-    /// Root mean square of the residuals, px.
-    #[getter]
-    fn rms_px(&self) -> f64 {
-        self.rms_px
-    }
-
-    /// 1-σ of the overlay at the worst corner of the picture, px.
-    #[getter]
-    fn worst_corner_sigma_px(&self) -> f64 {
-        self.worst_corner_sigma_px
-    }
-
-    /// From where the camera puts what was clicked to the clicks that took part, (M, 2), px; NaN
-    /// where it has no image.
-    #[getter]
-    fn residuals_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers = self.residuals_px.as_flattened().to_vec();
-        Ok(array(py, [self.residuals_px.len(), 2], numbers)?.into_any())
-    }
-
-    /// Other cameras that fit the same clicks, best first.
-    #[getter]
-    fn alternatives(&self) -> Vec<PyCamera> {
-        self.alternatives.clone()
-    }
-
-    /// What a person should know: dicts with `code`, `message` and `clicks`.
-    #[getter]
-    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        json::to_python(py, &self.warnings)
-    }
-
-    fn __repr__(&self) -> String {
-        let ptz = self.camera.camera.ptz();
-        format!(
-            "<touchline.Solution pan {:.2}, tilt {:.2}, focal length {:.0} px, rms {:.2} px>",
-            ptz.pan, ptz.tilt, ptz.focal_px, self.rms_px
-        )
-    }
-}
-
 /// Pan, tilt and focal length of a frame from its clicks and a known base.
 ///
-/// `clicks`: dicts with `landmark` or `line`, `image_px`, and `check=True` for one that is held out,
-/// as in documents. `field`: by default a soccer pitch of 105 × 68 m.
+/// `clicks`: dicts with `landmark` or `line`, `image_px`, and `check=True` for one that is held
+/// out, as in documents. `field`: by default a soccer pitch of 105 × 68 m.
 #[pyfunction]
 #[pyo3(signature = (base, clicks, field = None))]
 pub fn solve_frame(
@@ -207,13 +139,15 @@ fn lens_model(name: &str) -> PyResult<Option<LensModel>> {
     }
 }
 
-/// Estimates where the cameras of a document stand, their base rotations and lenses, from the clicks
-/// of all frames but rejected ones, and solves all frames, as `touchline refine-base`.
+/// Estimates where the cameras of a document stand, their base rotations and lenses, from the
+/// clicks of all frames but rejected ones, and solves all frames, as `touchline refine-base`.
 ///
 /// Three and more frames with four landmarks each are a good start. `crown_m`: None chooses it by
 /// cross-validation. `progress(done, of)` as in `solve`.
 #[pyfunction]
-#[pyo3(signature = (document, distortion = "auto", crown_m = None, principal_point = true, progress = None))]
+#[pyo3(signature = (
+    document, distortion = "auto", crown_m = None, principal_point = true, progress = None
+))]
 pub fn estimate_base(
     document: &Bound<'_, PyDocument>,
     distortion: &str,
@@ -246,7 +180,7 @@ fn estimate_all(
     let before = document.clone();
     let adjusting = Progress::new(|at: BaseProgress| steps.report(at.done, at.total));
 
-    // A camera whose base cannot be estimated does not stop the others.
+    // A camera without an estimate does not stop the others.
     let (mut estimates, mut errors) = (Vec::new(), Vec::new());
     for camera in &before.cameras {
         let problem = BaseProblem::of(before.at(folder), &camera.id);

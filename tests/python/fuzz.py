@@ -105,7 +105,7 @@ def calls(draw):
         (touchline.solve_frame, (lambda: draw.base, clicks)),
         (touchline.iou, (draw.camera, draw.camera, lambda: draw.field, lambda: draw.random.choice(["part", "whole", "x"]))),
         (touchline.jac, (draw.camera, lines, lambda: draw.field, draw.number)),
-        (touchline.shown_lines, (draw.camera,)),
+        (touchline.visible_lines, (draw.camera,)),
         (touchline.field, (lambda: draw.random.choice(NAMES),)),
         (draw.field.line, (lambda: draw.random.choice([*draw.field.lines, *NAMES]), draw.number)),
         (draw.document.set_clicks, (frame, clicks)),

@@ -121,7 +121,7 @@ class Cameras(unittest.TestCase):
         self.assertAlmostEqual(touchline.iou(camera, camera), 1.0)
         self.assertAlmostEqual(touchline.iou(camera, camera, kind="whole"), 1.0)
         self.assertLess(touchline.iou(camera, other), 0.95)
-        lines = touchline.shown_lines(camera)
+        lines = touchline.visible_lines(camera)
         self.assertGreater(len(lines), 5)
         self.assertEqual(touchline.jac(camera, lines), 1.0)
         self.assertLess(touchline.jac(other, lines), 0.2)

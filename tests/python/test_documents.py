@@ -165,7 +165,7 @@ class AsTheCommandLine(unittest.TestCase):
             one, other = truth.camera(ids[scores["frame"]]), estimate.camera(ids[scores["frame"]])
             self.assertAlmostEqual(touchline.iou(one, other, truth.field), scores["iou_part"], delta=1e-12)
             self.assertAlmostEqual(touchline.iou(one, other, truth.field, "whole"), scores["iou_whole"], delta=1e-12)
-            annotated = touchline.shown_lines(one, truth.field)
+            annotated = touchline.visible_lines(one, truth.field)
             self.assertAlmostEqual(touchline.jac(other, annotated, estimate.field), scores["jac_5"], delta=1e-12)
         self.assertEqual(len(solved), 9)
 

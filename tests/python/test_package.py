@@ -1,7 +1,10 @@
 """The package: doctests, types, interchange, the program beside the module."""
 
+import contextlib
 import doctest
+import io
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -39,6 +42,22 @@ class Documented(unittest.TestCase):
                 self.assertEqual(found.failed, 0)
         finally:
             os.chdir(here)
+
+    def test_readmes_example(self):
+        with open(os.path.join(support.ROOT, "README.md"), encoding="utf-8") as file:
+            blocks = re.findall(r"```python\n(.*?)```", file.read(), re.S)
+        (block,) = [block for block in blocks if "touchline.load(" in block]
+        here, said = os.getcwd(), io.StringIO()
+        with tempfile.TemporaryDirectory() as folder:
+            os.symlink(os.path.join(support.ROOT, "projects"), os.path.join(folder, "projects"))
+            os.chdir(folder)
+            try:
+                with contextlib.redirect_stdout(said):
+                    exec(compile(block, "README.md", "exec"), {})
+                self.assertTrue(os.path.exists("solved.json"))
+            finally:
+                os.chdir(here)
+        self.assertRegex(said.getvalue(), r"0\.9\d+ <touchline\.Camera pan ")
 
     def test_everything_has_a_docstring(self):
         for name in touchline.__all__:

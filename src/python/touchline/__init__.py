@@ -57,13 +57,13 @@ from ._touchline import (
     jac,
     load,
     project,
-    shown_lines,
     snap,
     solve,
     solve_frame,
     track,
     two_point,
     unproject,
+    visible_lines,
 )
 
 __all__ = [
@@ -89,11 +89,11 @@ __all__ = [
     "jac",
     "load",
     "project",
-    "shown_lines",
     "snap",
     "solve",
     "solve_frame",
     "track",
     "two_point",
     "unproject",
+    "visible_lines",
 ]
