@@ -34,13 +34,14 @@ use touchline_vision::paint::{GroundPicture, SnapOptions};
 const SAMPLED: RangeInclusive<usize> = 3..=300;
 
 /// Finds the camera of a video or of a folder of pictures without a click, as
-/// `touchline calibrate`: where it stands, its lens, and each frame's pan, tilt and focal length, as
-/// suggestions.
+/// `touchline calibrate`: where it stands, its lens, and each frame's pan, tilt and focal length
+/// as suggestions.
 ///
 /// `frames`: a path, or a sequence of pictures (height, width, 3), uint8, red first, or blue with
 /// `bgr`, which are read by their index when they are needed; they are the frames of one video that
 /// `name` names in the document. `params`: parameters of the field, the size of which is then taken
-/// as known. `look_at`: the camera is found from this many frames at most. `found_only`: answer only those.
+/// as known. `look_at`: the camera is found from this many frames at most. `found_only`: answer
+/// only those.
 ///
 /// Raises `NoCamera` where the pictures do not decide. The document is saved by `save`.
 #[pyfunction]

@@ -84,7 +84,8 @@ impl PyBase {
         let ptz = Ptz::from_degrees(pan_deg, tilt_deg, focal_px);
         if !ptz.is_finite() {
             return Err(PyValueError::new_err(format!(
-                "finite angles and a positive focal length are needed, not {pan_deg}, {tilt_deg}, {focal_px}"
+                "finite angles and a positive focal length are needed, not {pan_deg}, {tilt_deg}, \
+                 {focal_px}"
             )));
         }
         Ok(PyCamera::new(

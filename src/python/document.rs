@@ -115,7 +115,8 @@ impl PyDocument {
         let written = document.clone().relocated(&self.folder, location.folder());
         if let Some(path) = written.unwritable_path(location.folder()) {
             return Err(Error::new_err(format!(
-                "{path}: a document cannot name it, for a folder's name in it is not UTF-8; rename the folder"
+                "{path}: a document cannot name it, for a folder's name in it is not UTF-8; \
+                 rename the folder"
             )));
         }
         store::write_document(&location, &written, overwrite).map_err(failure)?;

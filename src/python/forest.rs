@@ -91,7 +91,8 @@ impl PyForest {
     /// The same `seed` gives the same forest. `progress(done, of)` counts within the present step.
     #[staticmethod]
     #[pyo3(signature = (
-        document, *, trees = None, seed = 0, all_references = false, measured = true, progress = None
+        document, *, trees = None, seed = 0, all_references = false, measured = true,
+        progress = None
     ))]
     fn train(
         document: &Bound<'_, PyDocument>,

@@ -153,8 +153,8 @@ impl PyFrames {
     }
 
     /// Whether a frame has a camera, (N,) of bool.
-    #[getter]
-    fn solved<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    #[getter(solved)]
+    fn is_solved<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.values(py, |frame| self.document.pointed(frame).is_some())
     }
 

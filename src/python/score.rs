@@ -35,7 +35,7 @@ pub fn iou(
 }
 
 /// `SoccerNet`'s JaC of one picture, 0 to 1: the share of lines found within `threshold_px` (at 960
-/// px width) of all that are annotated or shown. Of the annotation and the same turned by half a turn
+/// px width) of all that are annotated or shown. Of the annotation and the same after half a turn
 /// the better counts.
 ///
 /// `lines`: arrays of shape (N, 2), px of the picture, by the names of the field's lines.
