@@ -2,6 +2,7 @@
 
 use crate::arrays::{Numbers, array, image_point, image_size, matrix, world_point};
 use crate::errors::without_panic;
+use crate::progress::threads;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -250,7 +251,7 @@ pub fn project<'py>(
     let points = Numbers::read(points, "points")?;
     let (numbers, length) = points.rows(&[3, 2])?;
     let show = |row: &[f64], pixel: &mut [f64]| pixel.copy_from_slice(&image_of(&camera, row));
-    let pixels = without_panic(|| Ok(py.detach(|| map_rows(numbers, length, 2, show))))?;
+    let pixels = without_panic(|| map_rows(py, numbers, [length, 2], show))?;
     rows_for_python(py, pixels, 2, points.is_single())
 }
 
@@ -279,7 +280,7 @@ pub fn unproject<'py>(
     let (numbers, length) = pixels.rows(&[2])?;
     let meet =
         |row: &[f64], point: &mut [f64]| point.copy_from_slice(&plane_of(&camera, row, height_m));
-    let points = without_panic(|| Ok(py.detach(|| map_rows(numbers, length, 3, meet))))?;
+    let points = without_panic(|| map_rows(py, numbers, [length, 3], meet))?;
     rows_for_python(py, points, 3, pixels.is_single())
 }
 
@@ -291,27 +292,40 @@ fn plane_of(camera: &PtzCamera, row: &[f64], height_m: f64) -> [f64; 3] {
 
 /// Maps rows of numbers to rows of another length, many of them on several threads.
 fn map_rows(
+    py: Python<'_>,
     numbers: &[f64],
-    length: usize,
-    length_out: usize,
-    map: impl Fn(&[f64], &mut [f64]) + Sync,
-) -> Vec<f64> {
+    [length, length_out]: [usize; 2],
+    map: impl Fn(&[f64], &mut [f64]) + Send + Sync,
+) -> PyResult<Vec<f64>> {
     let mut out = vec![0.0; numbers.len() / length * length_out];
-    let pieces = numbers.par_chunks(POINTS_AT_ONCE * length);
-    let each = |(rows, rows_out): (&[f64], &mut [f64])| {
-        let pairs = rows
-            .chunks_exact(length)
-            .zip(rows_out.chunks_exact_mut(length_out));
-        pairs.for_each(|(row, row_out)| map(row, row_out));
-    };
     if numbers.len() <= POINTS_AT_ONCE * length {
-        each((numbers, &mut out));
-    } else {
-        pieces
-            .zip(out.par_chunks_mut(POINTS_AT_ONCE * length_out))
-            .for_each(each);
+        map_each(numbers, &mut out, [length, length_out], &map);
+        return Ok(out);
     }
-    out
+    let pool = threads()?;
+    let pieces = numbers.par_chunks(POINTS_AT_ONCE * length);
+    let pieces_out = out.par_chunks_mut(POINTS_AT_ONCE * length_out);
+    let pieces = pieces.zip(pieces_out);
+    py.detach(|| {
+        pool.install(|| {
+            pieces
+                .for_each(|(rows, rows_out)| map_each(rows, rows_out, [length, length_out], &map));
+        });
+    });
+    Ok(out)
+}
+
+/// Maps rows of numbers one after the other.
+fn map_each(
+    numbers: &[f64],
+    out: &mut [f64],
+    [length, length_out]: [usize; 2],
+    map: &impl Fn(&[f64], &mut [f64]),
+) {
+    let rows_out = out.chunks_exact_mut(length_out);
+    for (row, row_out) in numbers.chunks_exact(length).zip(rows_out) {
+        map(row, row_out);
+    }
 }
 
 /// Rows for Python; a single one without its dimension.

@@ -4,6 +4,7 @@ use crate::arrays::{array, row_by_row};
 use crate::camera::{image_from_ground, pinhole};
 use crate::errors::without_panic;
 use crate::json;
+use crate::progress::threads;
 use numpy::Element;
 use numpy::ndarray::IntoDimension;
 use pyo3::exceptions::PyIndexError;
@@ -38,7 +39,9 @@ impl PyFrames {
         row: impl Fn(&Document, &Frame) -> [f64; N] + Send + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         let document = &self.document;
-        let numbers = without_panic(|| Ok(py.detach(|| column(document, row))))?;
+        let pool = threads()?;
+        let compute = || pool.install(|| column(document, row));
+        let numbers = without_panic(|| Ok(py.detach(compute)))?;
         Ok(array(py, shape, numbers)?.into_any())
     }
 

@@ -1,12 +1,13 @@
 //! Long work beside the interpreter: its lock is released, Ctrl-C and the caller's function are
 //! attended to.
 
-use crate::errors::internal;
+use crate::errors::{failure, internal};
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use touchline_core::progress::{Progress, Share};
 
@@ -101,8 +102,33 @@ fn show(py: Python<'_>, callback: Option<&Py<PyAny>>, step: Option<Share>) -> Py
     py.check_signals()
 }
 
-/// Runs long work on the threads of rayon, while this thread attends to the interpreter: only the
-/// main thread receives Ctrl-C, and a thread that computes cannot look for it.
+/// The threads of this process, with the id of the process that started them.
+static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+
+/// The threads of this process. A process that was forked from another one, such as a worker of a
+/// data loader, has none of the threads of that one, and gets its own.
+///
+/// # Errors
+/// The system gives no threads.
+pub fn threads() -> PyResult<Arc<ThreadPool>> {
+    let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    match &*kept {
+        Some((owner, pool)) if *owner == process => Ok(Arc::clone(pool)),
+        _ => {
+            let pool = Arc::new(ThreadPoolBuilder::new().build().map_err(failure)?);
+            // Threads that do not exist here cannot be ended.
+            std::mem::forget(kept.replace((process, Arc::clone(&pool))));
+            Ok(pool)
+        }
+    }
+}
+
+/// Runs long work on other threads, while this thread attends to the interpreter: only the main
+/// thread receives Ctrl-C, and a thread that computes cannot look for it.
+///
+/// Called by one of those threads, from a decoder of the caller's own for example, it does the work
+/// itself: waiting there could wait for ever.
 ///
 /// # Errors
 /// The caller's function raised something, Ctrl-C was pressed, or the work panicked.
@@ -114,8 +140,13 @@ pub fn run<T: Send>(
     let callback = callback.map(|callback| callback.clone().unbind());
     let steps = Steps::default();
     let result = Mutex::new(None);
+    let pool = threads()?;
+    if pool.current_thread_index().is_some() {
+        let made = py.detach(|| catch_unwind(AssertUnwindSafe(|| work(&steps))));
+        return made.map_err(|panic| internal(panic.as_ref()));
+    }
     let attended = py.detach(|| {
-        rayon::in_place_scope(|scope| {
+        pool.in_place_scope(|scope| {
             scope.spawn(|_| {
                 let made = catch_unwind(AssertUnwindSafe(|| work(&steps)));
                 *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(made);

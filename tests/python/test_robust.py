@@ -1,6 +1,7 @@
 """Bad input: exceptions that say what, where and how to mend it; no panic, no crash; Ctrl-C."""
 
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -89,6 +90,27 @@ class BadInput(unittest.TestCase):
             self.assertIn(str(raised.exception), ran.stderr)
 
 
+def work_in_a_worker():
+    """What a worker of a data loader does."""
+    document = demo()
+    assert touchline.solve(document).solved == 9
+    assert document.frames.R.shape == (27, 3, 3)
+    assert touchline.project(document.camera(0), np.ones((100_000, 3))).shape == (100_000, 2)
+    assert document.image(0).shape == (720, 1280, 3)
+
+
+@unittest.skipUnless("fork" in multiprocessing.get_all_start_methods(), "processes cannot be forked here")
+class Forked(unittest.TestCase):
+    def test_a_forked_process_has_threads_of_its_own(self):
+        work_in_a_worker()
+        worker = multiprocessing.get_context("fork").Process(target=work_in_a_worker)
+        worker.start()
+        worker.join(60)
+        code = worker.exitcode
+        worker.kill()
+        self.assertEqual(code, 0)
+
+
 class Fuzz(unittest.TestCase):
     def test_random_arguments(self):
         here = os.path.dirname(os.path.abspath(__file__))
@@ -137,6 +159,33 @@ class Threads(unittest.TestCase):
             is_done.set()
             thread.join()
         self.assertGreater(counted[0], 10_000)
+
+    def test_a_decoder_may_use_the_module_on_one_thread(self):
+        script = """
+            import sys, touchline
+
+            class Frames:
+                def __init__(self):
+                    self.document = touchline.load(sys.argv[1])
+
+                def __len__(self):
+                    return 2
+
+                def __getitem__(self, index):
+                    touchline.solve(self.document)
+                    touchline.project(self.document.camera(0), [[0.0, 0.0, 0.0]] * 100_000)
+                    return self.document.image(index)
+
+            try:
+                touchline.calibrate(Frames())
+            except touchline.NoCamera as error:
+                print(error)
+        """
+        ran = subprocess.run(
+            [sys.executable, "-c", textwrap.dedent(script), support.DEMO],
+            capture_output=True, text=True, check=False, timeout=120, env={**os.environ, "RAYON_NUM_THREADS": "1"},
+        )
+        self.assertIn("use three or more overlapping frames", ran.stdout, ran.stderr)
 
     def test_many_threads_share_a_document(self):
         document = demo()

@@ -114,6 +114,8 @@ const STATICS: &[Static] = &[
     ("src/documents/document/frames.rs", "LAST"),
     // OpenCV's number of threads is one for the whole process.
     ("src/vision/features/sift.rs", "ONE_THREAD"),
+    // The threads of the process: a process that was forked has none of them.
+    ("src/python/progress.rs", "POOL"),
     // The videos that were examined: each is examined once, whoever opens it.
     ("src/vision/media/video/known.rs", "KNOWN"),
 ];
