@@ -49,7 +49,7 @@ const SAMPLED: RangeInclusive<usize> = 3..=300;
     frames, field = "soccer", params = None, *, look_at = 40, found_only = false, bgr = false,
     name = "video.mp4", progress = None
 ))]
-#[expect(clippy::too_many_arguments, reason = "they are named in Python")]
+#[allow(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn calibrate(
     frames: &Bound<'_, PyAny>,
     field: &str,
@@ -151,6 +151,9 @@ fn document_of_path(
     }
     let making = steps.count(source.len());
     let made = document_from_frames(&source, folder, field, NonZeroUsize::MIN, &making);
+    for (image, error) in &made.left_out {
+        steps.note(format!("{image}: {error}"));
+    }
     Ok(made.document)
 }
 
@@ -196,6 +199,10 @@ fn show_match(steps: &Steps, event: &MatchEvent) -> ControlFlow<()> {
         | MatchEvent::Asking { done, of } => steps.report(*done, *of),
         MatchEvent::Learning(LearningProgress::Training(at)) => steps.report(at.placed, at.total),
         MatchEvent::Tracking(event) => show_tracking(steps, event),
+        MatchEvent::Unreadable { frame, error } => {
+            steps.note(format!("{frame}: {error}"));
+            steps.check()
+        }
         _ => steps.check(),
     }
 }

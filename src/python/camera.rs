@@ -17,6 +17,12 @@ const POINTS_AT_ONCE: usize = 16_384;
 
 /// What the frames of a fixed camera share: where it stands, its base rotation, principal point and
 /// lens.
+///
+/// `position_m`: (3,), `world`. `image_size_px`: columns and rows of its pictures.
+/// `base_from_world`: (3, 3); without it the camera is level and looks along +y at pan 0.
+/// `principal_point_px`: (2,); without it the middle of the picture. Lens: k1 = `k1` +
+/// `per_1000_px` · (f − `at_focal_px`) / 1000, k2 = `k2_per_k1_squared` · k1². A base that is made
+/// counts as exactly known; one of a document has the uncertainty that the document states.
 #[pyclass(module = "touchline", frozen, name = "Base")]
 #[derive(Clone)]
 pub struct PyBase {
@@ -26,18 +32,12 @@ pub struct PyBase {
 
 #[pymethods]
 impl PyBase {
-    /// A base that is exactly known.
-    ///
-    /// `position_m`: (3,), `world`. `base_from_world`: (3, 3); without it the camera is level and
-    /// looks along +y at pan 0. `principal_point_px`: (2,); without it the middle of the picture.
-    /// Lens: k1 = `k1` + `per_1000_px` · (f − `at_focal_px`) / 1000, k2 = `k2_per_k1_squared` ·
-    /// k1².
     #[new]
     #[pyo3(signature = (
         position_m, image_size_px, base_from_world = None, principal_point_px = None, *,
         k1 = 0.0, per_1000_px = 0.0, at_focal_px = 0.0, k2_per_k1_squared = 0.0
     ))]
-    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
+    #[allow(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         position_m: &Bound<'_, PyAny>,
         image_size_px: (i64, i64),

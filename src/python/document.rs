@@ -5,7 +5,8 @@ use crate::errors::{Error, exists, failure, without_panic};
 use crate::field::PyField;
 use crate::frames::{PyFrames, position};
 use crate::images::{KeptVideo, picture_array};
-use crate::{json, progress};
+use crate::json;
+use crate::progress::{self, Steps};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -17,7 +18,7 @@ use touchline_documents::document::{
     Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, RejectReason, Target,
     document_from_bytes, document_to_string,
 };
-use touchline_documents::store::{self, Location};
+use touchline_documents::store::{self, Location, StoreError};
 
 /// A project or dataset: a field, cameras, frames. Read it with `load`.
 ///
@@ -34,17 +35,26 @@ pub struct PyDocument {
 }
 
 /// Reads a document: a project folder, its `project.json`, or a dataset file. Edits in its journal
-/// are included; nothing is written.
+/// are included, with a warning that says so; nothing is written.
 #[pyfunction]
 pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyDocument> {
-    let read = progress::run(py, None, move |_| store::read(&path))?;
-    let (location, document, _) = read.map_err(failure)?;
+    let read = progress::run(py, None, move |steps| read(&path, steps))?;
+    let (location, document) = read.map_err(failure)?;
     let file = Some(location.file().to_path_buf());
     Ok(PyDocument::new(
         document,
         location.folder().to_path_buf(),
         file,
     ))
+}
+
+/// Reads a document, and notes what was recovered from its journal.
+fn read(path: &Path, steps: &Steps) -> Result<(Location, Document), StoreError> {
+    let (location, document, recovery) = store::read(path)?;
+    if let Some(message) = recovery.message() {
+        steps.note(message);
+    }
+    Ok((location, document))
 }
 
 impl PyDocument {

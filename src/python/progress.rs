@@ -2,8 +2,10 @@
 //! attended to.
 
 use crate::errors::{failure, internal};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::ffi::CString;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -21,6 +23,7 @@ pub struct Steps {
     changed: Condvar,
     is_cancelled: AtomicBool,
     counted: AtomicUsize,
+    notes: Mutex<Vec<String>>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -36,6 +39,12 @@ impl Steps {
         self.state().step = Some(Share { done, of });
         self.changed.notify_one();
         self.check()
+    }
+
+    /// Notes what the caller should know: it becomes a warning of Python's when the work is done.
+    pub fn note(&self, note: String) {
+        let mut notes = self.notes.lock().unwrap_or_else(PoisonError::into_inner);
+        notes.push(note);
     }
 
     /// Whether to go on.
@@ -143,6 +152,7 @@ pub fn run<T: Send>(
     let pool = threads()?;
     if pool.current_thread_index().is_some() {
         let made = py.detach(|| catch_unwind(AssertUnwindSafe(|| work(&steps))));
+        warn(py, steps.notes)?;
         return made.map_err(|panic| internal(panic.as_ref()));
     }
     let attended = py.detach(|| {
@@ -156,9 +166,19 @@ pub fn run<T: Send>(
         })
     });
     attended?;
+    warn(py, steps.notes)?;
     match result.into_inner().unwrap_or_else(PoisonError::into_inner) {
         Some(Ok(made)) => Ok(made),
         Some(Err(panic)) => Err(internal(panic.as_ref())),
         None => Err(internal(&"the work did not begin")),
     }
+}
+
+/// Hands notes to Python's `warnings`.
+fn warn(py: Python<'_>, notes: Mutex<Vec<String>>) -> PyResult<()> {
+    for note in notes.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        let note = CString::new(note.replace('\0', " "))?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &note, 1)?;
+    }
+    Ok(())
 }

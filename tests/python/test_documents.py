@@ -62,6 +62,14 @@ class Reading(unittest.TestCase):
             np.testing.assert_array_equal(touchline.homography(camera), frames.H[index])
         self.assertIsNone(document.camera(int(np.flatnonzero(~frames.solved)[0])))
 
+    def test_a_recovered_journal_is_a_warning(self):
+        with tempfile.TemporaryDirectory() as folder:
+            demo().save(folder + "/")
+            with open(folder + "/project.json.journal", "w", encoding="utf-8") as file:
+                file.write("no journal\n")
+            with self.assertWarnsRegex(UserWarning, "journal|edits"):
+                touchline.load(folder)
+
     def test_pictures_are_red_first(self):
         document = demo()
         red, blue = document.image(0), document.image(0, bgr=True)

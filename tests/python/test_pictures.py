@@ -178,6 +178,15 @@ class Matches(unittest.TestCase):
         self.assertEqual(document[3]["video"], {"path": "match.mp4", "frame_index": 3})
         np.testing.assert_allclose(document.base().position_m, self.truth.base().position_m, atol=2.0)
 
+    def test_a_picture_that_cannot_be_read_is_a_warning(self):
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copytree(self.folder.name + "/match/images", folder + "/images")
+            for name in sorted(os.listdir(folder + "/images"))[2:]:
+                with open(folder + "/images/" + name, "wb") as file:
+                    file.write(b"no picture")
+            with self.assertWarnsRegex(UserWarning, "0003.jpg: not a PNG"), self.assertRaises(touchline.NoCamera):
+                touchline.calibrate(folder + "/images")
+
     def test_frames_without_a_field_give_no_camera(self):
         noise = np.random.default_rng(7).integers(0, 255, (6, 90, 160, 3), np.uint8)
         with self.assertRaises(touchline.Error) as raised:
