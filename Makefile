@@ -10,7 +10,7 @@ VIDEO_PACKAGES = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats check schema bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
+.PHONY: help run test test-formats python check schema bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -32,6 +32,9 @@ test: run-packages ## run every test; those that miss a part of the machine are 
 
 test-formats: build-packages ## exports read by each consumer's own reader, each in a Python environment of its own
 	@.ci/formats
+
+python: build-packages ## the Python module, tested with PYTHONS="python3" (several: "python3.9 python3.13")
+	@.ci/python
 
 check: build-packages ## formatting, lints and documentation, warnings refused
 	cargo fmt --all --check

@@ -36,6 +36,7 @@
 //! | crate | rooms |
 //! |---|---|
 //! | `touchline` | `ui`, `cli` |
+//! | `touchline-python` | the library as a Python module |
 //! | `touchline-experiments` | the paper's tables and figures, measured again |
 //! | `touchline-application` | `app` (the whole application without a window), `jobs` (the only detached threads), `render` (wgpu, no egui), `scene` (what is drawn, as plain data) |
 //! | `touchline-calibration` | [`calibrate`] (document to solved document), [`autocalibrate`] (the base of a rotating camera from its frames alone), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`pipelines`] (whole jobs that window and command line share) |

@@ -1,7 +1,7 @@
 //! `touchline calibrate`: makes a project with its camera from frames alone.
 
 use super::Outcome;
-use super::match_report::{MatchReport, describe_no_camera};
+use super::match_report::MatchReport;
 use super::messages::Messages;
 use super::new::{parameter, read_field};
 use super::output::{refuse_existing, write_file};
@@ -141,11 +141,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let labelled = match labels? {
         MatchLabels::Labelled(labelled) => labelled,
         MatchLabels::NoCamera(why) => {
-            return Ok(say_no_answer(
-                args,
-                &describe_no_camera(&document, &why),
-                messages,
-            ));
+            return Ok(say_no_answer(args, &why.describe(&document), messages));
         }
     };
     // Write the project and the panoramas.

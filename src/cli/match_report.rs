@@ -4,10 +4,8 @@ use super::messages::Messages;
 use super::track::TrackingReport;
 use indicatif::ProgressBar;
 use std::sync::{Mutex, PoisonError};
-use touchline_calibration::autocalibrate::DecidingLandmark;
 use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
-use touchline_calibration::pipelines::{LearningProgress, MatchEvent, NoCamera};
-use touchline_documents::document::Document;
+use touchline_calibration::pipelines::{LearningProgress, MatchEvent};
 
 /// Length of the bar of a search. Its steps count differently, so that it shows their share.
 const PARTS: usize = 1000;
@@ -68,7 +66,7 @@ impl MatchReport {
                 separate_frames,
             } => {
                 shown.clear();
-                let why = describe_no_camera(&document, &why);
+                let why = why.describe(&document);
                 messages.note(&format!(
                     "{separate_frames} frames are of another camera, {camera}: {why}"
                 ));
@@ -115,49 +113,6 @@ impl Drop for Shown {
     fn drop(&mut self) {
         self.clear();
     }
-}
-
-/// A message for why no camera is given.
-pub fn describe_no_camera(document: &Document, why: &NoCamera) -> String {
-    match why {
-        NoCamera::Two {
-            best,
-            other,
-            deciding,
-        } => two_answers(document, best, other, deciding.as_ref()),
-        NoCamera::Abstained(why) => why.to_string(),
-    }
-}
-
-/// A message for two candidates, with the click that decides between them.
-fn two_answers(
-    document: &Document,
-    best: &AutocalibratedCamera,
-    other: &AutocalibratedCamera,
-    deciding: Option<&DecidingLandmark>,
-) -> String {
-    let at = |found: &AutocalibratedCamera| {
-        let at = found.base.position_m;
-        format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
-    };
-    let click = deciding.map_or_else(
-        || "click 4 landmarks on 2 frames".to_owned(),
-        |deciding| {
-            let frame = document.frames[deciding.frame].name();
-            let [here, there] = deciding
-                .image
-                .map(|image| format!("({:.0}, {:.0})", image.x, image.y));
-            format!(
-                "one click decides: {} on {frame} is at {here} or at {there} px",
-                deciding.landmark.as_str()
-            )
-        },
-    );
-    format!(
-        "two places for the camera explain the paint, {} and {}, so none is given; {click}",
-        at(best),
-        at(other)
-    )
 }
 
 /// Reports the camera that was found, and the evidence for it.

@@ -117,6 +117,53 @@ pub enum NoCamera {
     Abstained(Abstention),
 }
 
+impl NoCamera {
+    /// A message for the user: why no camera is given, and what would help. `document` is the one
+    /// whose frames were searched.
+    #[must_use]
+    pub fn describe(&self, document: &Document) -> String {
+        match self {
+            Self::Two {
+                best,
+                other,
+                deciding,
+            } => describe_two(document, best, other, deciding.as_ref()),
+            Self::Abstained(why) => why.to_string(),
+        }
+    }
+}
+
+/// A message for two candidates, with the click that decides between them.
+fn describe_two(
+    document: &Document,
+    best: &AutocalibratedCamera,
+    other: &AutocalibratedCamera,
+    deciding: Option<&DecidingLandmark>,
+) -> String {
+    let at = |found: &AutocalibratedCamera| {
+        let at = found.base.position_m;
+        format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
+    };
+    let click = deciding.map_or_else(
+        || "click 4 landmarks on 2 frames".to_owned(),
+        |deciding| {
+            let frame = document.frames[deciding.frame].name();
+            let [here, there] = deciding
+                .image
+                .map(|image| format!("({:.0}, {:.0})", image.x, image.y));
+            format!(
+                "one click decides: {} on {frame} is at {here} or at {there} px",
+                deciding.landmark.as_str()
+            )
+        },
+    );
+    format!(
+        "two places for the camera explain the paint, {} and {}, so none is given; {click}",
+        at(best),
+        at(other)
+    )
+}
+
 /// The cameras of a match that was labelled.
 #[derive(Debug)]
 pub struct LabelledMatch {
