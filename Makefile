@@ -1,7 +1,16 @@
 # Everything that a person or a machine does with this project. `make help` lists it.
 
+# OPENCV=small links the small OpenCV that `make opencv` builds, in place of the system's.
+OPENCV ?= system
+TARGET = $(or $(CARGO_TARGET_DIR),target)
+ifeq ($(OPENCV),small)
+OPENCV_CONFIG = --config $(TARGET)/opencv/cargo.toml
+endif
+CARGO = cargo $(OPENCV_CONFIG)
+
 # Debian's names; on other systems install the like of them (README).
-BUILD_PACKAGES = build-essential pkg-config clang libclang-dev libopencv-dev
+BUILD_PACKAGES = build-essential pkg-config clang libclang-dev $(if $(OPENCV_CONFIG),,libopencv-dev)
+OPENCV_PACKAGES = build-essential cmake ninja-build curl ca-certificates
 RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 \
                  libxkbcommon-x11-0 libwayland-client0 libwayland-egl1 libdbus-1-3
 # Reads videos; tests make them with it.
@@ -10,20 +19,20 @@ VIDEO_PACKAGES = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats python check schema bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
+.PHONY: help run test test-formats python check schema dist opencv bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
 
-run: run-packages ## build and open the demo match (a copy of it in target/demo)
-	cargo build --release
+run: run-packages $(if $(OPENCV_CONFIG),opencv) ## build and open the demo match (a copy of it in target/demo); OPENCV=small: on the small OpenCV
+	$(CARGO) build --release
 	@mkdir -p target
 	@test -e target/demo || cp -r projects/demo target/demo
 	@if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ] || [ "$$(uname -s)" != Linux ]; then \
-	    cargo run --release --quiet -- target/demo; \
+	    $(CARGO) run --release --quiet -- target/demo; \
 	else \
 	    echo "There is no display (DISPLAY and WAYLAND_DISPLAY are empty), so the window cannot open."; \
-	    cargo run --release --quiet -- render target/demo --frame 3 -o target/demo-overlay.png --force && \
+	    $(CARGO) run --release --quiet -- render target/demo --frame 3 -o target/demo-overlay.png --force && \
 	    echo "The demo's overlay is drawn into target/demo-overlay.png instead."; \
 	fi
 
@@ -47,6 +56,16 @@ schema: build-packages ## make the JSON Schema of documents from their types aga
 
 bench: build-packages ## run the benchmarks (tests/benches/README.md has the figures)
 	cargo bench --workspace --benches
+
+dist: ## build the program to hand out, on the small OpenCV: target/dist/touchline, its symbols beside it
+	@$(MAKE) --no-print-directory OPENCV=small build-packages opencv
+	cargo --config $(TARGET)/opencv/cargo.toml build --profile dist
+	cd $(TARGET)/dist && objcopy --only-keep-debug touchline touchline.debug && \
+	    objcopy --strip-all --add-gnu-debuglink=touchline.debug touchline
+
+opencv: ## build the small OpenCV into target/opencv, from its sources (any Linux)
+	@.ci/packages $(OPENCV_PACKAGES)
+	@.ci/opencv
 
 no-click: build-packages ## the camera without a click: all drawn matches and inputs that must fail, not below their stated rates
 	cargo bench --bench no_click -- drawn refused --gate

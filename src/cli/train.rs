@@ -53,7 +53,8 @@ pub struct TrainArgs {
     /// Features per picture at most.
     #[arg(long, value_name = "N", default_value_t = FeatureOptions::default().max_count, value_parser = clap::value_parser!(u32).range(20..=100_000))]
     features: u32,
-    /// Wider pictures are reduced by the smallest whole factor that brings them to this width, px.
+    /// Wider pictures are reduced by the smallest whole factor that brings them to this width, px;
+    /// every picture is looked at in half of it first, if that is 400 px or more.
     #[arg(long, value_name = "PX", default_value_t = FeatureOptions::default().max_width_px, value_parser = clap::value_parser!(u32).range(160..=16_384))]
     max_width: u32,
     /// `RootSIFT` instead of plain SIFT.
@@ -120,7 +121,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         studied
             .training_samples
             .iter()
-            .any(|sample| !sample.rays.is_empty()),
+            .any(|sample| !sample.fine.rays.is_empty()),
         "{}: no reference gave features to train with",
         location.file().display()
     );

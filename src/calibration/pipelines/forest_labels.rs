@@ -7,13 +7,17 @@
 //! | propose, check | [`propose_on_lines`] |
 //! | propose, check, record | [`label_frames`] |
 //!
+//! Features are extracted coarse to fine: half the width takes a quarter of the time, and in most
+//! frames it leaves no doubt. [`propose_on_lines`] decides where it does, for all its callers.
+//!
 //! The trainer of the window calls the first two: it keeps forests and answers over many edits, and
 //! shows suggestions beside the document. The command line calls the last one, on a document that
 //! it writes to a file.
 
 use crate::proposals::{
-    FeatureStore, FramePictures, LearnError, LearnOptions, LineEvidence, NoProposal, Proposal,
-    Studied, TrainingSampleError, learn, propose, study,
+    FeatureStore, FrameFeatures, FramePictures, LearnError, LearnOptions, LineEvidence, Look,
+    NoProposal, PictureError, Proposal, Resolution, Studied, TrainingSampleError, learn, propose,
+    study,
 };
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -24,7 +28,9 @@ use touchline_core::field::FieldError;
 use touchline_core::progress::{Progress, panic_message};
 use touchline_documents::document::Document;
 use touchline_vision::media::ReadFrames;
-use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, Stopped, TrainProgress};
+use touchline_vision::relocalize::{
+    CERTAIN, ForestModel, RelocalizeOptions, Stopped, TrainProgress,
+};
 
 /// Number of frames between two checks for cancellation. Answers up to the check are kept.
 const BATCH_FRAMES: usize = 16;
@@ -129,8 +135,10 @@ pub struct ForestRequest<'a> {
 }
 
 /// The proposals of a forest for some frames, checked together against the painted lines if
-/// `evidence` is given. Proposals are in the order of `frames`, and fewer if `progress` cancelled
-/// it. A panic becomes the answer of its frame.
+/// `evidence` is given. A frame is looked at coarsely first; where the answer is not certain, or is
+/// not after the check, fine features are extracted and the forest is queried again. Proposals are
+/// in the order of `frames`, and fewer if `progress` cancelled it. A panic becomes the answer of
+/// its frame.
 pub fn propose_on_lines(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -139,17 +147,71 @@ pub fn propose_on_lines(
     evidence: Option<&LineEvidence>,
     progress: &Progress<'_, usize>,
 ) -> Vec<Proposal> {
-    let mut proposals = propose_in_batches(pictures, reader, frames, forest, progress);
-    if let Some(evidence) = evidence {
-        let at = pictures.document.at(pictures.folder);
-        evidence.judge(
-            at,
-            reader,
-            &mut proposals,
-            forest.options.pose.min_confidence,
-        );
+    let (resolutions, mut proposals): (Vec<Resolution>, Vec<Proposal>) =
+        propose_in_batches(pictures, reader, frames, forest, progress)
+            .into_iter()
+            .map(|found| (found.resolution, found.proposal))
+            .unzip();
+    let Some(evidence) = evidence else {
+        return proposals;
+    };
+    let at = pictures.document.at(pictures.folder);
+    let min_confidence = forest.options.pose.min_confidence;
+    let has_say = evidence.judge(at, reader, &mut proposals, min_confidence);
+    // Answers by coarse features that are no longer certain are replaced by those by fine ones.
+    let doubtful: Vec<usize> = (0..proposals.len())
+        .filter(|&place| resolutions[place] == Resolution::Coarse && needs_fine(&proposals[place]))
+        .collect();
+    let again: Vec<usize> = doubtful.iter().map(|&place| frames[place]).collect();
+    let again = pictures.each(reader, &again, |index, _, features| {
+        progress.check()?;
+        ControlFlow::Continue(propose_or_report(pictures, forest, index, features))
+    });
+    // If it is cancelled, the answers stay as doubtful as they are.
+    let mut again = again.unwrap_or_default();
+    if has_say {
+        evidence
+            .with_lines_as_evidence()
+            .judge(at, reader, &mut again, min_confidence);
+    }
+    for (place, fine) in doubtful.into_iter().zip(again) {
+        proposals[place] = fine.after(&proposals[place]);
     }
     proposals
+}
+
+/// A proposal, and the resolution of the features that it is from.
+struct ByResolution {
+    proposal: Proposal,
+    resolution: Resolution,
+}
+
+/// Whether a proposal by coarse features is to be replaced by one by fine ones.
+fn needs_fine(proposal: &Proposal) -> bool {
+    match &proposal.outcome {
+        Ok(answer) => answer.confidence < CERTAIN,
+        Err(reason) => matches!(
+            reason,
+            NoProposal::NotFound(_) | NoProposal::Contradicted { .. } | NoProposal::NoBetter
+        ),
+    }
+}
+
+/// Queries the forest for a frame. A panic becomes its answer, for it must not end the others.
+fn propose_or_report(
+    pictures: &FramePictures<'_>,
+    forest: &ForestRequest<'_>,
+    index: usize,
+    features: Result<FrameFeatures, PictureError>,
+) -> Proposal {
+    let (document, generation) = (pictures.document, forest.generation);
+    let model = (forest.model, generation);
+    let ask = || propose(document, index, features, model, &forest.options);
+    catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|panic| {
+        let message = panic_message(panic.as_ref());
+        let reason = NoProposal::Panicked { message };
+        Proposal::without_answer(document, index, generation, reason)
+    })
 }
 
 fn propose_in_batches(
@@ -158,7 +220,7 @@ fn propose_in_batches(
     frames: &[usize],
     forest: &ForestRequest<'_>,
     progress: &Progress<'_, usize>,
-) -> Vec<Proposal> {
+) -> Vec<ByResolution> {
     let num_done = AtomicUsize::new(0);
     // Checks whether the job is cancelled already.
     let _ = progress.report(0);
@@ -167,26 +229,26 @@ fn propose_in_batches(
         if progress.is_cancelled() {
             break;
         }
-        let of_batch = pictures.each(reader, batch, |index, _, features| {
-            // A panic in one frame must not end the others.
-            let ask = || {
-                propose(
-                    pictures.document,
-                    index,
-                    features,
-                    (forest.model, forest.generation),
-                    &forest.options,
-                )
-            };
-            let proposal = catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|panic| {
-                let message = panic_message(panic.as_ref());
-                let reason = NoProposal::Panicked { message };
-                Proposal::without_answer(pictures.document, index, forest.generation, reason)
-            });
-            // The answers of a batch are kept: a break takes effect before the next one.
-            let _ = progress.report(num_done.fetch_add(1, Ordering::Relaxed) + 1);
-            ControlFlow::Continue(proposal)
-        });
+        let ask = |look: Look<'_, ByResolution>| {
+            let resolution = look
+                .found
+                .as_ref()
+                .map_or(Resolution::Fine, |features| features.resolution);
+            let mut proposal = propose_or_report(pictures, forest, look.index, look.found);
+            match &look.earlier {
+                Some(earlier) => proposal = proposal.after(&earlier.proposal),
+                None => {
+                    // The answers of a batch are kept: a break takes effect before the next one.
+                    let _ = progress.report(num_done.fetch_add(1, Ordering::Relaxed) + 1);
+                }
+            }
+            ControlFlow::Continue(ByResolution {
+                proposal,
+                resolution,
+            })
+        };
+        let is_doubtful = |found: &ByResolution| needs_fine(&found.proposal);
+        let of_batch = pictures.each_coarse_to_fine(reader, batch, ask, is_doubtful);
         proposals.extend(of_batch.unwrap_or_default());
     }
     proposals
@@ -239,4 +301,41 @@ pub fn label_frames(
         }
     }
     Ok(proposals)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::proposals::Answer;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Camera, FieldSpec, Frame};
+    use touchline_vision::relocalize::NotFound;
+
+    #[test]
+    fn fine_features_are_for_doubts_that_they_may_end() {
+        let size = ImageSize::new(1280, 720);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let camera = Camera::new("main".into(), size);
+        document.cameras.push(camera.into());
+        let frame = Frame::from_image("a.png", "main".into(), size);
+        document.frames.push(frame.into());
+        let needs = |outcome| {
+            let proposal = Proposal::without_answer(&document, 0, 0, NoProposal::NoBetter);
+            needs_fine(&Proposal {
+                outcome,
+                ..proposal
+            })
+        };
+        assert!(!needs(Ok(Answer::at_pan(0.0, CERTAIN))));
+        assert!(needs(Ok(Answer::at_pan(0.0, CERTAIN - 0.01))));
+        let unsure = NotFound::FewMatches {
+            matched: 3,
+            needed: 6,
+        };
+        assert!(needs(Err(unsure.into())));
+        assert!(needs(Err(NoProposal::Contradicted { found: 1, open: 30 })));
+        let camera = "main".to_owned();
+        assert!(!needs(Err(NoProposal::NoBase { camera })));
+        assert!(needs(Err(NoProposal::NoBetter)));
+    }
 }

@@ -3,6 +3,7 @@
 //! the stadium in all directions.
 
 use super::TrainingSample;
+use super::training_sample::FeatureRays;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImagePoint;
@@ -75,15 +76,14 @@ pub(super) fn leave_out_burnt_in(
             .iter()
             .map(|&at| camera.pointed(&document.frames[training_samples[at].frame]))
             .collect();
+        let scale = camera.image_size.scale_from_1920();
+        let moved = |one, other, point| moved(&cameras, [one, other], point, scale);
+        // Features that stay in place although the labels say that the camera moved.
         let pictures: Vec<&Features> = of_camera
             .iter()
-            .map(|&at| &*training_samples[at].features)
+            .map(|&at| &*training_samples[at].fine.features)
             .collect();
-        let scale = camera.image_size.scale_from_1920();
-        // Features that stay in place although the labels say that the camera moved.
-        let burnt = burnt_in(&pictures, &|one, other, point| {
-            moved(&cameras, [one, other], point, scale)
-        });
+        let burnt = burnt_in(&pictures, &moved);
         let frames: Vec<usize> = of_camera
             .iter()
             .map(|&at| training_samples[at].frame)
@@ -110,15 +110,31 @@ pub(super) fn leave_out_burnt_in(
                 features: graphic.features,
             });
         }
-        // Remove their rays, so that they do not become training samples.
-        for (&at, burnt) in of_camera.iter().zip(&burnt.features) {
-            let burnt: BTreeSet<u32> = burnt.iter().map(|&feature| feature as u32).collect();
-            training_samples[at]
-                .rays
-                .retain(|(feature, _)| !burnt.contains(feature));
+        // The coarse features show the same graphics and are only left out.
+        let none = Features::default();
+        let coarse: Vec<&Features> = of_camera
+            .iter()
+            .map(|&at| training_samples[at].coarse.as_ref())
+            .map(|coarse| coarse.map_or(&none, |coarse| &coarse.features))
+            .collect();
+        let burnt_coarse = burnt_in(&coarse, &moved);
+        for (place, &at) in of_camera.iter().enumerate() {
+            let sample = &mut training_samples[at];
+            leave_out(&mut sample.fine, &burnt.features[place]);
+            if let Some(coarse) = &mut sample.coarse {
+                leave_out(coarse, &burnt_coarse.features[place]);
+            }
         }
     }
     found
+}
+
+/// Removes the rays of some features, so that they do not become training samples.
+fn leave_out(features: &mut FeatureRays, burnt: &[usize]) {
+    let burnt: BTreeSet<u32> = burnt.iter().map(|&feature| feature as u32).collect();
+    features
+        .rays
+        .retain(|(feature, _)| !burnt.contains(feature));
 }
 
 /// Whether, by their labels, a point of one reference's picture lies elsewhere in another's. False

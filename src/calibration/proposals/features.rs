@@ -1,12 +1,11 @@
 //! Extracts the features of a document's frames, or takes them from the store.
+//!
+//! They are extracted at two resolutions; `batches.rs` has what is done with them.
 
 use super::picture::check_size;
 use super::{FeatureStore, PictureError, read_picture};
-use rayon::prelude::*;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchline_documents::document::{Document, Frame};
 use touchline_vision::features::{FeatureKey, FeatureOptions, Features, extract};
@@ -25,9 +24,20 @@ pub struct FramePictures<'a> {
     pub store: &'a FeatureStore,
 }
 
+/// The resolution at which a frame's features are extracted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// That of a quick first look ([`FeatureOptions::coarse`]).
+    Coarse,
+    /// That of the options.
+    Fine,
+}
+
 /// The features of a frame.
 #[derive(Clone, Debug)]
 pub struct FrameFeatures {
+    /// Their resolution.
+    pub resolution: Resolution,
     /// The features outside the masks of the frame and its camera.
     pub features: Arc<Features>,
     /// Time of the extraction, without reading the picture; or of the look-up.
@@ -36,86 +46,19 @@ pub struct FrameFeatures {
     pub changed: bool,
 }
 
-/// Number of frames per batch: at most this many pictures of a video are in memory.
-const BATCH: usize = 16;
+/// Pictures of image files are kept for a second look up to this size, bytes: 4K. Larger ones are
+/// read again, so that a batch of them does not fill the memory.
+const KEPT_BYTES: usize = 36 << 20;
 
 /// The state of a frame before extraction: features from the store, a picture of a video, or an
-/// image file that is still to be read.
-enum Found {
+/// image file with its picture if that is read.
+pub(super) enum Found {
     Before(FrameFeatures),
     Video(Result<Picture, PictureError>, Option<FeatureKey>),
-    Image,
+    Image(Option<Picture>),
 }
 
 impl FramePictures<'_> {
-    /// Calls `work` with the features of some frames, in parallel and batch by batch. Returns the
-    /// results in the order of the frames; none if `work` ended it. Images are read in parallel,
-    /// videos one frame after the other by `reader`.
-    pub fn each<T: Send>(
-        &self,
-        reader: &mut dyn ReadFrames,
-        frames: &[usize],
-        work: impl Fn(usize, &Frame, Result<FrameFeatures, PictureError>) -> ControlFlow<(), T> + Sync,
-    ) -> Option<Vec<T>> {
-        let ended = AtomicBool::new(false);
-        let mut made = Vec::with_capacity(frames.len());
-        // Videos are decoded here in sequence; extraction, and reading of images, runs in parallel
-        // after that.
-        for batch in frames.chunks(BATCH) {
-            let mut begun = Vec::with_capacity(batch.len());
-            for &index in batch {
-                let frame = &*self.document.frames[index];
-                let found = if frame.image.is_some() {
-                    Found::Image
-                } else {
-                    self.of_video(reader, frame)
-                };
-                begun.push((index, frame, found));
-            }
-            let worked = begun.into_par_iter().map(|(index, frame, found)| {
-                if ended.load(Ordering::Relaxed) {
-                    return None;
-                }
-                let worked = work(index, frame, self.features_of(frame, found));
-                if worked.is_break() {
-                    ended.store(true, Ordering::Relaxed);
-                }
-                worked.continue_value()
-            });
-            made.extend(worked.collect::<Option<Vec<T>>>()?);
-        }
-        Some(made)
-    }
-
-    /// Calls `work` with the pictures of some frames, each read once, in parallel and batch by
-    /// batch. Returns the results in the order of the frames; none if `work` ended it.
-    pub(super) fn each_picture<T: Send>(
-        &self,
-        reader: &mut dyn ReadFrames,
-        frames: &[usize],
-        work: impl Fn(usize, &Frame, Result<Picture, PictureError>) -> ControlFlow<(), T> + Sync,
-    ) -> Option<Vec<T>> {
-        let mut made = Vec::with_capacity(frames.len());
-        for batch in frames.chunks(BATCH) {
-            let mut begun = Vec::with_capacity(batch.len());
-            for &index in batch {
-                let frame = &*self.document.frames[index];
-                let of_video = frame
-                    .image
-                    .is_none()
-                    .then(|| read_picture(reader, frame, self.folder));
-                begun.push((index, frame, of_video));
-            }
-            let worked = begun.into_par_iter().map(|(index, frame, of_video)| {
-                let picture = of_video
-                    .unwrap_or_else(|| read_picture(&mut FrameReader::new(), frame, self.folder));
-                work(index, frame, picture).continue_value()
-            });
-            made.extend(worked.collect::<Option<Vec<T>>>()?);
-        }
-        Some(made)
-    }
-
     /// The features of a picture, from the store if it has them.
     pub(super) fn features_in(
         &self,
@@ -130,24 +73,76 @@ impl FramePictures<'_> {
                 .picture_source(self.folder)
                 .and_then(|source| source.video_identity()),
         };
-        let key = identity.map(|identity| self.key(frame, &identity));
+        let fine = Resolution::Fine;
+        let key = identity.map(|identity| self.key(frame, fine, &identity));
         if let Some(features) = key.as_ref().and_then(|key| self.store.get(key)) {
             return Ok(features);
         }
-        Ok(self.look(frame, picture, key.as_ref(), false)?.features)
+        let key = key.as_ref();
+        Ok(self.look(frame, fine, picture, key, false)?.features)
     }
 
-    /// The features of a frame, from the state that was found.
-    fn features_of(&self, frame: &Frame, found: Found) -> Result<FrameFeatures, PictureError> {
-        match found {
-            Found::Before(features) => Ok(features),
-            Found::Video(picture, key) => self.look(frame, &picture?, key.as_ref(), false),
-            Found::Image => self.of_image(frame),
+    /// What there is of a frame: its features in the store, or its picture if it is of a video.
+    /// `picture` is the picture if it was read before.
+    pub(super) fn begin(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frame: &Frame,
+        resolution: Resolution,
+        picture: Option<Picture>,
+    ) -> Found {
+        if frame.image.is_some() {
+            return Found::Image(picture);
+        }
+        let key = frame
+            .picture_source(self.folder)
+            .and_then(|source| source.video_identity());
+        let key = key.map(|identity| self.key(frame, resolution, &identity));
+        let before = key
+            .as_ref()
+            .map(|key| self.before(frame, resolution, key, &frame.name(), false));
+        match before {
+            Some(Ok(Some(before))) => Found::Before(before),
+            Some(Err(error)) => Found::Video(Err(error), None),
+            Some(Ok(None)) | None => {
+                let picture = picture.map_or_else(|| read_picture(reader, frame, self.folder), Ok);
+                Found::Video(picture, key)
+            }
         }
     }
 
-    /// The features of an image file, from the store or extracted.
-    fn of_image(&self, frame: &Frame) -> Result<FrameFeatures, PictureError> {
+    /// The features of a frame, from the state that was found, and its picture if it was read.
+    pub(super) fn features_of(
+        &self,
+        frame: &Frame,
+        resolution: Resolution,
+        found: Found,
+    ) -> (Result<FrameFeatures, PictureError>, Option<Picture>) {
+        match found {
+            Found::Before(features) => (Ok(features), None),
+            Found::Video(Err(error), _) => (Err(error), None),
+            Found::Video(Ok(picture), key) => {
+                let features = self.look(frame, resolution, &picture, key.as_ref(), false);
+                (features, Some(picture))
+            }
+            Found::Image(mut picture) => {
+                let features = self.of_image(frame, resolution, &mut picture);
+                (
+                    features,
+                    picture.filter(|picture| picture.bytes() <= KEPT_BYTES),
+                )
+            }
+        }
+    }
+
+    /// The features of an image file, from the store or extracted. `picture` is its picture if it
+    /// is read, before or here.
+    fn of_image(
+        &self,
+        frame: &Frame,
+        resolution: Resolution,
+        picture: &mut Option<Picture>,
+    ) -> Result<FrameFeatures, PictureError> {
         let path = frame.image_path(self.folder).ok_or(PictureError::None)?;
         let sha256 = sha256_of_file(&path)?;
         // Compare with the hash that the document states, if any.
@@ -155,35 +150,24 @@ impl FramePictures<'_> {
             .sha256
             .as_ref()
             .is_some_and(|stated| !stated.eq_ignore_ascii_case(&sha256));
-        let key = self.key(frame, &sha256);
-        if let Some(before) = self.before(frame, &key, &path.to_string_lossy(), changed)? {
+        let key = self.key(frame, resolution, &sha256);
+        let name = path.to_string_lossy();
+        if let Some(before) = self.before(frame, resolution, &key, &name, changed)? {
             return Ok(before);
         }
         // Use a separate reader, so that no decoder stays open.
-        let picture = read_picture(&mut FrameReader::new(), frame, self.folder)?;
-        self.look(frame, &picture, Some(&key), changed)
-    }
-
-    /// The features of a video's frame from the store, or its picture.
-    fn of_video(&self, reader: &mut dyn ReadFrames, frame: &Frame) -> Found {
-        let key = frame
-            .picture_source(self.folder)
-            .and_then(|source| source.video_identity());
-        let key = key.map(|identity| self.key(frame, &identity));
-        let before = key
-            .as_ref()
-            .map(|key| self.before(frame, key, &frame.name(), false));
-        match before {
-            Some(Ok(Some(before))) => Found::Before(before),
-            Some(Err(error)) => Found::Video(Err(error), None),
-            Some(Ok(None)) | None => Found::Video(read_picture(reader, frame, self.folder), key),
-        }
+        let read = match picture.take() {
+            Some(picture) => picture,
+            None => read_picture(&mut FrameReader::new(), frame, self.folder)?,
+        };
+        self.look(frame, resolution, picture.insert(read), Some(&key), changed)
     }
 
     /// The features in the store; none if it has none.
     fn before(
         &self,
         frame: &Frame,
+        resolution: Resolution,
         key: &FeatureKey,
         picture: &str,
         changed: bool,
@@ -194,6 +178,7 @@ impl FramePictures<'_> {
         };
         check_size(frame, picture, features.image_size)?;
         Ok(Some(FrameFeatures {
+            resolution,
             features,
             time: start.elapsed(),
             changed,
@@ -204,25 +189,43 @@ impl FramePictures<'_> {
     fn look(
         &self,
         frame: &Frame,
+        resolution: Resolution,
         picture: &Picture,
         key: Option<&FeatureKey>,
         changed: bool,
     ) -> Result<FrameFeatures, PictureError> {
         let start = Instant::now();
-        let features = extract(picture, &self.document.masks_of(frame), &self.options)?;
+        let features = extract(
+            picture,
+            &self.document.masks_of(frame),
+            &self.options_at(frame, resolution),
+        )?;
         let time = start.elapsed();
         let features = match key {
             Some(key) => self.store.put(key, features),
             None => Arc::new(features),
         };
         Ok(FrameFeatures {
+            resolution,
             features,
             time,
             changed,
         })
     }
 
-    fn key(&self, frame: &Frame, picture: &str) -> FeatureKey {
-        FeatureKey::new(picture, &self.options, &self.document.masks_of(frame))
+    fn key(&self, frame: &Frame, resolution: Resolution, picture: &str) -> FeatureKey {
+        FeatureKey::new(
+            picture,
+            &self.options_at(frame, resolution),
+            &self.document.masks_of(frame),
+        )
+    }
+
+    fn options_at(&self, frame: &Frame, resolution: Resolution) -> FeatureOptions {
+        match resolution {
+            Resolution::Coarse => self.options.coarse(frame.image_size.width),
+            Resolution::Fine => None,
+        }
+        .unwrap_or(self.options)
     }
 }

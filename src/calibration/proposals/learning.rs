@@ -2,7 +2,9 @@
 
 use super::burnt_in::{leave_out_burnt_in, with_found_masks};
 use super::label::label_of;
-use super::{FoundMask, FrameFeatures, FramePictures, PictureError, TrainingSample};
+use super::{
+    FoundMask, FrameFeatures, FramePictures, Look, PictureError, Resolution, TrainingSample,
+};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +15,7 @@ use touchline_core::progress::Progress;
 use touchline_documents::document::{
     CameraId, Document, Extra, Fields, Frame, Frames, WriteError, document_to_string,
 };
-use touchline_vision::features::FeatureOptions;
+use touchline_vision::features::{FeatureOptions, Features};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
     CameraForest, ForestModel, Label, Reference, Samples, SeenRange, Stopped, TrainOptions,
@@ -79,8 +81,36 @@ pub struct Studied {
     pub burnt_in: Vec<FoundMask>,
 }
 
-/// Extracts the features of references and computes their rays, in parallel. Each reference is a
-/// step of progress. None if `progress` cancelled it.
+/// What is known of a reference while its features are extracted.
+enum Studying {
+    /// Its coarse features; the fine ones follow.
+    Coarse(Arc<Features>),
+    /// Its sample, or why it gives none.
+    Done(Box<Result<TrainingSample, TrainingSampleError>>),
+}
+
+impl Studying {
+    fn is_coarse(&self) -> bool {
+        matches!(self, Self::Coarse(_))
+    }
+
+    fn coarse(self) -> Option<Arc<Features>> {
+        match self {
+            Self::Coarse(features) => Some(features),
+            Self::Done(..) => None,
+        }
+    }
+
+    fn sample(self) -> Option<Result<TrainingSample, TrainingSampleError>> {
+        match self {
+            Self::Coarse(_) => None,
+            Self::Done(sample) => Some(*sample),
+        }
+    }
+}
+
+/// Extracts the features of references, coarse and fine, and computes their rays, in parallel. Each
+/// reference is a step of progress. None if `progress` cancelled it.
 pub fn study(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -90,18 +120,30 @@ pub fn study(
     let document = pictures.document;
     // If the field is not valid, the uncertainties of labels are those of four clicks.
     let fields = Fields::of(document.at(pictures.folder)).ok();
-    let training_samples = pictures.each(reader, training_frames, |index, frame, found| {
+    let look = |look: Look<'_, Studying>| {
+        let (index, frame) = (look.index, look.frame);
+        let found = match look.found {
+            Ok(found) if found.resolution == Resolution::Coarse => {
+                progress.check()?;
+                return ControlFlow::Continue(Studying::Coarse(found.features));
+            }
+            found => found,
+        };
         let field = fields
             .as_ref()
             .map(|fields| &**fields.of_frame(document, frame));
+        let coarse = look.earlier.and_then(Studying::coarse);
         let sample = found
             .map_err(TrainingSampleError::from)
-            .and_then(|found| training_sample(document, field, (index, frame), &found));
+            .and_then(|fine| training_sample(document, field, (index, frame), &fine, coarse));
         progress.report(())?;
-        ControlFlow::Continue((index, sample))
-    })?;
+        ControlFlow::Continue(Studying::Done(Box::new(sample)))
+    };
+    let looks = pictures.each_coarse_to_fine(reader, training_frames, look, Studying::is_coarse)?;
     let mut studied = Studied::default();
-    for (index, sample) in training_samples {
+    // Each is done, in the order of the frames.
+    let samples = looks.into_iter().filter_map(Studying::sample);
+    for (&index, sample) in training_frames.iter().zip(samples) {
         match sample {
             Ok(sample) => studied.training_samples.push(sample),
             Err(error) => studied.failed.push((index, error)),
@@ -116,7 +158,8 @@ fn training_sample(
     document: &Document,
     field: Option<&FieldModel>,
     (index, frame): (usize, &Frame),
-    found: &FrameFeatures,
+    fine: &FrameFeatures,
+    coarse: Option<Arc<Features>>,
 ) -> Result<TrainingSample, TrainingSampleError> {
     let name = || frame.camera.as_str().to_owned();
     let camera = document
@@ -126,16 +169,16 @@ fn training_sample(
         .base()
         .ok_or_else(|| TrainingSampleError::NoBase { camera: name() })?;
     let pointed = camera.pointed(frame).ok_or(TrainingSampleError::Unsolved)?;
-    if found.changed {
+    if fine.changed {
         return Err(TrainingSampleError::Changed);
     }
-    let features = Arc::clone(&found.features);
     let label = label_of(frame, field, &pointed);
     Ok(TrainingSample::new(
         (index, frame),
         &pointed,
         label,
-        features,
+        Arc::clone(&fine.features),
+        coarse,
     ))
 }
 
@@ -192,14 +235,14 @@ fn learn_camera<'a>(
     progress: &Progress<'_, TrainProgress>,
 ) -> Result<Option<CameraForest>, Stopped> {
     let (training_samples, cameras): (Vec<&TrainingSample>, Vec<PtzCamera>) = training_samples
-        .filter(|(sample, _)| !sample.rays.is_empty())
+        .filter(|(sample, _)| !sample.fine.rays.is_empty())
         .unzip();
     // Adjust the labels to each other, by the features that references have in common.
     let references: Vec<Reference> = training_samples
         .iter()
         .zip(&cameras)
         .map(|(sample, camera)| Reference {
-            features: &sample.features,
+            features: &sample.fine.features,
             camera: *camera,
         })
         .collect();

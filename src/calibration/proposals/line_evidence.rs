@@ -97,15 +97,17 @@ impl LineEvidence {
     /// `min_confidence` is withdrawn, unless it was aligned to the paint and the paint then
     /// supports it. With snapping enabled, other answers are aligned as well if the paint
     /// determines the camera. Pictures that cannot be read change nothing.
+    ///
+    /// Returns whether the paint counts as evidence. If not, no answer is withdrawn or replaced.
     pub fn judge(
         &self,
         at: DocumentAt<'_>,
         reader: &mut dyn ReadFrames,
         proposals: &mut [Proposal],
         min_confidence: f64,
-    ) {
+    ) -> bool {
         if self.proven == Some(false) {
-            return;
+            return false;
         }
         let mut found: Vec<Option<PaintAnswer>> = vec![None; proposals.len()];
         // Videos are read one frame after the other with the shared decoder, images in parallel.
@@ -135,7 +137,7 @@ impl LineEvidence {
         // Without references, the answers themselves show whether the pictures have the lines of
         // the field.
         if self.proven.is_none() && supports_hardly_any(proposals) {
-            return;
+            return false;
         }
         for (proposal, found) in proposals.iter_mut().zip(found) {
             let PaintAnswer { snapped, earlier } = found.unwrap_or_default();
@@ -172,6 +174,17 @@ impl LineEvidence {
             {
                 proposal.outcome = Err(NoProposal::NoBetter);
             }
+        }
+        true
+    }
+
+    /// The same check for further answers about pictures in which the paint counts as evidence: it
+    /// does however few of these it supports.
+    #[must_use]
+    pub fn with_lines_as_evidence(&self) -> Self {
+        Self {
+            proven: Some(true),
+            ..self.clone()
         }
     }
 

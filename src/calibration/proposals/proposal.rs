@@ -175,6 +175,16 @@ impl Proposal {
         }
     }
 
+    /// The proposal as one that follows an earlier one about the same frame: it takes the time of
+    /// both.
+    #[must_use]
+    pub fn after(mut self, earlier: &Self) -> Self {
+        self.timings.features += earlier.timings.features;
+        self.timings.predict += earlier.timings.predict;
+        self.timings.pose += earlier.timings.pose;
+        self
+    }
+
     /// The suggestion for its frame: a camera, or none with the reason as a warning.
     pub(super) fn suggestion(&self) -> Suggestion {
         let timings_ms = Some(TimingsMs::from(self.timings));

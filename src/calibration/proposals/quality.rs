@@ -18,8 +18,7 @@ use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
-    CERTAIN, ForestModel, RelocalizeOptions, Samples, SeenRange, Shown, Stopped, relocalize,
-    train_without,
+    CERTAIN, ForestModel, RelocalizeOptions, Samples, SeenRange, Shown, Stopped, train_without,
 };
 
 /// If there is only one shot, references closer in time than this are left out together, s.
@@ -231,7 +230,7 @@ pub fn measure(
             let Some(truth) = camera.pointed(frame) else {
                 continue;
             };
-            let answer = relocalize(&sample.features, &forest, &seen, &base, relocalizing);
+            let answer = sample.relocalize(&forest, &seen, &base, relocalizing);
             let found = answer.pose.ok().map(|pose| FoundAgain {
                 error_px: overlay_error_px(
                     &truth,
@@ -278,7 +277,7 @@ impl Collected {
             } = study(pictures, reader, few, progress)?;
             for sample in training_samples
                 .iter()
-                .filter(|sample| !sample.rays.is_empty())
+                .filter(|sample| !sample.fine.rays.is_empty())
             {
                 sample.add_to(&mut collected.samples);
                 collected.frames.push(sample.frame);

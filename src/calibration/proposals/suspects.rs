@@ -67,7 +67,7 @@ fn suspects_among(
         Some((
             sample.frame,
             Reference {
-                features: &sample.features,
+                features: &sample.fine.features,
                 camera,
             },
         ))

@@ -1,12 +1,15 @@
 //! The training sample of one reference.
 
 use std::sync::Arc;
-use touchline_core::camera::{PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_documents::document::{CameraId, Frame};
 use touchline_vision::features::{Descriptor, Features};
-use touchline_vision::relocalize::{Label, Samples};
+use touchline_vision::relocalize::{
+    Forest, Label, RelocalizeOptions, Relocalized, Samples, SeenRange, relocalize,
+};
 
-/// The training sample of one reference: its features and their rays.
+/// The training sample of one reference: its features and their rays. Other frames are looked at
+/// coarsely first, so a forest learns the coarse features, too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrainingSample {
     /// Index of the reference in the document.
@@ -17,7 +20,16 @@ pub struct TrainingSample {
     pub ptz: Ptz,
     /// Uncertainty of the label.
     pub label: Label,
-    /// Its features.
+    /// Its features by the options.
+    pub fine: FeatureRays,
+    /// Those of the quick first look; none for a narrow picture.
+    pub coarse: Option<FeatureRays>,
+}
+
+/// The features of a reference, with rays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeatureRays {
+    /// The features.
     pub features: Arc<Features>,
     /// Indices of the features that have a ray, with the ray in `base`.
     pub rays: Vec<(u32, PanTilt)>,
@@ -29,39 +41,78 @@ impl TrainingSample {
         (index, frame): (usize, &Frame),
         camera: &PtzCamera,
         label: Label,
-        features: Arc<Features>,
+        fine: Arc<Features>,
+        coarse: Option<Arc<Features>>,
     ) -> Self {
-        let ray = |feature: u32| Some((feature, ray(camera, &features, feature)?));
-        let rays = (0..features.len() as u32).filter_map(ray).collect();
         Self {
             frame: index,
             camera: frame.camera.clone(),
             ptz: camera.ptz(),
             label,
-            features,
-            rays,
+            fine: FeatureRays::new(camera, fine),
+            coarse: coarse.map(|coarse| FeatureRays::new(camera, coarse)),
         }
     }
 
     /// Adds it to the samples as one frame.
     pub(super) fn add_to(&self, samples: &mut Samples) {
-        samples.add_frame(
-            self.rays
-                .iter()
-                .map(|&(feature, ray)| (self.descriptor(feature), ray)),
-        );
+        samples.add_frame(self.all().flat_map(FeatureRays::samples));
     }
 
     /// Adds it to the samples as one frame, with the rays of another camera.
     pub(super) fn add_as_taken_by(&self, camera: &PtzCamera, samples: &mut Samples) {
-        let shown = self.rays.iter().map(|(feature, _)| *feature);
-        let of_camera = |feature: u32| {
+        samples.add_frame(
+            self.all()
+                .flat_map(|features| features.samples_as_taken_by(camera)),
+        );
+    }
+
+    /// Queries a forest for its camera as for any frame: by its coarse features first.
+    pub(super) fn relocalize(
+        &self,
+        forest: &Forest,
+        seen: &SeenRange,
+        base: &CameraBase,
+        options: &RelocalizeOptions,
+    ) -> Relocalized {
+        let by = |look: &FeatureRays| relocalize(&look.features, forest, seen, base, options);
+        self.coarse
+            .as_ref()
+            .map(by)
+            .filter(Relocalized::is_certain)
+            .unwrap_or_else(|| by(&self.fine))
+    }
+
+    fn all(&self) -> impl Iterator<Item = &FeatureRays> {
+        [&self.fine].into_iter().chain(&self.coarse)
+    }
+}
+
+impl FeatureRays {
+    fn new(camera: &PtzCamera, features: Arc<Features>) -> Self {
+        let ray = |feature: u32| Some((feature, ray(camera, &features, feature)?));
+        let rays = (0..features.len() as u32).filter_map(ray).collect();
+        Self { features, rays }
+    }
+
+    /// The descriptors with their rays.
+    fn samples(&self) -> impl Iterator<Item = (Descriptor, PanTilt)> {
+        self.rays
+            .iter()
+            .map(|&(feature, ray)| (self.descriptor(feature), ray))
+    }
+
+    /// The descriptors with the rays of another camera.
+    fn samples_as_taken_by(
+        &self,
+        camera: &PtzCamera,
+    ) -> impl Iterator<Item = (Descriptor, PanTilt)> {
+        self.rays.iter().filter_map(|&(feature, _)| {
             Some((
                 self.descriptor(feature),
                 ray(camera, &self.features, feature)?,
             ))
-        };
-        samples.add_frame(shown.filter_map(of_camera));
+        })
     }
 
     fn descriptor(&self, feature: u32) -> Descriptor {

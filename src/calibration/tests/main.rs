@@ -13,5 +13,6 @@ mod seeded;
 
 mod bad_documents;
 mod burnt_in;
+mod coarse_to_fine;
 mod document;
 mod unseen_length;

@@ -145,9 +145,7 @@ pub(super) mod opencv_calls {
     use crate::features::Keypoint;
     use crate::media::GreyPicture;
     use opencv::core::{KeyPoint, Mat, Ptr, Vector, no_array};
-    use opencv::features2d::{
-        AKAZE, AKAZE_DescriptorType, KAZE_DiffusivityType, ORB, ORB_ScoreType,
-    };
+    use opencv::features2d::{AKAZE, ORB, ORB_ScoreType};
     use opencv::prelude::*;
     use touchline_core::geometry::ImagePoint;
 
@@ -202,11 +200,8 @@ pub(super) mod opencv_calls {
                 )?;
             }
             BinaryKind::Akaze => {
-                let (bits, spread) = (
-                    AKAZE_DescriptorType::DESCRIPTOR_MLDB,
-                    KAZE_DiffusivityType::DIFF_PM_G2,
-                );
-                let mut akaze: Ptr<AKAZE> = AKAZE::create(bits, 0, 3, 0.001, 4, 4, spread)?;
+                // All defaults: versions of OpenCV differ in the number of arguments.
+                let mut akaze: Ptr<AKAZE> = AKAZE::create_def()?;
                 akaze.detect_and_compute(
                     &image,
                     &no_array(),

@@ -2,7 +2,7 @@
 
 use super::{DESCRIPTOR_BYTES, Keypoint};
 use crate::media::GreyPicture;
-use opencv::core::{KeyPoint, Mat, Vector, no_array};
+use opencv::core::{KeyPoint, Mat, Ptr, Vector, no_array};
 use opencv::features2d::SIFT;
 use opencv::prelude::*;
 use std::sync::Once;
@@ -21,6 +21,34 @@ const LAYERS: i32 = 3;
 const CONTRAST: f64 = 0.04;
 const EDGE: f64 = 10.0;
 const SIGMA: f64 = 1.6;
+
+/// SIFT's constructor, whose arguments OpenCV's versions differ in: the trait is implemented for
+/// both, and the compiler takes the one that exists.
+trait SiftConstructor<Arguments> {
+    /// A detector of at most `limit` keypoints.
+    fn detector(self, limit: i32) -> opencv::Result<Ptr<SIFT>>;
+}
+
+/// The arguments of OpenCV up to 4.7.
+type Plain = (i32, i32, f64, f64, f64);
+/// The arguments of OpenCV from 4.8 on.
+type WithPreciseUpscale = (i32, i32, f64, f64, f64, bool);
+
+impl<F: Fn(i32, i32, f64, f64, f64) -> opencv::Result<Ptr<SIFT>>> SiftConstructor<Plain> for F {
+    fn detector(self, limit: i32) -> opencv::Result<Ptr<SIFT>> {
+        self(limit, LAYERS, CONTRAST, EDGE, SIGMA)
+    }
+}
+
+impl<F: Fn(i32, i32, f64, f64, f64, bool) -> opencv::Result<Ptr<SIFT>>>
+    SiftConstructor<WithPreciseUpscale> for F
+{
+    fn detector(self, limit: i32) -> opencv::Result<Ptr<SIFT>> {
+        // Without the precise upscale, as in earlier versions: [`CORNER_FROM_OPENCV`] is for it,
+        // and forests of all versions serve each other.
+        self(limit, LAYERS, CONTRAST, EDGE, SIGMA, false)
+    }
+}
 
 /// Disables OpenCV's own threads. Frames are processed in parallel, so its threads would compete
 /// with them.
@@ -44,13 +72,7 @@ pub(super) fn sift(
     }
     use_one_thread();
     let image = Mat::new_rows_cols_with_bytes::<u8>(height as i32, width as i32, &grey.values)?;
-    let mut sift = SIFT::create(
-        limit.min(i32::MAX as u32) as i32,
-        LAYERS,
-        CONTRAST,
-        EDGE,
-        SIGMA,
-    )?;
+    let mut sift = SIFT::create.detector(limit.min(i32::MAX as u32) as i32)?;
     let mut keypoints = Vector::<KeyPoint>::new();
     let mut descriptors = Mat::default();
     sift.detect_and_compute(&image, &no_array(), &mut keypoints, &mut descriptors, false)?;

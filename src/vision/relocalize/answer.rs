@@ -1,7 +1,8 @@
 //! Relocalization: from the features of a picture to its camera.
 
 use super::{
-    Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_of_moving,
+    CERTAIN, Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange,
+    pose_of_moving,
 };
 use crate::features::Features;
 use std::time::{Duration, Instant};
@@ -27,6 +28,17 @@ pub struct Relocalized {
     pub predict_time: Duration,
     /// Time spent on the pose.
     pub pose_time: Duration,
+}
+
+impl Relocalized {
+    /// Whether there is a camera that is certain by the evidence of its features ([`CERTAIN`]). One
+    /// from coarse features is kept only then; else finer ones are extracted.
+    #[must_use]
+    pub fn is_certain(&self) -> bool {
+        self.pose
+            .as_ref()
+            .is_ok_and(|pose| pose.confidence >= CERTAIN)
+    }
 }
 
 /// How far beyond the references' axes a camera may look, degrees: farther away it shares no

@@ -5,6 +5,10 @@ use image::RgbImage;
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldLine, FieldModel, LineId, builtin};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
+#[cfg(feature = "opencv")]
+use touchline_vision::features::{Descriptor, FeatureOptions, Features, extract};
+#[cfg(feature = "opencv")]
+use touchline_vision::media::Picture;
 use touchline_vision::synthetic::{
     ClickOptions, ClickTarget, FrameOptions, Graphics, Moment, Preset, Stadium, StadiumOptions,
     camera_path, drawn_clicks, stadium,
@@ -412,36 +416,37 @@ fn drawn_clicks_are_named_seen_and_as_noisy_as_asked() {
     );
 }
 
-/// Features of a picture: where they are and what they look like.
+/// At most 2000 features of a picture, at its full size.
 #[cfg(feature = "opencv")]
-fn sift(picture: &RgbImage, count: i32) -> (Vec<ImagePoint>, opencv::core::Mat) {
-    use opencv::core::{KeyPoint, Mat, Vector, no_array};
-    use opencv::features2d::SIFT;
-    use opencv::prelude::*;
-    let grey = image::DynamicImage::from(picture.clone()).into_luma8();
-    let (rows, columns) = (grey.height() as i32, grey.width() as i32);
-    let view = Mat::new_rows_cols_with_bytes::<u8>(rows, columns, grey.as_raw()).unwrap();
-    let mut detector = SIFT::create(count, 3, 0.04, 10.0, 1.6).unwrap();
-    let (mut keypoints, mut descriptors) = (Vector::<KeyPoint>::new(), Mat::default());
-    detector
-        .detect_and_compute(&view, &no_array(), &mut keypoints, &mut descriptors, false)
-        .unwrap();
-    // OpenCV's SIFT lies a quarter of a pixel beside its own convention of pixel centres.
-    let place = |keypoint: KeyPoint| {
-        ImagePoint::new(
-            f64::from(keypoint.pt().x) + 0.25,
-            f64::from(keypoint.pt().y) + 0.25,
-        )
+fn features(picture: &RgbImage) -> Features {
+    let size = ImageSize::new(picture.width(), picture.height());
+    let rgba = image::DynamicImage::from(picture.clone()).into_rgba8();
+    let options = FeatureOptions {
+        max_count: 2000,
+        ..FeatureOptions::default()
     };
-    (keypoints.iter().map(place).collect(), descriptors)
+    extract(&Picture::new(size, rgba.into_raw()).unwrap(), &[], &options).unwrap()
+}
+
+/// The nearest descriptor of other features, if the second nearest is not
+/// about as near (Lowe's ratio of 0.8).
+#[cfg(feature = "opencv")]
+fn distinct_match(descriptor: &Descriptor, others: &[Descriptor]) -> Option<usize> {
+    let mut distances: Vec<(u32, usize)> = others
+        .iter()
+        .enumerate()
+        .map(|(index, other)| (descriptor.squared_byte_distance(other), index))
+        .collect();
+    distances.sort_unstable();
+    let [(best, index), (second, _), ..] = distances[..] else {
+        return None;
+    };
+    (f64::from(best) < 0.64 * f64::from(second)).then_some(index)
 }
 
 #[cfg(feature = "opencv")]
 #[test]
 fn features_of_the_stadium_are_found_again_in_another_frame() {
-    use opencv::core::{DMatch, NORM_L2, Vector};
-    use opencv::features2d::BFMatcher;
-    use opencv::prelude::*;
     let scene = scene(5);
     let base = Preset::Paper.shoot().main_camera(FULL);
     let take = |pan: f64, focal_px: f64, time_s: f64| {
@@ -455,33 +460,26 @@ fn features_of_the_stadium_are_found_again_in_another_frame() {
         (camera, scene.render(&camera, FULL, &options).image)
     };
     let ((from, before), (to, after)) = (take(8.0, 1900.0, 10.0), take(12.0, 2150.0, 14.0));
-    let ((places, what), (other_places, other_what)) = (sift(&before, 2000), sift(&after, 2000));
-    let mut pairs = Vector::<Vector<DMatch>>::new();
-    BFMatcher::new(NORM_L2, false)
-        .unwrap()
-        .knn_train_match_def(&what, &other_what, &mut pairs, 2)
-        .unwrap();
+    let (one, other) = (features(&before), features(&after));
     let (mut matched, mut right) = (0, 0);
-    for pair in pairs.iter() {
-        let (best, second) = (pair.get(0).unwrap(), pair.get(1).unwrap());
-        if best.distance < 0.8 * second.distance {
-            matched += 1;
-            let ray = from
-                .ray_from_image(places[best.query_idx as usize])
-                .unwrap();
-            let found = other_places[best.train_idx as usize];
-            right += usize::from(
-                to.image_from_ray(ray)
-                    .is_ok_and(|image| image.distance_px(found) < 2.0),
-            );
-        }
+    for (keypoint, descriptor) in one.keypoints.iter().zip(&one.descriptors) {
+        let Some(index) = distinct_match(descriptor, &other.descriptors) else {
+            continue;
+        };
+        matched += 1;
+        let ray = from.ray_from_image(keypoint.point).unwrap();
+        let found = other.keypoints[index].point;
+        right += usize::from(
+            to.image_from_ray(ray)
+                .is_ok_and(|image| image.distance_px(found) < 2.0),
+        );
     }
     println!(
         "{} features, {matched} matched, {right} of them right",
-        places.len()
+        one.len()
     );
     assert!(
-        places.len() >= 1500 && right >= 150 && right * 10 >= matched * 6,
+        one.len() >= 1500 && right >= 150 && right * 10 >= matched * 6,
         "{matched} matched, {right} right"
     );
 }

@@ -3,7 +3,7 @@
 //! Not a divan bench: what counts is the accuracy over whole sets of frames, the times beside it.
 //! Times are those of the thread's own processor time, as far as the system tells them. Needs the
 //! folder of real frames in `TOUCHLINE_DATA`;
-//! `cargo bench --bench relocalize [clicked] [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [videos] [reliability] [growth]`.
+//! `cargo bench --bench relocalize [clicked] [rendered] [frames] [pose] [candidates] [scouting] [coarse] [unmasked] [trust] [videos] [reliability] [growth]`.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -12,6 +12,7 @@
 )]
 
 mod clicked;
+mod coarse_to_fine;
 mod growth;
 mod pose;
 mod proposed;
@@ -56,6 +57,9 @@ fn main() {
     }
     if wants("scouting") {
         scouting::accuracy(&data);
+    }
+    if wants("coarse") {
+        coarse_to_fine::coarse_to_fine(&data);
     }
     if wants("unmasked") {
         scouting::unmasked(&data);

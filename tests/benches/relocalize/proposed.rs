@@ -1,11 +1,11 @@
 //! Frames answered as the program answers them: references learnt, every frame proposed, the paint
 //! as a second opinion.
 
-use std::ops::ControlFlow;
 use touchline::media::ReadFrames;
+use touchline::pipelines::{ForestRequest, propose_on_lines};
 use touchline::progress::Progress;
 use touchline::proposals::{
-    FramePictures, LearnError, LearnOptions, LineEvidence, Proposal, learn, propose, study,
+    FramePictures, LearnError, LearnOptions, LineEvidence, Proposal, learn, study,
 };
 use touchline::relocalize::RelocalizeOptions;
 
@@ -17,7 +17,7 @@ pub fn proposed(
     references: &[usize],
     asked: &[usize],
 ) -> Result<Vec<Proposal>, LearnError> {
-    let (document, options) = (pictures.document, RelocalizeOptions::default());
+    let document = pictures.document;
     let studied = study(pictures, reader, references, &Progress::default()).unwrap();
     let model = learn(
         document,
@@ -25,15 +25,17 @@ pub fn proposed(
         &LearnOptions::default(),
         &Progress::default(),
     )?;
-    let proposals = pictures.each(reader, asked, |index, _, found| {
-        ControlFlow::Continue(propose(document, index, found, (&model, 0), &options))
-    });
-    let mut proposals = proposals.unwrap();
-    evidence.judge(
-        document.at(pictures.folder),
+    let forest = ForestRequest {
+        model: &model,
+        generation: 0,
+        options: RelocalizeOptions::default(),
+    };
+    Ok(propose_on_lines(
+        pictures,
         reader,
-        &mut proposals,
-        options.pose.min_confidence,
-    );
-    Ok(proposals)
+        asked,
+        &forest,
+        Some(evidence),
+        &Progress::default(),
+    ))
 }

@@ -89,12 +89,23 @@ impl Set {
     /// The training samples of some frames, each limited to a number of features, and where they
     /// looked.
     pub fn samples(&self, frames: &[usize], features_per_frame: usize) -> (Samples, SeenRange) {
+        let mut samples = Samples::new();
+        let range = self.samples_into(frames, features_per_frame, &mut samples);
+        (samples, range)
+    }
+
+    /// The same, added to others.
+    pub fn samples_into(
+        &self,
+        frames: &[usize],
+        features_per_frame: usize,
+        samples: &mut Samples,
+    ) -> SeenRange {
         let burnt_in = if self.keeps_standing {
             vec![Vec::new(); frames.len()]
         } else {
             self.burnt_in(frames)
         };
-        let mut samples = Samples::new();
         for (&frame, burnt_in) in frames.iter().zip(burnt_in) {
             let camera = self.document.pointed(&self.document.frames[frame]).unwrap();
             let features = &self.features[frame];
@@ -116,7 +127,7 @@ impl Set {
         if self.keeps_standing {
             range.cameras.clear();
         }
-        (samples, range)
+        range
     }
 
     pub fn all(&self) -> Vec<usize> {

@@ -3,8 +3,8 @@
 //! each answer is held against the frames before and after it, and against its painted lines, and
 //! the documents are written for people to look at.
 
+use super::proposed::proposed;
 use super::set::quantile;
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline::calibrate::{BaseProblem, solve_document};
 use touchline::camera::PtzCamera;
@@ -14,10 +14,8 @@ use touchline::markings::LineVerdict;
 use touchline::media::{FrameReader, FrameSource};
 use touchline::progress::Progress;
 use touchline::proposals::{
-    Answer, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, WorkFolder,
-    learn, overlay_error_px, propose, study,
+    Answer, FeatureStore, FramePictures, LineEvidence, TrainingFrames, WorkFolder, overlay_error_px,
 };
-use touchline::relocalize::RelocalizeOptions;
 use touchline::solve::base::BaseOptions;
 use touchline::store::{Location, write_document};
 
@@ -53,31 +51,18 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
         options: FeatureOptions::default(),
         store: &store,
     };
-    let at = document.at(data);
     let mut reader = FrameReader::new();
     let training = TrainingFrames::of_solved(&document).frames;
-    let studied = study(&pictures, &mut reader, &training, &Progress::default()).unwrap();
-    for mask in &studied.burnt_in {
-        println!("<!-- {} -->", mask.describe(&document));
-    }
-    let model = learn(
-        &document,
-        &studied,
-        &LearnOptions::default(),
-        &Progress::default(),
-    )
-    .unwrap();
     let asked: Vec<usize> = (clicked..document.frames.len()).collect();
-    let options = RelocalizeOptions::default();
-    let proposals = pictures.each(&mut reader, &asked, |index, _, found| {
-        ControlFlow::Continue(propose(&document, index, found, (&model, 0), &options))
-    });
-    let mut proposals = proposals.unwrap();
-    LineEvidence::of(at, &mut reader, false).unwrap().judge(
-        at,
-        &mut reader,
-        &mut proposals,
-        options.pose.min_confidence,
+    let evidence = LineEvidence::of(document.at(data), &mut reader, false).unwrap();
+    let proposals = proposed(&pictures, &mut reader, &evidence, &training, &asked).unwrap();
+    let features_s: f64 = proposals
+        .iter()
+        .map(|proposal| proposal.timings.features.as_secs_f64())
+        .sum();
+    println!(
+        "<!-- features: {:.1} ms a frame, by the clock; less where they were in the store -->",
+        1e3 * features_s / proposals.len() as f64
     );
     let answers: Vec<Option<&Answer>> = proposals
         .iter()

@@ -179,7 +179,7 @@ impl Backend for ForestBackend {
         let features = studied
             .training_samples
             .iter()
-            .map(|sample| sample.rays.len())
+            .map(|sample| sample.fine.rays.len())
             .sum();
         let frame = |index: usize| document.frames[index].id.clone();
         let failed = studied

@@ -1,0 +1,202 @@
+//! Work on the features of many frames, batch by batch and coarse to fine.
+//!
+//! More than nine tenths of the time of a frame is SIFT, and half the width takes a quarter of it.
+//! So frames are looked at coarsely first, and at the resolution of the options only where the
+//! coarse features do not suffice.
+
+use super::features::Found;
+use super::{FrameFeatures, FramePictures, PictureError, Resolution, read_picture};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use touchline_documents::document::Frame;
+use touchline_vision::media::{FrameReader, Picture, ReadFrames};
+
+/// Number of frames per batch: at most this many pictures of a video are in memory.
+const BATCH: usize = 16;
+
+/// A frame with its features, coarse or fine.
+pub struct Look<'a, T> {
+    /// Its index in the document.
+    pub index: usize,
+    /// The frame.
+    pub frame: &'a Frame,
+    /// Its features, or why there are none.
+    pub found: Result<FrameFeatures, PictureError>,
+    /// Where the features are fine and coarse ones did not suffice, the result of the work on
+    /// these.
+    pub earlier: Option<T>,
+}
+
+/// A frame before work on its features.
+struct Begun<'a, T> {
+    index: usize,
+    frame: &'a Frame,
+    resolution: Resolution,
+    found: Found,
+    /// The result of the work on its coarse features.
+    earlier: Option<T>,
+}
+
+/// The result of work on a frame; its picture, if it was read and is needed again.
+enum Worked<T> {
+    Done(T),
+    NeedsFine(T, Option<Picture>),
+}
+
+impl<T> Worked<T> {
+    fn result(self) -> T {
+        match self {
+            Self::Done(result) | Self::NeedsFine(result, _) => result,
+        }
+    }
+}
+
+impl FramePictures<'_> {
+    /// Calls `work` with the features of some frames, in parallel and batch by batch. Returns the
+    /// results in the order of the frames; none if `work` ended it. Images are read in parallel,
+    /// videos one frame after the other by `reader`.
+    pub fn each<T: Send>(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frames: &[usize],
+        work: impl Fn(usize, &Frame, Result<FrameFeatures, PictureError>) -> ControlFlow<(), T> + Sync,
+    ) -> Option<Vec<T>> {
+        self.in_batches(
+            reader,
+            frames,
+            |_| Resolution::Fine,
+            |look: Look<'_, T>| work(look.index, look.frame, look.found),
+            |_| false,
+        )
+    }
+
+    /// The same with the coarse features of each frame, and once more with its fine ones if the
+    /// result `needs_fine` ones. The picture is read once. Frames that are too narrow for a coarse
+    /// look have fine features at once.
+    pub fn each_coarse_to_fine<T: Send>(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frames: &[usize],
+        work: impl Fn(Look<'_, T>) -> ControlFlow<(), T> + Sync,
+        needs_fine: impl Fn(&T) -> bool + Sync,
+    ) -> Option<Vec<T>> {
+        let first = |frame: &Frame| match self.options.coarse(frame.image_size.width) {
+            Some(_) => Resolution::Coarse,
+            None => Resolution::Fine,
+        };
+        self.in_batches(reader, frames, first, work, needs_fine)
+    }
+
+    fn in_batches<T: Send>(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frames: &[usize],
+        first: impl Fn(&Frame) -> Resolution,
+        work: impl Fn(Look<'_, T>) -> ControlFlow<(), T> + Sync,
+        needs_fine: impl Fn(&T) -> bool + Sync,
+    ) -> Option<Vec<T>> {
+        let mut made = Vec::with_capacity(frames.len());
+        // Videos are decoded here in sequence; extraction, and reading of images, runs in parallel
+        // after that.
+        for batch in frames.chunks(BATCH) {
+            let begin = |&index: &usize| {
+                let frame = &*self.document.frames[index];
+                let resolution = first(frame);
+                Begun {
+                    index,
+                    frame,
+                    resolution,
+                    found: self.begin(reader, frame, resolution, None),
+                    earlier: None,
+                }
+            };
+            let begun = batch.iter().map(begin).collect();
+            let (mut done, mut again, mut places) = (Vec::new(), Vec::new(), Vec::new());
+            let worked = self.work_on(begun, &work, &needs_fine)?;
+            for (place, (&index, worked)) in batch.iter().zip(worked).enumerate() {
+                let frame = &*self.document.frames[index];
+                match worked {
+                    Worked::Done(result) => done.push((place, result)),
+                    Worked::NeedsFine(earlier, picture) => {
+                        places.push(place);
+                        again.push(Begun {
+                            index,
+                            frame,
+                            resolution: Resolution::Fine,
+                            found: self.begin(reader, frame, Resolution::Fine, picture),
+                            earlier: Some(earlier),
+                        });
+                    }
+                }
+            }
+            let fine = self.work_on(again, &work, &|_: &T| false)?;
+            done.extend(places.into_iter().zip(fine.into_iter().map(Worked::result)));
+            done.sort_unstable_by_key(|(place, _)| *place);
+            made.extend(done.into_iter().map(|(_, result)| result));
+        }
+        Some(made)
+    }
+
+    /// Calls `work` with the features of some frames, in parallel. None if it ended.
+    fn work_on<T: Send>(
+        &self,
+        begun: Vec<Begun<'_, T>>,
+        work: &(impl Fn(Look<'_, T>) -> ControlFlow<(), T> + Sync),
+        needs_fine: &(impl Fn(&T) -> bool + Sync),
+    ) -> Option<Vec<Worked<T>>> {
+        let ended = AtomicBool::new(false);
+        let worked = begun.into_par_iter().map(|begun| {
+            if ended.load(Ordering::Relaxed) {
+                return None;
+            }
+            let (frame, resolution) = (begun.frame, begun.resolution);
+            let (found, picture) = self.features_of(frame, resolution, begun.found);
+            let worked = work(Look {
+                index: begun.index,
+                frame,
+                found,
+                earlier: begun.earlier,
+            });
+            if worked.is_break() {
+                ended.store(true, Ordering::Relaxed);
+            }
+            let result = worked.continue_value()?;
+            Some(if resolution == Resolution::Coarse && needs_fine(&result) {
+                Worked::NeedsFine(result, picture)
+            } else {
+                Worked::Done(result)
+            })
+        });
+        worked.collect()
+    }
+
+    /// Calls `work` with the pictures of some frames, each read once, in parallel and batch by
+    /// batch. Returns the results in the order of the frames; none if `work` ended it.
+    pub(super) fn each_picture<T: Send>(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frames: &[usize],
+        work: impl Fn(usize, &Frame, Result<Picture, PictureError>) -> ControlFlow<(), T> + Sync,
+    ) -> Option<Vec<T>> {
+        let mut made = Vec::with_capacity(frames.len());
+        for batch in frames.chunks(BATCH) {
+            let mut begun = Vec::with_capacity(batch.len());
+            for &index in batch {
+                let frame = &*self.document.frames[index];
+                let of_video = frame
+                    .image
+                    .is_none()
+                    .then(|| read_picture(reader, frame, self.folder));
+                begun.push((index, frame, of_video));
+            }
+            let worked = begun.into_par_iter().map(|(index, frame, of_video)| {
+                let picture = of_video
+                    .unwrap_or_else(|| read_picture(&mut FrameReader::new(), frame, self.folder));
+                work(index, frame, picture).continue_value()
+            });
+            made.extend(worked.collect::<Option<Vec<T>>>()?);
+        }
+        Some(made)
+    }
+}
