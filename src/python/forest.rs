@@ -263,7 +263,7 @@ fn train(
     if studied
         .training_samples
         .iter()
-        .all(|sample| sample.rays.is_empty())
+        .all(|sample| sample.fine.rays.is_empty())
     {
         let first = studied.failed.first();
         let why = first.map_or_else(String::new, |(index, error)| {
