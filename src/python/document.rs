@@ -12,11 +12,12 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{
-    Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, RejectReason, Target,
-    document_from_bytes, document_to_string,
+    Camera, CameraId, Click, Document, Frame, FrameId, FrameStatus, MAX_CLICKS, RejectReason,
+    Target, document_from_bytes, document_to_string,
 };
 use touchline_documents::store::{self, Location, StoreError};
 
@@ -31,7 +32,18 @@ pub struct PyDocument {
     before: Document,
     pub folder: PathBuf,
     file: Option<PathBuf>,
+    /// The file's state when it was read or last saved.
+    file_state: Option<FileState>,
     reader: Mutex<KeptVideo>,
+}
+
+/// The size and modification time of a file, by which a change of another program is seen.
+type FileState = (u64, SystemTime);
+
+/// The present state of a file; none where the system does not give it.
+fn file_state(path: &Path) -> Option<FileState> {
+    let metadata = path.metadata().ok()?;
+    Some((metadata.len(), metadata.modified().ok()?))
 }
 
 /// Reads a document: a project folder, its `project.json`, or a dataset file. Edits in its journal
@@ -64,6 +76,7 @@ impl PyDocument {
             before: document.clone(),
             document,
             folder,
+            file_state: file.as_deref().and_then(file_state),
             file,
             reader: Mutex::default(),
         }
@@ -83,11 +96,7 @@ impl PyDocument {
         let id: String = frame
             .extract()
             .map_err(|_| PyTypeError::new_err("frame: a position or an id is needed"))?;
-        let found = self
-            .document
-            .frames
-            .iter()
-            .position(|frame| frame.id.as_str() == id);
+        let found = self.document.frames.position_of(&FrameId::from(&*id));
         found.ok_or_else(|| {
             PyKeyError::new_err(format!(
                 "frame {id:?}: the document has no frame of this id"
@@ -114,11 +123,9 @@ impl PyDocument {
         })
     }
 
-    /// Writes the document to where it was read or to `path`; paths in it are rewritten for there.
+    /// Writes the document to `path`; paths in it are rewritten for there. A document of no file
+    /// then belongs to that one.
     fn write(&mut self, path: &Path, overwrite: bool) -> PyResult<()> {
-        if !overwrite && path.exists() && !is_empty_folder(path) {
-            return Err(exists(path));
-        }
         let location = Location::for_new_document(path).map_err(failure)?;
         let mut document = self.document.clone();
         document.count_edits_since(&self.before);
@@ -130,6 +137,14 @@ impl PyDocument {
             )));
         }
         store::write_document(&location, &written, overwrite).map_err(failure)?;
+        if self.file.is_none() {
+            self.file = Some(location.file().to_path_buf());
+            self.folder = location.folder().to_path_buf();
+            document = written;
+        }
+        if self.file.as_deref() == Some(location.file()) {
+            self.file_state = file_state(location.file());
+        }
         self.before = document.clone();
         self.document = document;
         Ok(())
@@ -162,23 +177,29 @@ impl PyDocument {
     }
 
     /// Writes the document: to a file, or a folder for a project. Without a path to where it was
-    /// read; a project keeps what it replaces as `project.json.bak`. What exists elsewhere is
-    /// replaced only with `overwrite=True`.
+    /// read or first saved; a project keeps what it replaces as `project.json.bak`. What exists
+    /// elsewhere, or was changed by another program meanwhile, is replaced only with
+    /// `overwrite=True`.
     #[pyo3(signature = (path = None, overwrite = false))]
     fn save(&mut self, path: Option<PathBuf>, overwrite: bool) -> PyResult<()> {
-        let (path, overwrite) = match (path, &self.file) {
-            (Some(path), _) => (path, overwrite),
-            (None, Some(file)) => (file.clone(), true),
-            (None, None) => {
-                return Err(PyValueError::new_err(
-                    "path: the document was not read from a file; say where to save it",
-                ));
+        if let Some(path) = path {
+            if !overwrite && path.exists() && !is_empty_folder(&path) {
+                return Err(exists(&path));
             }
+            return without_panic(|| self.write(&path, overwrite));
+        }
+        let Some(path) = self.file.clone() else {
+            return Err(PyValueError::new_err(
+                "path: the document was not read from a file; say where to save it",
+            ));
         };
-        without_panic(|| self.write(&path, overwrite))
+        if !overwrite && path.exists() && file_state(&path) != self.file_state {
+            return Err(failure(StoreError::ChangedOutside { path }));
+        }
+        without_panic(|| self.write(&path, true))
     }
 
-    /// The file that it was read from.
+    /// The file that it was read from, or first saved to.
     #[getter]
     fn path(&self) -> Option<&Path> {
         self.file.as_deref()

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import os
 import tempfile
 import unittest
 
@@ -118,6 +119,24 @@ class Writing(unittest.TestCase):
             self.assertEqual(touchline.load(f"{folder}/dataset.json")[1]["revision"], 1)
             document.set_status(1, "rejected", "blur")
             self.assertEqual(document[1]["reason"], "blur")
+
+    def test_what_another_program_wrote_is_not_lost(self):
+        with tempfile.TemporaryDirectory() as folder:
+            document = touchline.Document.from_json(demo().to_json(), support.DEMO)
+            document.save(f"{folder}/dataset.json")
+            self.assertEqual(str(document.path), os.path.realpath(f"{folder}/dataset.json"))
+            document.set_status(1, "draft")
+            document.save()
+            other = touchline.load(f"{folder}/dataset.json")
+            other.set_status(2, "draft")
+            other.save()
+            document.set_status(3, "draft")
+            with self.assertRaisesRegex(touchline.Error, "changed by another program"):
+                document.save()
+            document.save(overwrite=True)
+            statuses = touchline.load(f"{folder}/dataset.json").frames.status.tolist()
+            self.assertEqual([statuses[index] for index in (1, 2, 3)], ["draft", "new", "draft"])
+            np.testing.assert_array_equal(document.image(0), demo().image(0))
 
     def test_frames_are_a_snapshot(self):
         document = demo()
