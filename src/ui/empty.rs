@@ -14,6 +14,10 @@ const RECENT: usize = 5;
 /// Width of the column, points.
 const WIDTH: f32 = 560.0;
 
+/// What one can begin with.
+const INVITATION: &str = "Drop a video, a folder of frames, a project, or cameras of another program \
+                          with their video. Or try the demo match (2 minutes).";
+
 /// Shows the start screen.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();
@@ -22,49 +26,74 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         (area.width() - WIDTH).max(0.0) / 2.0,
         (area.height() / 5.0).max(24.0),
     ));
-    ui.scope_builder(egui::UiBuilder::new().max_rect(column).layout(Layout::top_down(Align::Center)), |ui| {
-        ui.spacing_mut().item_spacing.y = 3.0 * theme::SPACE;
-        ui.label(RichText::new("touchline").size(26.0).color(ui.palette().strong));
-        ui.label(
-            RichText::new("Drop a video, a folder of frames, a project, or cameras of another program with their video. Or try the demo match (2 minutes).")
-                .color(ui.palette().text),
-        );
-        waiting_labels(panel, ui);
-        ui.add_space(theme::SPACE);
-        // While something is being opened, it can only be cancelled.
-        if let Some(opening) = &panel.app.session.disk.opening {
-            ui.spinner();
-            ui.label(RichText::new(opening).color(ui.palette().accent));
-            if ui.button("Cancel").on_hover_text("Stop opening. (Esc)").clicked() {
-                panel.actions.push(Action::Command(Command::Cancel));
-            }
-            return;
-        }
-        ui.allocate_ui_with_layout(vec2(WIDTH, 36.0), Layout::left_to_right(Align::Center), |ui| {
-            ui.spacing_mut().item_spacing.x = 2.0 * theme::SPACE;
-            let width = (WIDTH - 6.0 * theme::SPACE) / 4.0;
-            for (says, command) in [
-                ("Video…", Command::OpenVideo),
-                ("Folder…", Command::OpenFolder),
-                ("Project…", Command::OpenProject),
-                ("Demo match", Command::OpenDemo),
-            ] {
-                let mut button = Button::new(says).min_size(vec2(width, 36.0));
-                if command == Command::OpenDemo {
-                    button = button.fill(ui.palette().accent_ground);
+    ui.scope_builder(
+        egui::UiBuilder::new()
+            .max_rect(column)
+            .layout(Layout::top_down(Align::Center)),
+        |ui| {
+            ui.spacing_mut().item_spacing.y = 3.0 * theme::SPACE;
+            ui.label(
+                RichText::new("touchline")
+                    .size(26.0)
+                    .color(ui.palette().strong),
+            );
+            ui.label(RichText::new(INVITATION).color(ui.palette().text));
+            waiting_labels(panel, ui);
+            ui.add_space(theme::SPACE);
+            // While something is being opened, it can only be cancelled.
+            if let Some(opening) = &panel.app.session.disk.opening {
+                ui.spinner();
+                ui.label(RichText::new(opening).color(ui.palette().accent));
+                if ui
+                    .button("Cancel")
+                    .on_hover_text("Stop opening. (Esc)")
+                    .clicked()
+                {
+                    panel.actions.push(Action::Command(Command::Cancel));
                 }
-                if ui.add(button).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
-                    panel.actions.push(Action::Command(command));
-                }
+                return;
             }
-        });
-        let tour = Button::new("New here? Take the tour: five steps on the demo match, three minutes.").frame(false);
-        if ui.add(tour).on_hover_text(Command::StartTour.about()).clicked() {
-            panel.actions.push(Action::Command(Command::StartTour));
-        }
-        path_field(panel, ui);
-        recent(panel, ui);
-    });
+            ui.allocate_ui_with_layout(
+                vec2(WIDTH, 36.0),
+                Layout::left_to_right(Align::Center),
+                |ui| {
+                    ui.spacing_mut().item_spacing.x = 2.0 * theme::SPACE;
+                    let width = (WIDTH - 6.0 * theme::SPACE) / 4.0;
+                    for (says, command) in [
+                        ("Video…", Command::OpenVideo),
+                        ("Folder…", Command::OpenFolder),
+                        ("Project…", Command::OpenProject),
+                        ("Demo match", Command::OpenDemo),
+                    ] {
+                        let mut button = Button::new(says).min_size(vec2(width, 36.0));
+                        if command == Command::OpenDemo {
+                            button = button.fill(ui.palette().accent_ground);
+                        }
+                        if ui
+                            .add(button)
+                            .on_hover_text(panel.app.settings.keys.tooltip(command))
+                            .clicked()
+                        {
+                            panel.actions.push(Action::Command(command));
+                        }
+                    }
+                },
+            );
+            let tour = Button::new(
+                "New here? Take the tour: five steps on the demo match, three minutes.",
+            )
+            .frame(false);
+            if ui
+                .add(tour)
+                .on_hover_text(Command::StartTour.about())
+                .clicked()
+            {
+                panel.actions.push(Action::Command(Command::StartTour));
+            }
+            path_field(panel, ui);
+            recent(panel, ui);
+        },
+    );
 }
 
 /// Says which labels wait for their pictures.

@@ -45,7 +45,8 @@ impl ReviewOrder {
                 "Those most out of line with the frames before and after come first."
             }
             Self::Paint => {
-                "Those first that the painted lines contradict, then those on which they do not decide; among equals those that mending moved farthest."
+                "Those first that the painted lines contradict, then those on which they do not \
+                 decide; among equals those that mending moved farthest."
             }
             Self::Time => "In the order of the frames.",
         }

@@ -65,7 +65,7 @@ impl Frame {
     /// How far mending moved the camera that another program gave the frame, px; infinitely far if
     /// that camera was impossible. None if it has none.
     #[must_use]
-    pub fn mended_by_px(&self) -> Option<f64> {
+    pub fn shift_by_mending_px(&self) -> Option<f64> {
         let imported = self.solution.as_ref()?.imported.as_ref()?;
         if imported.fault.is_some() {
             return Some(f64::INFINITY);

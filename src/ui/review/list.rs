@@ -211,7 +211,10 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         }
     };
     let neighbours = row.apart_px().filter(|_| !row.gone).map(beside);
-    let mended = row.mended_by_px.filter(|_| !row.gone).map(describe_mended);
+    let mended = row
+        .shift_by_mending_px
+        .filter(|_| !row.gone)
+        .map(describe_mended);
     let unlikely = frame.why_unlikely().filter(|_| !row.gone);
     response.widget_info(|| {
         let apart = neighbours
@@ -307,15 +310,13 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         );
     }
     // The tooltip says the same in full.
-    let neighbours: String = neighbours
-        .into_iter()
-        .chain(mended)
-        .map(|text| format!(", {text}"))
-        .collect();
     let is = if row.gone { "" } else { "confidence " };
-    let paint = paint
-        .map(|says| format!(", {}", says.describe()))
-        .unwrap_or_default();
+    let confidence = format!("{is}{confidence}");
+    let paint = paint.map(|says| says.describe());
+    let facts: Vec<String> = [Some(confidence), neighbours, mended, paint]
+        .into_iter()
+        .flatten()
+        .collect();
     let still = if row.is_still() && !row.gone {
         " Check that the picture stands still as well."
     } else {
@@ -325,8 +326,9 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         .map(|why| format!(" {}", sentence(why)))
         .unwrap_or_default();
     let tip = format!(
-        "{}: {is}{confidence}{neighbours}{paint}.{why}{still} Click to look at it.",
-        frame.name()
+        "{}: {}.{why}{still} Click to look at it.",
+        frame.name(),
+        facts.join(", ")
     );
     if response.clicked() || response.secondary_clicked() {
         panel

@@ -50,7 +50,7 @@ enum Cause {
 }
 
 /// The tracked cameras.
-pub struct CarriedClip {
+pub struct TrackingOutcome {
     tracked: TrackedClip,
     /// Points and paint found in the pictures, for use after a correction.
     evidence: Arc<ClipEvidence>,
@@ -76,12 +76,12 @@ pub enum ClipTrackingError {
 #[derive(Debug, Default)]
 pub(in crate::app) struct ClipTrackingState {
     slot: Slot<ClipTracking>,
-    carried: Option<LastCarried>,
+    last: Option<LastTracking>,
 }
 
 /// What is kept of the last result.
 #[derive(Debug)]
-struct LastCarried {
+struct LastTracking {
     /// Points tracked through the pictures of the clip, and the paint found in them.
     evidence: Arc<ClipEvidence>,
     /// The batch of its suggestions.
@@ -94,12 +94,15 @@ struct LastCarried {
 
 impl Operation for ClipTracking {
     type Progress = ClipProgress;
-    type Output = CarriedClip;
+    type Output = TrackingOutcome;
     type Error = ClipTrackingError;
 
     const NAME: &'static str = "carry cameras";
 
-    fn run(&self, context: &Context<'_, ClipProgress>) -> Result<CarriedClip, ClipTrackingError> {
+    fn run(
+        &self,
+        context: &Context<'_, ClipProgress>,
+    ) -> Result<TrackingOutcome, ClipTrackingError> {
         let mut reader = context.open_reader();
         let mut document = self.document.clone();
         let mut clip = clip_of_frame(document.at(&self.folder), self.frame)
@@ -126,7 +129,7 @@ impl Operation for ClipTracking {
         } else {
             self.measure_length(&tracked, &mut *reader)
         };
-        Ok(CarriedClip {
+        Ok(TrackingOutcome {
             tracked,
             evidence: evidence.into(),
             length,
@@ -141,9 +144,13 @@ impl Operation for ClipTracking {
         app.is_amid_change()
     }
 
-    fn take_over(&self, app: &mut App, result: Result<CarriedClip, Failure<ClipTrackingError>>) {
+    fn take_over(
+        &self,
+        app: &mut App,
+        result: Result<TrackingOutcome, Failure<ClipTrackingError>>,
+    ) {
         match result {
-            Ok(carried) => app.take_carried_clip(self, carried),
+            Ok(outcome) => app.take_tracked_clip(self, outcome),
             Err(Failure::Failed(ClipTrackingError::NothingDoubtful)) => {}
             Err(failure) => app.session.notify(
                 failure.level(),
@@ -200,20 +207,16 @@ impl ClipTracking {
 impl App {
     /// Why a command of the tracking is not available. None if it is.
     pub(in crate::app) fn why_not_clip_tracking(&self, command: Command) -> Option<&'static str> {
-        let ClipTrackingState { slot, carried } = &self.operations.clip_tracking;
+        let ClipTrackingState { slot, last } = &self.operations.clip_tracking;
         match command {
             Command::Track => self.why_not_track(),
             Command::DiscardCarried | Command::TakeLength if self.is_read_only() => {
                 Some("The document is read-only.")
             }
-            Command::TakeLength
-                if carried
-                    .as_ref()
-                    .is_none_or(|carried| carried.length.is_none()) =>
-            {
+            Command::TakeLength if last.as_ref().is_none_or(|last| last.length.is_none()) => {
                 Some("No other length of the field was measured.")
             }
-            Command::DiscardCarried if carried.is_none() => Some("No cameras were carried."),
+            Command::DiscardCarried if last.is_none() => Some("No cameras were carried."),
             Command::RefineBaseOnShot => self.why_not_refine_base(),
             Command::StopTracking if !slot.is_running() && !self.is_refining_base() => {
                 Some("No cameras are being carried.")
@@ -274,7 +277,7 @@ impl App {
                     "Carrying cameras was stopped; nothing was changed.",
                 );
             }
-            Command::DiscardCarried => self.discard_carried(),
+            Command::DiscardCarried => self.discard_tracked(),
             Command::TakeLength => self.take_measured_length(),
             _ => {}
         }
@@ -283,15 +286,15 @@ impl App {
     /// After the shown frame was corrected and accepted: tracks its clip again, if it was tracked
     /// before.
     pub(in crate::app) fn carry_correction(&mut self) {
-        let carried = &self.operations.clip_tracking.carried;
-        let (Some(open), Some(frame), Some(carried)) = (&self.open, self.frame(), carried) else {
+        let last = &self.operations.clip_tracking.last;
+        let (Some(open), Some(frame), Some(last)) = (&self.open, self.frame(), last) else {
             return;
         };
         let shown = frame
             .picture_source(&open.folder)
-            .is_some_and(|source| carried.evidence.shows(&source));
+            .is_some_and(|source| last.evidence.shows(&source));
         if shown && frame.is_solved_by_clicks() && self.why_not_track().is_none() {
-            self.track_clip_with(Arc::clone(&carried.evidence), Cause::Correction);
+            self.track_clip_with(Arc::clone(&last.evidence), Cause::Correction);
         }
     }
 
@@ -319,8 +322,8 @@ impl App {
             slot.cancel();
         }
         if self.why_not_track().is_none() {
-            let carried = self.operations.clip_tracking.carried.as_ref();
-            let evidence = carried.map(|last| Arc::clone(&last.evidence));
+            let last = self.operations.clip_tracking.last.as_ref();
+            let evidence = last.map(|last| Arc::clone(&last.evidence));
             self.track_clip_with(evidence.unwrap_or_default(), Cause::Drag);
         }
     }
@@ -350,14 +353,14 @@ impl App {
     }
 
     /// Takes over tracked cameras as suggestions; this is no step of undo.
-    fn take_carried_clip(
+    fn take_tracked_clip(
         &mut self,
         tracking: &ClipTracking,
-        CarriedClip {
+        TrackingOutcome {
             tracked,
             evidence,
             length,
-        }: CarriedClip,
+        }: TrackingOutcome,
     ) {
         if self.refuses_changes() {
             return;
@@ -383,7 +386,7 @@ impl App {
         let batch = match self
             .operations
             .clip_tracking
-            .carried
+            .last
             .take()
             .filter(|_| is_again)
         {
@@ -392,7 +395,7 @@ impl App {
                 name: Command::Track.name().to_owned(),
             }),
         };
-        self.operations.clip_tracking.carried = Some(LastCarried {
+        self.operations.clip_tracking.last = Some(LastTracking {
             evidence,
             batch,
             length: None,
@@ -439,8 +442,8 @@ impl App {
                     self.session.notify(Level::Warning, text);
                     return;
                 }
-                if let Some(carried) = &mut self.operations.clip_tracking.carried {
-                    carried.length = Some(found);
+                if let Some(last) = &mut self.operations.clip_tracking.last {
+                    last.length = Some(found);
                 }
                 self.session
                     .notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
@@ -455,11 +458,10 @@ impl App {
     /// Uses the measured length; one step of undo. Frames with clicks are solved again; the others
     /// must be tracked again.
     fn take_measured_length(&mut self) {
-        let (Some(open), Some(carried)) = (&self.open, &self.operations.clip_tracking.carried)
-        else {
+        let (Some(open), Some(last)) = (&self.open, &self.operations.clip_tracking.last) else {
             return;
         };
-        let Some(found) = &carried.length else { return };
+        let Some(found) = &last.length else { return };
         let mut numbers = open.document.clone();
         take_length(&mut numbers, found);
         let change = BulkChange::Numbers(Box::new(numbers));
@@ -467,8 +469,8 @@ impl App {
             Step::on_document("Take the measured length"),
             change,
             |app, _| {
-                if let Some(carried) = &mut app.operations.clip_tracking.carried {
-                    carried.length = None;
+                if let Some(last) = &mut app.operations.clip_tracking.last {
+                    last.length = None;
                 }
                 app.session.retract(Command::TakeLength);
                 let text =
@@ -481,23 +483,23 @@ impl App {
 
     /// Discards the tracked cameras: frames that users have not changed since show again what they
     /// showed before.
-    fn discard_carried(&mut self) {
+    fn discard_tracked(&mut self) {
         self.commit_open_step();
         if let Some(batch) = self
             .operations
             .clip_tracking
-            .carried
+            .last
             .as_ref()
-            .map(|carried| carried.batch)
+            .map(|last| last.batch)
         {
             self.discard_batch(batch);
         }
     }
 
     /// Forgets the last result if its batch has just been discarded.
-    pub(in crate::app) fn forget_carried_batch(&mut self, batch: BatchId) {
-        let carried = &mut self.operations.clip_tracking.carried;
-        if carried.take_if(|carried| carried.batch == batch).is_some() {
+    pub(in crate::app) fn forget_tracked_batch(&mut self, batch: BatchId) {
+        let last = &mut self.operations.clip_tracking.last;
+        if last.take_if(|last| last.batch == batch).is_some() {
             self.session.retract(Command::DiscardCarried);
         }
     }
@@ -616,12 +618,12 @@ mod tests {
             name: Command::Track.name().to_owned(),
         };
         let batch = app.open.as_mut().unwrap().project.open_batch(finder);
-        let carried = LastCarried {
+        let last = LastTracking {
             evidence: Arc::default(),
             batch,
             length: None,
         };
-        app.operations.clip_tracking.carried = Some(carried);
+        app.operations.clip_tracking.last = Some(last);
         app
     }
 

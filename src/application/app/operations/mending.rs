@@ -99,8 +99,8 @@ impl Operation for Mending {
 
 impl Mending {
     /// The present document with the mended cameras. Frames whose camera, clicks or status changed
-    /// since the work began keep what they have now, with the base that their camera has now. None if a camera or the field
-    /// changed, for which the result is then not valid.
+    /// since the work began keep what they have now, with the base that their camera has now. None
+    /// if a camera or the field changed, for which the result is then not valid.
     fn merge(&self, now: &Document, mended: &Document) -> Option<Document> {
         let then = &self.document;
         if now.cameras != then.cameras || now.field != then.field {

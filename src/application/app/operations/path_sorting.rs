@@ -2,7 +2,6 @@
 //! labels of another program are imported into what is open.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::operations::transfer::in_dialog;
 use crate::app::session::Level;
 use crate::app::{App, Command};
 use std::convert::Infallible;
@@ -38,8 +37,8 @@ pub struct SortedPaths {
     labels: Option<ForeignLabels>,
     /// Number of paths beside these.
     left_out: usize,
-    /// A folder of labels that belong to several formats, and which.
-    unclear: Option<String>,
+    /// A folder of labels that belong to several formats.
+    unclear: Option<PathBuf>,
 }
 
 /// The sorting under way.
@@ -85,7 +84,7 @@ impl SortedPaths {
                 }
                 Ok(None) if sorted.open.is_none() => sorted.open = Some(path.clone()),
                 Ok(_) => sorted.left_out += 1,
-                Err(error) => sorted.unclear = Some(error.to_string()),
+                Err(_) => sorted.unclear = Some(path.clone()),
             }
         }
         sorted
@@ -123,10 +122,13 @@ impl App {
     }
 
     fn take_sorted_paths(&mut self, sorted: SortedPaths) {
-        if let Some(why) = sorted.unclear {
+        if let Some(path) = sorted.unclear {
+            let text = format!(
+                "{} has labels of several formats: choose one of them.",
+                path.display()
+            );
             let offers = [("Import…", Command::Import)];
-            self.session
-                .notify_with(Level::Warning, in_dialog(&why), offers);
+            self.session.notify_with(Level::Warning, text, offers);
         }
         if sorted.left_out > 0 {
             let more = counted(sorted.left_out, "more path");
@@ -219,11 +221,7 @@ mod tests {
             r#"{"Middle line": [{"x": 0.5, "y": 0.5}]}"#,
         );
         let sorted = SortedPaths::new(&[mixed.parent().unwrap().to_path_buf()]);
-        assert!(
-            sorted
-                .unclear
-                .is_some_and(|text| text.contains("soccernet-lines"))
-        );
+        assert_eq!(sorted.unclear.as_deref(), mixed.parent());
         assert!(sorted.open.is_none() && sorted.labels.is_none());
     }
 }

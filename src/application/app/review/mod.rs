@@ -43,7 +43,7 @@ pub struct ReviewRow {
     pub paint: Option<LineVerdict>,
     /// How far mending moved the camera that it came with, px; infinitely far if that camera was
     /// impossible.
-    pub mended_by_px: Option<f64>,
+    pub shift_by_mending_px: Option<f64>,
     /// Whether the frame is no longer a suggestion: it was accepted, rejected, corrected or
     /// withdrawn while the list was held.
     pub gone: bool,
@@ -65,7 +65,7 @@ impl ReviewRow {
             confidence: confidence(frame),
             disagreement,
             paint: frame.paint_verdict(),
-            mended_by_px: frame.mended_by_px(),
+            shift_by_mending_px: frame.shift_by_mending_px(),
             gone: false,
         }
     }
@@ -421,7 +421,7 @@ fn doubtful_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
 /// moved them, the farthest first.
 fn off_paint_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
     let verdict = |row: &ReviewRow| row.paint.unwrap_or(LineVerdict::CannotSay);
-    let moved = |row: &ReviewRow| row.mended_by_px.unwrap_or(0.0);
+    let moved = |row: &ReviewRow| row.shift_by_mending_px.unwrap_or(0.0);
     verdict(a)
         .cmp(&verdict(b))
         .then_with(|| moved(b).total_cmp(&moved(a)))

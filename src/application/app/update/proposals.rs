@@ -99,7 +99,7 @@ impl App {
         if let Some(edit) = discarded.edit {
             self.journal_edit(edit);
         }
-        self.forget_carried_batch(batch);
+        self.forget_tracked_batch(batch);
         self.session.notify(Level::Info, text);
     }
 

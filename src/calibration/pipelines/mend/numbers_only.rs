@@ -18,7 +18,7 @@ use touchline_core::camera::Ptz;
 use touchline_core::geometry::Angle;
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::{
-    Camera, Clip, Document, Fields, Frame, FrameId, FrameStatus, Solution, SolutionSource,
+    Camera, Clip, Document, Fields, Frame, FrameId, FramePtz, FrameStatus, Solution, SolutionSource,
 };
 
 /// A camera is out of line if it is farther than this from what its neighbours predict, px at
@@ -126,7 +126,7 @@ fn interpolate_gaps(document: &mut Document) -> usize {
         let [before, after] = [pair[0], pair[1]];
         let [first, last] = [before, after].map(|index| &document.frames[index]);
         let is_one_camera = first.camera == last.camera && first.clip == last.clip;
-        let ends = [first, last].map(|frame| frame.ptz.as_ref().map(|ptz| ptz.ptz()));
+        let ends = [first, last].map(|frame| frame.ptz.as_ref().map(FramePtz::ptz));
         let [Some(from), Some(to)] = ends else {
             continue;
         };

@@ -44,7 +44,7 @@ impl Shots {
             (0..given.len()).filter_map(usable).unzip();
         let places: Vec<SharedPlace> = shared_places(&cameras)
             .into_iter()
-            .map(|place| place.renumbered(&frames))
+            .map(|place| place.with_numbers(&frames))
             .collect();
         let mut of_shot = Vec::new();
         for range in &ranges {

@@ -52,7 +52,7 @@ pub fn survey_cameras(at: DocumentAt<'_>) -> Result<CameraSurvey, FieldError> {
     let (frames, cameras): (Vec<usize>, Vec<PtzCamera>) = given.iter().filter_map(usable).unzip();
     let places: Vec<SharedPlace> = shared_places(&cameras)
         .into_iter()
-        .map(|place| place.renumbered(&frames))
+        .map(|place| place.with_numbers(&frames))
         .collect();
     let impossible = given.iter().filter_map(|(index, given)| {
         Some(ImpossibleCamera {

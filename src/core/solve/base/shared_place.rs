@@ -76,7 +76,7 @@ impl SharedPlace {
     /// The same place with its members renumbered: member `i` becomes `numbers[i]`. `numbers`
     /// ascend.
     #[must_use]
-    pub fn renumbered(self, numbers: &[usize]) -> Self {
+    pub fn with_numbers(self, numbers: &[usize]) -> Self {
         let members = self
             .members
             .iter()

@@ -188,20 +188,18 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
 
 /// How many frames, clicks and cameras an import brings.
 fn describe_gain(joined: &Joined) -> String {
-    let mut text = format!(
-        "{} of this document get labels",
-        counted(joined.matched, "frame")
-    );
+    let matched = counted(joined.matched, "frame");
+    let mut parts = vec![format!("{matched} of this document get labels")];
     for (count, noun) in [
         (joined.added, "new frame"),
         (joined.clicks, "click"),
         (joined.cameras, "new camera"),
     ] {
         if count > 0 {
-            text += &format!(", {}", counted(count, noun));
+            parts.push(counted(count, noun));
         }
     }
-    text + "."
+    parts.join(", ") + "."
 }
 
 /// Lists which imported frame was matched to which frame of the document, so that the user sees a

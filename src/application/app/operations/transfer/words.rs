@@ -84,16 +84,14 @@ pub fn describe_bytes(bytes: u64) -> String {
 pub fn describe_survey(survey: &CameraSurvey) -> Vec<String> {
     /// Impossible cameras that are named.
     const NAMED: usize = 3;
-    let mut first = counted(survey.cameras, "camera");
-    for (count, kind) in [
+    let kinds = [
         (survey.impossible.len(), "impossible"),
         (survey.mirrored, "mirrored"),
-    ] {
-        if count > 0 {
-            first += &format!(", {count} {kind}");
-        }
-    }
-    let mut lines = vec![first + "."];
+    ];
+    let of_kind = kinds.into_iter().filter(|(count, _)| *count > 0);
+    let mut first = vec![counted(survey.cameras, "camera")];
+    first.extend(of_kind.map(|(count, kind)| format!("{count} {kind}")));
+    let mut lines = vec![first.join(", ") + "."];
     let name = |camera: &ImpossibleCamera| format!("{}: {}.", camera.frame, camera.fault);
     lines.extend(survey.impossible.iter().take(NAMED).map(name));
     if survey.impossible.len() > NAMED {
