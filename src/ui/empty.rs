@@ -15,8 +15,8 @@ const RECENT: usize = 5;
 const WIDTH: f32 = 560.0;
 
 /// What one can begin with.
-const INVITATION: &str = "Drop a video, a folder of frames, a project, or cameras of another program \
-                          with their video. Or try the demo match (2 minutes).";
+const INVITATION: &str = "Drop a video, a folder of frames, a project, or cameras of another \
+                          program with their video. Or try the demo match (2 minutes).";
 
 /// Shows the start screen.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -129,7 +129,8 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .margin(Margin::symmetric(8, 6))
                 .desired_width(WIDTH - 72.0 - 3.0 * theme::SPACE);
             let response = ui.add(field).accessible_name("Path to open").on_hover_text(
-                "The path of a project, a folder of frames, a video, or labels of another program; Enter opens it.",
+                "The path of a project, a folder of frames, a video, or labels of another \
+                 program; Enter opens it.",
             );
             // A text field loses the focus with Enter.
             let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));

@@ -450,7 +450,8 @@ fn nothing_open_invites_and_takes_a_typed_path() {
         .build_eframe(|creation| Shell::new(creation, None, None).unwrap());
     harness.run_steps(3);
     harness.get_by_label(
-        "Drop a video, a folder of frames or a project. Or try the demo match (2 minutes).",
+        "Drop a video, a folder of frames, a project, or cameras of another program with their video. \
+         Or try the demo match (2 minutes).",
     );
     harness.get_by_label("Path to open").focus();
     harness.run_steps(2);

@@ -155,8 +155,9 @@ impl KnownFrames<'_> {
         let mut again = Seen::of(&problem, &start, &masks, picture)?;
         let mut sizes = Vec::new();
         // Only with its size fitted does a field of another size have the right lines to align to.
-        // Seen from one end, a far line that is off by 2 px for another reason gives a width that is
-        // off by 1 m and moves the near line by 20 px. So the fitted lines must find the paint too.
+        // Seen from one end, a far line that is off by 2 px for another reason gives a width that
+        // is off by 1 m and moves the near line by 20 px. So the fitted lines must find the paint
+        // too.
         if let Some(open) = open_field {
             let template = open.template().map_err(BaseEstimationError::from)?;
             let from = (&start.base, start.ptz.as_slice());

@@ -382,8 +382,8 @@ impl Bar<'_> {
     }
 
     /// Draws the status of the frames, the references last so that a single one is never hidden.
-    /// The band of doubt at the bottom is higher where suggestions are less certain; the strip at the
-    /// top says whether they lie on the paint.
+    /// The band of doubt at the bottom is higher where suggestions are less certain; the strip at
+    /// the top says whether they lie on the paint.
     fn paint_frames(&self, painter: &Painter, line: Rect) {
         let colour = |status| painter.palette().status(status);
         let marks = |top: f32, bottom: f32| line.top() + top..=line.bottom() - bottom;

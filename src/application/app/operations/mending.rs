@@ -131,8 +131,8 @@ impl Mending {
     }
 }
 
-/// Whether two versions of a frame have the same camera, clicks and status. Other parts, such as the
-/// shot that the search for cuts writes, may differ.
+/// Whether two versions of a frame have the same camera, clicks and status. Other parts, such as
+/// the shot that the search for cuts writes, may differ.
 fn has_same_labels(one: &Frame, other: &Frame) -> bool {
     one.camera == other.camera
         && one.ptz == other.ptz

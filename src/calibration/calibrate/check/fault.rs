@@ -259,7 +259,8 @@ pub enum Fault {
     LooksElsewhere,
     /// No lens has this focal length.
     #[error(
-        "its focal length of {focal_px} px is that of no lens ({shortest:.0} to {longest:.0} px); solve it again"
+        "its focal length of {focal_px} px is that of no lens ({shortest:.0} to {longest:.0} px); \
+         solve it again"
     )]
     NoSuchFocalLength {
         /// The focal length, px.

@@ -20,8 +20,8 @@ pub enum GivenCamera {
     Mirrored(Box<PtzCamera>),
 }
 
-/// What makes a camera impossible, in words. What `check` advises to do about it does not apply to a
-/// camera of another program, and is left out.
+/// What makes a camera impossible, in words. What `check` advises to do about it does not apply to
+/// a camera of another program, and is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenFault(Fault);
 

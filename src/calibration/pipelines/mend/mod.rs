@@ -332,8 +332,8 @@ impl Mending<'_> {
         self.stop_if_cancelled()
     }
 
-    /// Compares the frames that were tracked, and those left in doubt, with their paint. What tracking
-    /// saw before its last adjustment does not apply to the cameras that came out of it.
+    /// Compares the frames that were tracked, and those left in doubt, with their paint. What
+    /// tracking saw before its last adjustment does not apply to the cameras that came out of it.
     fn check_again(&mut self, document: &mut Document) -> Result<(), MendError> {
         let fields = Fields::of(document.at(self.folder))?;
         let unchecked: Vec<usize> = (0..document.frames.len())

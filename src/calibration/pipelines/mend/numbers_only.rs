@@ -1,10 +1,10 @@
 //! Given cameras put on one place by their numbers alone, where there is no picture to compare them
 //! with.
 //!
-//! 1. Impossible and mirrored cameras are recognized as with pictures, and the place that the others
-//!    share becomes the camera of all frames.
-//! 2. Smoothness. A frame whose camera lies farther from those of its neighbours than they lie apart
-//!    loses it, the farthest first, until all agree ([`Disagreements`]).
+//! 1. Impossible and mirrored cameras are recognized as with pictures, and the place that the
+//!    others share becomes the camera of all frames.
+//! 2. Smoothness. A frame whose camera lies farther from those of its neighbours than they lie
+//!    apart loses it, the farthest first, until all agree ([`Disagreements`]).
 //! 3. Short gaps are interpolated.
 //!
 //! No claim of a confidence follows from this: a stretch of frames that are wrong alike is smooth.
