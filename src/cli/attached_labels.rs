@@ -14,8 +14,13 @@ use touchline_vision::media::{FrameSource, VideoInfo};
 /// The format of files whose format was not given.
 pub fn recognize(path: &Path, messages: Messages) -> anyhow::Result<Format> {
     let format = recognize_format(path)?;
-    messages.note(&format!("the format is {format}: {}", format.title()));
+    note_format(format, messages);
     Ok(format)
+}
+
+/// Says which format was recognized.
+pub fn note_format(format: Format, messages: Messages) {
+    messages.note(&format!("the format is {format}: {}", format.title()));
 }
 
 /// A video whose frames cameras are attached to.

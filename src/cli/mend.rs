@@ -1,7 +1,7 @@
 //! `touchline mend`: puts the cameras of another program on one camera and its painted lines.
 
 use super::Outcome;
-use super::attached_labels::{AttachedLabels, attach_to_video, open_video, recognize};
+use super::attached_labels::{AttachedLabels, attach_to_video, note_format, open_video, recognize};
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::export::{format_parser, parse_size};
 use super::interrupt::Interrupt;
@@ -141,7 +141,7 @@ fn mend_cameras_alone(
     format: Format,
     messages: Messages,
 ) -> anyhow::Result<Outcome> {
-    messages.note(&format!("the format is {format}: {}", format.title()));
+    note_format(format, messages);
     let options = ImportOptions {
         size: args.size,
         field: read_field(&args.field, &args.set)?,

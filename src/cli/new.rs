@@ -7,7 +7,7 @@ use super::output::refuse_existing;
 use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::counted;
-use touchline_documents::document::{FieldSize, FieldSpec, document_from_frames};
+use touchline_documents::document::{FieldSpec, document_from_frames};
 use touchline_documents::store;
 use touchline_documents::store::Location;
 use touchline_vision::media::FrameSource;
@@ -103,17 +103,12 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
 /// # Errors
 /// The template does not exist or does not accept a parameter.
 pub(super) fn read_field(template: &str, params: &[(String, f64)]) -> anyhow::Result<FieldSpec> {
-    let mut field = FieldSpec::new(template);
+    let mut field = FieldSpec::with_params(template, params.iter().cloned().collect());
     if field.is_file() {
         let path = std::path::absolute(template)?;
         path.to_str()
             .context("the template's path is not UTF-8; rename it")?
             .clone_into(&mut field.template);
-    }
-    field.params = params.iter().cloned().collect();
-    // A stated parameter means that the size is known and not to be fitted.
-    if !field.params.is_empty() {
-        field.size = Some(FieldSize::Confirmed);
     }
     field.model(Path::new(""))?;
     Ok(field)

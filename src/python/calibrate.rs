@@ -3,7 +3,7 @@
 use crate::camera::PyCamera;
 use crate::document::PyDocument;
 use crate::errors::{Error, NoCamera, failure};
-use crate::field::{PyField, field_or_usual, spec};
+use crate::field::{PyField, field_or_usual};
 use crate::images::{DecodedFrames, picture};
 use crate::progress::{self, Steps};
 use crate::results::{PySolution, Report};
@@ -25,7 +25,7 @@ use touchline_core::field::FieldError;
 use touchline_core::geometry::ImageSize;
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{
-    Camera, CameraId, Document, FieldSize, FieldSpec, Frame, VideoFrame, document_from_frames,
+    Camera, CameraId, Document, FieldSpec, Frame, VideoFrame, document_from_frames,
 };
 use touchline_vision::media::{CountProgress, FrameReader, FrameSource, ReadFrames};
 use touchline_vision::paint::{GroundPicture, SnapOptions};
@@ -66,16 +66,12 @@ pub fn calibrate(
             "look_at: 3 to 300 frames are possible",
         ));
     }
-    let mut field = spec(field, params);
+    let field = FieldSpec::with_params(field, params.unwrap_or_default());
     if field.is_file() {
         return Err(Error::new_err(format!(
             "{}: calibrate takes the templates that are built in",
             field.template
         )));
-    }
-    // A stated parameter means that the size is known and not to be fitted.
-    if !field.params.is_empty() {
-        field.size = Some(FieldSize::Confirmed);
     }
     field.model(Path::new("")).map_err(failure)?;
     let options = MatchOptions {

@@ -28,15 +28,8 @@ pub struct PyField {
 #[pyfunction]
 #[pyo3(signature = (name = "soccer", **params))]
 pub fn field(name: &str, params: Option<BTreeMap<String, f64>>) -> PyResult<PyField> {
-    without_panic(|| PyField::of_spec(&spec(name, params), Path::new("")))
-}
-
-/// A template with parameters, as documents state it.
-pub fn spec(name: &str, params: Option<BTreeMap<String, f64>>) -> FieldSpec {
-    FieldSpec {
-        params: params.unwrap_or_default(),
-        ..FieldSpec::new(name)
-    }
+    let spec = FieldSpec::with_params(name, params.unwrap_or_default());
+    without_panic(|| PyField::of_spec(&spec, Path::new("")))
 }
 
 /// The names of the built-in templates.

@@ -76,7 +76,7 @@ const MOST_FRAMES: usize = 150;
 const LEAST_SHARE_WITH_SIZE: f64 = 0.99;
 
 /// Number of pictures in memory at the same time.
-pub(super) const AT_ONCE: usize = 8;
+pub(crate) const AT_ONCE: usize = 8;
 
 /// Frames of one camera, their approximate cameras, and the source of their pictures.
 pub(crate) struct KnownFrames<'a> {

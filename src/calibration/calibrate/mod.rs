@@ -67,7 +67,8 @@ pub use found_camera::FoundCamera;
 pub use frame_lookup::FrameLookup;
 pub use gold::{can_choose_gold, choose_gold};
 pub(crate) use known_frames::{
-    ALONE_SIGMA_M, KnownCameras, KnownFrames, OpenField, PaintEstimate, as_paint_alone_gives,
+    ALONE_SIGMA_M, AT_ONCE, KnownCameras, KnownFrames, OpenField, PaintEstimate,
+    as_paint_alone_gives,
 };
 pub use known_frames::{BaseOnPaintError, FRAMES_FOR_PAINT};
 pub(crate) use length_on_lines::LENGTH_UNSEEN;

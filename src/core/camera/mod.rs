@@ -60,4 +60,19 @@ impl Ptz {
             && self.focal_px.is_finite()
             && self.focal_px > 0.0
     }
+
+    /// The value at a share (0 to 1) of the way to another: pan and tilt linear, the pan by the
+    /// shorter way around; the focal length in its logarithm, so that equal ratios take equal
+    /// times.
+    #[must_use]
+    pub fn interpolate(&self, to: &Self, share: f64) -> Self {
+        let turned = |from: Angle, to: Angle| {
+            from + Angle::from_radians(to.turn_from(from).radians() * share)
+        };
+        Self {
+            pan: turned(self.pan, to.pan),
+            tilt: turned(self.tilt, to.tilt),
+            focal_px: (self.focal_px.ln() * (1.0 - share) + to.focal_px.ln() * share).exp(),
+        }
+    }
 }

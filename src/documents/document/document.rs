@@ -109,6 +109,17 @@ impl Document {
         }
     }
 
+    /// Adds a copy of a camera under a free name like its own, and returns that name.
+    pub fn add_copy(&mut self, camera: &Camera) -> CameraId {
+        let id = self.free_camera_name(&camera.id);
+        let copy = Camera {
+            id: id.clone(),
+            ..camera.clone()
+        };
+        self.cameras.push(copy.into());
+        id
+    }
+
     /// The camera that took a frame.
     #[must_use]
     pub fn camera_of(&self, frame: &Frame) -> Option<&Camera> {

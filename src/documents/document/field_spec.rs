@@ -62,6 +62,16 @@ impl FieldSpec {
         }
     }
 
+    /// A template with parameters that a person states: its size is then known and not to be fitted.
+    #[must_use]
+    pub fn with_params(template: &str, params: BTreeMap<String, f64>) -> Self {
+        Self {
+            size: (!params.is_empty()).then_some(FieldSize::Confirmed),
+            params,
+            ..Self::new(template)
+        }
+    }
+
     /// Whether the template is the user's own file, not a built-in one.
     #[must_use]
     pub fn is_file(&self) -> bool {

@@ -11,8 +11,6 @@ use crate::document::{
     SolutionSource, VideoFrame,
 };
 use std::collections::{BTreeMap, BTreeSet};
-use touchline_core::camera::Ptz;
-use touchline_core::geometry::Angle;
 
 /// The chosen frames, and interpolated cameras for gaps of up to `most` frames between two solved
 /// frames of the same video, camera and clip. Pan, tilt and the logarithm of the focal length are
@@ -143,7 +141,7 @@ fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Fra
         .collect()
 }
 
-/// A frame with an interpolated camera. The pan takes the shorter way around.
+/// A frame with an interpolated camera.
 fn frame_at(
     number: u64,
     there: Option<&Frame>,
@@ -154,15 +152,9 @@ fn frame_at(
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
     let share = (number - first.frame_index) as f64 / (last.frame_index - first.frame_index) as f64;
     let (from, to) = (before.ptz.as_ref()?, after.ptz.as_ref()?);
-    // Linear in the frame number; the focal length in its logarithm, so that equal ratios take
-    // equal times.
+    // Linear in the frame number.
     let mix = |from: f64, to: f64| from + (to - from) * share;
-    let (pan, pan_after) = (from.ptz().pan, to.ptz().pan);
-    let ptz = Ptz {
-        pan: pan + Angle::from_radians((pan_after - pan).wrapped().radians() * share),
-        tilt: Angle::from_degrees(mix(from.tilt_deg, to.tilt_deg)),
-        focal_px: mix(from.focal_px.ln(), to.focal_px.ln()).exp(),
-    };
+    let ptz = from.ptz().interpolate(&to.ptz(), share);
     let mut solved = FramePtz::new(
         ptz,
         camera.curve().map(|curve| curve.radial_at(ptz.focal_px)),
@@ -283,7 +275,7 @@ mod tests {
     use crate::exchange::tests::{document, text_of};
     use crate::exchange::{ExportOptions, Format, Gaps, export};
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
 
     /// Frames 412, 413, 416 and 440 of a video, without images.

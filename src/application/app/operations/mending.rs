@@ -23,8 +23,7 @@ pub struct Mending {
     document: Document,
     /// The folder from which the document's relative paths start.
     folder: PathBuf,
-    /// By how many frames the cameras may be shifted against the video.
-    shifts: Vec<i64>,
+    options: MendOptions,
 }
 
 /// The mended document, and what became of each camera.
@@ -37,9 +36,8 @@ pub struct MendedDocument {
 #[derive(Debug, Default)]
 pub(in crate::app) struct MendingState {
     slot: Slot<Mending>,
-    /// By how many frames the cameras that were imported last may be shifted against the video, the
-    /// likeliest first; empty if they are not.
-    pub(super) shifts: Vec<i64>,
+    /// The options for the cameras that were imported last.
+    pub(super) options: MendOptions,
 }
 
 /// A step of mending, and how far it has come.
@@ -65,14 +63,11 @@ impl Operation for Mending {
         let mut document = self.document.clone();
         let steps = context.progress();
         let progress = steps.part(|event: MendEvent| MendingProgress::of_event(&event));
-        let options = MendOptions {
-            shifts: self.shifts.clone(),
-        };
         let mended = mend(
             &mut document,
             &self.folder,
             &mut *reader,
-            &options,
+            &self.options,
             &progress,
         )?;
         Ok(MendedDocument { document, mended })
@@ -156,15 +151,13 @@ fn take_labels(frame: &mut Frame, mended: &Frame) {
 fn keep_camera(merged: &mut Document, camera: Option<&Camera>) -> Option<CameraId> {
     let camera = camera?;
     let id = match merged.camera(&camera.id) {
-        Some(mended) if mended == camera => return Some(camera.id.clone()),
-        Some(_) => merged.free_camera_name(&camera.id),
-        None => camera.id.clone(),
+        Some(mended) if mended == camera => camera.id.clone(),
+        Some(_) => merged.add_copy(camera),
+        None => {
+            merged.cameras.push(camera.clone().into());
+            camera.id.clone()
+        }
     };
-    let own = Camera {
-        id: id.clone(),
-        ..camera.clone()
-    };
-    merged.cameras.push(own.into());
     Some(id)
 }
 
@@ -230,15 +223,12 @@ impl App {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        let mut shifts = self.operations.mending.shifts.clone();
-        if shifts.is_empty() {
-            shifts = MendOptions::default().shifts;
-        }
+        let options = self.operations.mending.options.clone();
         self.session.retract(Command::MendCameras);
         self.start(Mending {
             document,
             folder,
-            shifts,
+            options,
         });
     }
 
@@ -385,7 +375,7 @@ mod tests {
         Mending {
             document: (*open.document).clone(),
             folder: open.folder.clone(),
-            shifts: vec![0],
+            options: MendOptions::default(),
         }
     }
 

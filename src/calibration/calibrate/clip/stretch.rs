@@ -16,8 +16,7 @@ const MOST: usize = 300;
 
 /// Whether a frame's camera ends a stretch: a person accepted it, the paint supports it, or it is
 /// certain and the paint does not contradict it.
-#[must_use]
-pub fn is_reliable(frame: &Frame) -> bool {
+fn is_reliable(frame: &Frame) -> bool {
     if frame.ptz.is_none() {
         return false;
     }

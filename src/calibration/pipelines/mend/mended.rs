@@ -115,41 +115,35 @@ pub struct Tally {
     pub left: usize,
 }
 
-impl Mended {
-    /// Compares the frames of the documents before and after. `aligned` are the frames that were
-    /// aligned to their paint before the others were tracked, by their indices.
-    pub(super) fn new(
-        before: &Document,
-        after: &Document,
-        given: &[GivenCamera],
-        aligned: &BTreeSet<usize>,
-    ) -> Self {
-        let frame = |(index, given): (usize, &GivenCamera)| {
-            let frame = &after.frames[index];
-            let now = after.pointed(frame);
-            let camera = given
-                .usable()
-                .copied()
-                .or_else(|| before.pointed(&before.frames[index]));
-            let moved_px = camera
-                .zip(now)
-                .and_then(|(given, now)| ground_moved_px(&given, &now, frame.image_size));
-            MendedFrame {
-                id: frame.id.clone(),
-                given: given.clone(),
-                outcome: outcome(frame, now.as_ref(), moved_px, aligned.contains(&index)),
-                moved_px,
-            }
-        };
-        let frames = given.iter().enumerate().map(frame).collect();
-        Self {
-            frames,
-            places: Vec::new(),
-            common: Vec::new(),
-            not_aligned: Vec::new(),
+/// Compares the frames of the documents before and after. `aligned` are the frames that were
+/// aligned to their paint before the others were tracked, by their indices.
+pub(super) fn compare_frames(
+    before: &Document,
+    after: &Document,
+    given: &[GivenCamera],
+    aligned: &BTreeSet<usize>,
+) -> Vec<MendedFrame> {
+    let frame = |(index, given): (usize, &GivenCamera)| {
+        let frame = &after.frames[index];
+        let now = after.pointed(frame);
+        let camera = given
+            .usable()
+            .copied()
+            .or_else(|| before.pointed(&before.frames[index]));
+        let moved_px = camera
+            .zip(now)
+            .and_then(|(given, now)| ground_moved_px(&given, &now, frame.image_size));
+        MendedFrame {
+            id: frame.id.clone(),
+            given: given.clone(),
+            outcome: outcome(frame, now.as_ref(), moved_px, aligned.contains(&index)),
+            moved_px,
         }
-    }
+    };
+    given.iter().enumerate().map(frame).collect()
+}
 
+impl Mended {
     /// Writes into each mended frame the camera that it came with.
     pub(super) fn record_imported(&self, before: &Document, after: &mut Document) {
         for (index, mended) in self.frames.iter().enumerate() {

@@ -54,11 +54,12 @@ pub use survey::{CameraSurvey, ImpossibleCamera, survey_cameras};
 
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::calibrate::{
-    BaseOnPaintError, check_frame, clips, estimate_on_paint, record_line_check, withdraw,
+    AT_ONCE, BaseOnPaintError, check_frame, clips, estimate_on_paint, record_line_check, withdraw,
 };
 use crate::proposals::{FramePicture, PictureStream, read_picture};
 use given::given_cameras;
 use hypotheses::{Corrected, Sample, Test};
+use mended::compare_frames;
 use places::Shots;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -77,9 +78,6 @@ use touchline_vision::track::find_cuts;
 /// position to 0.1 m, that of one end through a long lens to 1 m or worse. There the given cameras
 /// know better, but all of them may be wrong alike.
 const PLACE_SIGMA_M: f64 = 0.5;
-
-/// Number of pictures that are compared with their paint at the same time.
-const AT_ONCE: usize = 8;
 
 /// Options of mending.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -210,7 +208,7 @@ pub fn mend(
         places: shots.places,
         common,
         not_aligned,
-        ..Mended::new(&before, &mended, &given, &aligned)
+        frames: compare_frames(&before, &mended, &given, &aligned),
     };
     result.record_imported(&before, &mut mended);
     *document = mended;
@@ -268,9 +266,11 @@ impl Mending<'_> {
             .frames
             .iter()
             .filter(|frame| frame.camera == *camera);
-        // The pictures of all frames are read three times at most: twice for the base, once for the
-        // alignment.
-        let of = 3 * of_camera.filter(|frame| frame.ptz.is_some()).count();
+        let is_size_open = *document.field_of_camera(camera).size() == FieldSize::Assumed;
+        // The pictures of all frames are read twice at most for the base, once more for the size of
+        // the field, and once for the alignment.
+        let readings = 3 + usize::from(is_size_open);
+        let of = readings * of_camera.filter(|frame| frame.ptz.is_some()).count();
         let (folder, progress) = (self.folder, self.progress);
         let mut done = 0;
         let reader = &mut *self.reader;
@@ -281,7 +281,6 @@ impl Mending<'_> {
             let goes_on = progress.report(event).is_continue();
             goes_on.then(|| read_picture(reader, frame, folder).ok())?
         };
-        let is_size_open = *document.field_of_camera(camera).size() == FieldSize::Assumed;
         let before = document.clone();
         let found = estimate_on_paint(
             before.at(folder),

@@ -14,8 +14,6 @@ use super::places::{Shots, mirror_back};
 use super::{MendError, count_usable};
 use crate::calibrate::{Disagreement, Disagreements, withdraw};
 use std::path::Path;
-use touchline_core::camera::Ptz;
-use touchline_core::geometry::Angle;
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::{
     Camera, Clip, Document, Fields, Frame, FrameId, FramePtz, FrameStatus, Solution, SolutionSource,
@@ -137,7 +135,7 @@ fn interpolate_gaps(document: &mut Document) -> usize {
         let camera = first.camera.clone();
         for index in before + 1..after {
             let share = (index - before) as f64 / (after - before) as f64;
-            let ptz = between(from, to, share);
+            let ptz = from.interpolate(&to, share);
             let frame = &mut document.frames[index];
             if !frame.is_open() {
                 continue;
@@ -156,24 +154,10 @@ fn interpolate_gaps(document: &mut Document) -> usize {
     filled
 }
 
-/// The direction and focal length at a share of the way from one to another.
-fn between(from: Ptz, to: Ptz, share: f64) -> Ptz {
-    let on_way = |from: f64, to: f64| from + share * (to - from);
-    let turned = |from: Angle, to: Angle| {
-        let turn_deg = (to - from).wrapped().degrees();
-        from + Angle::from_degrees(share * turn_deg)
-    };
-    Ptz {
-        pan: turned(from.pan, to.pan),
-        tilt: turned(from.tilt, to.tilt),
-        focal_px: on_way(from.focal_px.ln(), to.focal_px.ln()).exp(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, Radial};
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, Radial};
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_documents::document::{CameraId, FieldSpec};
 

@@ -39,13 +39,7 @@ impl Shots {
             ranges.push(begin..end);
             begin = end;
         }
-        let usable = |index: usize| Some((index, given[index].usable().copied()?));
-        let (frames, cameras): (Vec<usize>, Vec<PtzCamera>) =
-            (0..given.len()).filter_map(usable).unzip();
-        let places: Vec<SharedPlace> = shared_places(&cameras)
-            .into_iter()
-            .map(|place| place.with_numbers(&frames))
-            .collect();
+        let places = places_of_given(given);
         let mut of_shot = Vec::new();
         for range in &ranges {
             let possible = range
@@ -139,6 +133,20 @@ impl Shots {
     }
 }
 
+/// The places that given cameras share, with the indices of the given cameras as members.
+pub(super) fn places_of_given(given: &[GivenCamera]) -> Vec<SharedPlace> {
+    let usable = |index: usize| Some((index, given[index].usable().copied()?));
+    let (indices, cameras): (Vec<usize>, Vec<PtzCamera>) =
+        (0..given.len()).filter_map(usable).unzip();
+    let mut places = shared_places(&cameras);
+    for place in &mut places {
+        for member in &mut place.members {
+            *member = indices[*member];
+        }
+    }
+    places
+}
+
 fn members_in(place: &SharedPlace, range: &Range<usize>) -> usize {
     let members = &place.members;
     members.partition_point(|at| *at < range.end) - members.partition_point(|at| *at < range.start)
@@ -161,13 +169,8 @@ fn place_camera(
         .iter()
         .any(|frame| frame.camera == id && !frame.is_open())
     {
-        let own = document.free_camera_name(&id);
-        let copy = Camera {
-            id: own.clone(),
-            ..document.camera(&id)?.clone()
-        };
-        document.cameras.push(copy.into());
-        id = own;
+        let camera = document.camera(&id)?.clone();
+        id = document.add_copy(&camera);
     }
     let camera: &mut Camera = document.camera_mut(&id)?;
     let base = with_lens(&place.base, lens);

@@ -2,10 +2,9 @@
 //! are mirrored, and where they stand.
 
 use super::given::{GivenCamera, GivenFault, given_cameras};
-use super::places::mirror_back;
-use touchline_core::camera::PtzCamera;
+use super::places::{mirror_back, places_of_given};
 use touchline_core::field::FieldError;
-use touchline_core::solve::base::{SharedPlace, shared_places};
+use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::{DocumentAt, Fields, Frame};
 
 /// The cameras that another program gave for the frames of a document, compared with each other.
@@ -43,34 +42,31 @@ fn name_of_camera(frame: &Frame) -> String {
 pub fn survey_cameras(at: DocumentAt<'_>) -> Result<CameraSurvey, FieldError> {
     let document = at.document;
     let fields = Fields::of(at)?;
-    let given: Vec<(usize, GivenCamera)> = given_cameras(document, &fields)
-        .into_iter()
-        .enumerate()
-        .filter(|(index, _)| document.frames[*index].has_imported_camera())
-        .collect();
-    let usable = |(index, given): &(usize, GivenCamera)| Some((*index, given.usable().copied()?));
-    let (frames, cameras): (Vec<usize>, Vec<PtzCamera>) = given.iter().filter_map(usable).unzip();
-    let places: Vec<SharedPlace> = shared_places(&cameras)
-        .into_iter()
-        .map(|place| place.with_numbers(&frames))
-        .collect();
-    let impossible = given.iter().filter_map(|(index, given)| {
-        Some(ImpossibleCamera {
-            frame: name_of_camera(&document.frames[*index]),
-            fault: given.fault()?.clone(),
-        })
-    });
-    let impossible = impossible.collect();
-    let alone: Vec<GivenCamera> = given.iter().map(|(_, given)| given.clone()).collect();
-    let is_mirrored = |given: &&GivenCamera| matches!(given, GivenCamera::Mirrored(_));
-    let mirrored = mirror_back(&alone, &places)
+    let mut given = given_cameras(document, &fields);
+    for (frame, given) in document.frames.iter().zip(&mut given) {
+        if !frame.has_imported_camera() {
+            *given = GivenCamera::Missing;
+        }
+    }
+    let places = places_of_given(&given);
+    let impossible = document
+        .frames
         .iter()
-        .filter(is_mirrored)
-        .count();
+        .zip(&given)
+        .filter_map(|(frame, given)| {
+            Some(ImpossibleCamera {
+                frame: name_of_camera(frame),
+                fault: given.fault()?.clone(),
+            })
+        });
+    let impossible = impossible.collect();
+    let is_there = |given: &&GivenCamera| !matches!(given, GivenCamera::Missing);
+    let is_mirrored = |given: &&GivenCamera| matches!(given, GivenCamera::Mirrored(_));
+    let mirrored = mirror_back(&given, &places);
     Ok(CameraSurvey {
-        cameras: given.len(),
+        cameras: given.iter().filter(is_there).count(),
         impossible,
-        mirrored,
+        mirrored: mirrored.iter().filter(is_mirrored).count(),
         places,
     })
 }

@@ -72,20 +72,6 @@ impl SharedPlace {
     pub fn contains(&self, position_m: Vec3) -> bool {
         is_within(position_m, self.base.position_m, self.scatter_m)
     }
-
-    /// The same place with its members renumbered: member `i` becomes `numbers[i]`. `numbers`
-    /// ascend.
-    #[must_use]
-    pub fn with_numbers(self, numbers: &[usize]) -> Self {
-        let members = self
-            .members
-            .iter()
-            .filter_map(|member| numbers.get(*member));
-        Self {
-            members: members.copied().collect(),
-            ..self
-        }
-    }
 }
 
 /// Position, scatter and number of members, in one line.

@@ -4,7 +4,6 @@ use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, RichText, Ui};
 use touchline_application::app::App;
 use touchline_application::app::transfer::{Look, TransferState, in_dialog};
-use touchline_calibration::pipelines::CameraSurvey;
 use touchline_documents::document::CameraId;
 
 /// Whether there is something to write or to merge.
@@ -26,10 +25,7 @@ pub fn can_mend(transfer: &TransferState) -> bool {
     let Some(Look::Import(Ok(look))) = transfer.found.as_ref().map(|found| &found.look) else {
         return false;
     };
-    let shares_place = |survey: &CameraSurvey| !survey.places.is_empty();
-    cfg!(feature = "opencv")
-        && look.joined.cameras > 0
-        && look.survey.as_ref().is_some_and(shares_place)
+    look.can_be_mended()
 }
 
 /// The cameras of the open document.

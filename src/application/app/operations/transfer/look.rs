@@ -91,6 +91,15 @@ impl ImportLook {
         }
     }
 
+    /// Whether the cameras that it brings can be mended afterwards.
+    #[must_use]
+    pub fn can_be_mended(&self) -> bool {
+        let shares_place = |survey: &CameraSurvey| !survey.places.is_empty();
+        cfg!(feature = "opencv")
+            && self.joined.cameras > 0
+            && self.survey.as_ref().is_some_and(shares_place)
+    }
+
     /// What the same labels would bring to a document that has changed since.
     pub(super) fn again(&self, at: DocumentAt<'_>) -> Self {
         Self::new(at, Arc::clone(&self.imported))

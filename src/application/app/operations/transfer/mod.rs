@@ -21,9 +21,10 @@ use crate::app::{App, Command, Question};
 use look::LookAt;
 use std::path::PathBuf;
 use std::sync::Arc;
+use touchline_calibration::pipelines::MendOptions;
 use touchline_documents::document::{Document, Step};
 use touchline_documents::exchange::{
-    Attachment, DatasetOptions, ExportOptions, Format, FrameChoice, ImportOptions,
+    DatasetOptions, ExportOptions, Format, FrameChoice, ImportOptions,
 };
 use words::describe_joined;
 use write::Writing;
@@ -340,8 +341,11 @@ impl App {
         if look.format.exports() {
             self.operations.transfer.format = look.format;
         }
-        let shifts = joined.attachment.as_ref().ok().and_then(Option::as_ref);
-        self.operations.mending.shifts = shifts.map(Attachment::shifts).unwrap_or_default();
+        let attachment = joined.attachment.as_ref().ok().and_then(Option::as_ref);
+        let options = attachment.map(|attachment| MendOptions {
+            shifts: attachment.shifts(),
+        });
+        self.operations.mending.options = options.unwrap_or_default();
         if let Some(open) = &mut self.open {
             // The counts of this state, from which it follows whether there is something to mend.
             open.derived.counts(&open.document);
