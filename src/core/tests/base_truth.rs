@@ -14,7 +14,7 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
     AdjustOptions, BaseError, BaseModel, BaseOptions, BaseProgress, BesideFrames, CameraClicks,
-    CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
+    CrownModel, FrameClicks, LensModel, adjust_base, estimate_base, estimate_base_on_paint,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -143,6 +143,51 @@ fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
     let with = adjusted(&frames, &ptz);
     assert_eq!(with.base, without.base);
     assert_eq!((with.ptz[2], with.ptz.iter().flatten().count()), (None, 6));
+}
+
+#[test]
+fn the_model_is_chosen_alike_if_only_every_fifth_frame_has_paint() {
+    let mut rng = seeded::rng("the_model_is_chosen_alike_if_only_every_fifth_frame_has_paint");
+    let field = field(0.0);
+    let base = true_base(FocalCurve {
+        at_focal_px: 2000.0,
+        value: -0.03,
+        per_1000_px: 0.2,
+        ..FocalCurve::NONE
+    });
+    let (seen, truth) = frames(&base, &field, 15, 12, 0.5, &mut rng);
+    let estimated = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
+        estimate_base_on_paint(
+            &CameraClicks::centred(&field, frames, SIZE),
+            frames,
+            (&base, ptz),
+            &BaseOptions::default(),
+            &Progress::default(),
+        )
+        .unwrap()
+    };
+    let alone: Vec<Option<Ptz>> = truth.iter().copied().map(Some).collect();
+    let without = estimated(&seen, &alone);
+    let follows = [LensModel::K1Focal, LensModel::K1FocalK2];
+    assert!(follows.contains(&without.model.lens), "{:?}", without.model);
+
+    let unseen = FrameClicks {
+        observations: Vec::new(),
+        start: None,
+    };
+    let of_five = |frame| {
+        [
+            frame,
+            unseen.clone(),
+            unseen.clone(),
+            unseen.clone(),
+            unseen.clone(),
+        ]
+    };
+    let frames: Vec<FrameClicks> = seen.into_iter().flat_map(of_five).collect();
+    let ptz: Vec<Option<Ptz>> = truth.iter().flat_map(|ptz| [Some(*ptz); 5]).collect();
+    let with = estimated(&frames, &ptz);
+    assert_eq!((with.base, with.scores), (without.base, without.scores));
 }
 
 #[test]

@@ -107,10 +107,8 @@ pub fn adjust_base(
     let CameraClicks { field, frames, .. } = *clicks;
     let image_width_px = clicks.image_size.width;
     let on_ground = |observation: &Observation| BaseClick::new(observation, field.crown());
-    // A frame without clicks is left out, because its own equations would be singular.
-    let start_of =
-        |(frame, ptz): (&FrameClicks, &Option<Ptz>)| ptz.filter(|_| frame.used().next().is_some());
-    let start_ptz: Vec<Option<Ptz>> = frames.iter().zip(start_ptz).map(start_of).collect();
+    // The equations of a frame without clicks would be singular.
+    let start_ptz = cameras_with_clicks(frames, start_ptz);
     let clicks = frames
         .iter()
         .map(|frame| frame.used().map(on_ground).collect());
@@ -168,6 +166,15 @@ pub fn adjust_base(
         cost: crate::solve::least_squares::Equations::cost(&found.equations),
         iterations: found.iterations,
     }
+}
+
+/// The cameras of the frames that have clicks or paint to be adjusted to.
+pub(super) fn cameras_with_clicks(frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> Vec<Option<Ptz>> {
+    let has_clicks = |frame: &FrameClicks| frame.used().next().is_some();
+    let frames = frames.iter().zip(ptz);
+    frames
+        .map(|(frame, ptz)| ptz.filter(|_| has_clicks(frame)))
+        .collect()
 }
 
 /// The start's shared parameters, restricted to those that the model has: its lens and its crown.

@@ -1,6 +1,6 @@
 //! From clicks to a base: start, adjustment, choice of the model, disputed clicks.
 
-use super::adjust::{PLACING_FRAMES, adjust_base};
+use super::adjust::{PLACING_FRAMES, adjust_base, cameras_with_clicks};
 use super::disputes::{disputed_clicks, mirrored_frames};
 use super::model_choice::{CrossValidation, Errors, FOLDS, MIN_FRAMES, choose};
 use super::one_more::one_more_frame;
@@ -261,13 +261,16 @@ pub fn estimate_base_on_paint(
         image_size,
         principal_point,
     } = *clicks;
-    let solved_frames = start.1.iter().flatten().count();
+    // Frames without paint, which are most of a long video, take no part in the choice of the model.
+    let ptz = cameras_with_clicks(painted, start.1);
+    let solved_frames = ptz.iter().flatten().count();
     let models = models(
         field,
         options.free_centre(principal_point, solved_frames),
         options,
     );
     let adjustments = Adjustments::new(progress, models.len() * FOLDS);
+    let start = (start.0, ptz.as_slice());
     let painted = CameraClicks {
         frames: painted,
         ..*clicks

@@ -175,27 +175,21 @@ impl CrossValidation<'_> {
     /// Adjusts the base to the frames of the other groups. Each frame of this group is refined on
     /// half of its clicks and evaluated on the other half, and the reverse.
     fn held_out_frames(&self, model: &BaseModel, fold: usize) -> Fold {
+        // Groups are formed of the frames with a camera, by their rank. By their index all of them
+        // may be one group: paint is measured in a subsample, which may be every fifth frame.
+        let with_camera = self.start_ptz.iter().enumerate();
+        let with_camera = with_camera.filter_map(|(index, ptz)| Some((index, (*ptz)?)));
+        let held_out: Vec<(usize, Ptz)> = with_camera.skip(fold).step_by(FOLDS).collect();
         // Adjust without the cameras of this group: a frame without a camera is left out of the
         // bundle.
-        let held_out = |index: usize| index % FOLDS == fold;
-        let ptz: Vec<Option<Ptz>> = self
-            .start_ptz
-            .iter()
-            .enumerate()
-            .map(|(index, ptz)| ptz.filter(|_| !held_out(index)))
-            .collect();
+        let mut ptz = self.start_ptz.to_vec();
+        for (index, _) in &held_out {
+            ptz[*index] = None;
+        }
         let (adjusted, field) = self.adjusted(self.clicks.frames, &ptz, model);
         let mut errors = Errors::default();
-        for (index, frame) in self
-            .clicks
-            .frames
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| held_out(*index))
-        {
-            let Some(start) = self.start_ptz[index] else {
-                continue;
-            };
+        for (index, start) in held_out {
+            let frame = &self.clicks.frames[index];
             errors.add_halves(&adjusted.base, start, frame, self.clicks.field, &field);
         }
         Fold {
