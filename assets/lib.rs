@@ -38,6 +38,12 @@ pub const SCHEMA: &str = include_str!("touchline.schema.json");
 /// The program's icon, a PNG of 128 × 128 px: made from `desktop/touchline.svg`.
 pub const ICON_PNG: &[u8] = include_bytes!("desktop/touchline-128.png");
 
+/// The font of the window's icons: those of Lucide that it uses (`.ci/icons`).
+pub const ICONS: &[u8] = include_bytes!("icons/lucide.ttf");
+
+/// The picture of the start page, a JPEG of 800 × 450 px: frame 13 of the demo match, reduced.
+pub const START_PICTURE: &[u8] = include_bytes!("start/match.jpg");
+
 /// The Python loader that goes with every dataset.
 pub const DATASET_LOADER: &str = include_str!("python/touchline_dataset.py");
 

@@ -1,13 +1,13 @@
 //! The layout of the window.
 //!
 //! From top to bottom: menu row, tour, picture, timeline, filmstrip, row of messages, status row.
-//! The side panel is to the right of picture, timeline and filmstrip. The quality page takes the
-//! place of these four.
+//! The column of tools is to the left of picture, timeline and filmstrip, the side panel to their
+//! right. The quality page takes the place of all but the column.
 
 use super::resizing::{Edge, Resized};
 use super::{
-    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, notices, quality,
-    reclick, rejecting, review, status, theme::Themed as _, timeline, tour, trainer, typing,
+    Panel, camera_panel, dialogs, filmstrip, inspector, keys, menu, notices, quality, reclick,
+    rejecting, review, start, status, theme::Themed as _, timeline, tools, tour, trainer, typing,
     viewport,
 };
 use egui::{Frame, Margin, Ui};
@@ -105,6 +105,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show(ui, |ui| notices::show(panel, ui));
     let is_open = panel.app.open().is_some();
     let page = panel.app.session.quality.open;
+    if is_open {
+        egui::Panel::left("tools")
+            .exact_size(tools::WIDTH)
+            .resizable(false)
+            .frame(side)
+            .show(ui, |ui| tools::show(panel, ui));
+    }
     if is_open && !page {
         let side_panel = egui::Panel::right("side")
             .exact_size(side_width)
@@ -147,7 +154,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         } else if is_open {
             viewport::show(panel, ui);
         } else {
-            empty::show(panel, ui);
+            start::show(panel, ui);
         }
     });
     dialogs::show(panel, ui);

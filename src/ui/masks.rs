@@ -7,7 +7,7 @@ use super::placement::Placement;
 use egui::{
     Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2,
 };
-use touchline_application::app::{Action, App, EditAction, MaskList};
+use touchline_application::app::{Action, App, EditAction, MaskList, Tool};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// Side of the delete button, points.
@@ -27,7 +27,10 @@ pub struct ShownMask {
 /// The masks that cover the shown frame: those of the camera for every frame, those for a range of
 /// frames, those of the frame. None unless masks are shown.
 pub fn shown(app: &App) -> Vec<ShownMask> {
-    let Some(frame) = app.frame().filter(|_| app.session.picture.masks) else {
+    let Some(frame) = app
+        .frame()
+        .filter(|_| app.session.picture.tool == Tool::Mask)
+    else {
         return Vec::new();
     };
     let camera = app

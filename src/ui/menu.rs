@@ -15,35 +15,52 @@ use egui::{
 };
 use std::path::Path;
 use touchline_application::app::session::{Saving, SidePanel};
-use touchline_application::app::{Action, App, Command, MenuGroup};
+use touchline_application::app::{Action, App, Command, MenuGroup, Tool};
 use touchline_application::scene;
 use touchline_documents::document::Frame;
 use touchline_documents::store::{PROJECT_FILE, PROJECT_SUFFIX};
 
 /// Commands with a line above them.
-const SECTIONS: [Command; 18] = [
+const SECTIONS: [Command; 12] = [
     Command::Save,
-    Command::LoadCamera,
     Command::Quit,
-    Command::DeleteClick,
-    Command::NextClick,
     Command::Cancel,
     Command::Preferences,
-    Command::Accept,
-    Command::Reject,
+    Command::PlayPause,
     Command::Comment,
-    Command::SwitchRoot,
     Command::HideOverlay,
-    Command::ShowMasks,
     Command::Compare,
+    Command::TrainerPanel,
     Command::CameraPanel,
-    Command::AssignToCamera,
-    Command::SelectShot,
+    Command::KeepBurntIn,
     Command::About,
 ];
 
-/// Groups of commands that are submenus at the top of their menu.
-const SUBMENUS: [(&str, &[Command]); 5] = [
+/// Groups of commands that are submenus at the top of their menu. No menu is longer than twelve
+/// rows.
+const SUBMENUS: [(&str, &[Command]); 12] = [
+    (
+        "Points",
+        &[
+            Command::DeleteClick,
+            Command::RenameClick,
+            Command::NameNext,
+            Command::PlaceOnLine,
+            Command::ToggleCheck,
+            Command::NextClick,
+            Command::PreviousClick,
+        ],
+    ),
+    (
+        "Tools",
+        &[
+            Command::PointTool,
+            Command::LineTool,
+            Command::CheckTool,
+            Command::SelectTool,
+            Command::ShowMasks,
+        ],
+    ),
     (
         "Go to",
         &[
@@ -59,7 +76,6 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
             Command::NextUnanswered,
             Command::NextReference,
             Command::PreviousReference,
-            Command::PlayPause,
         ],
     ),
     (
@@ -73,6 +89,18 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
             Command::AddCut,
             Command::MoveCutHere,
             Command::RemoveCut,
+        ],
+    ),
+    (
+        "Accept and reject",
+        &[
+            Command::Accept,
+            Command::AcceptAndStay,
+            Command::AcceptAnyway,
+            Command::AcceptStretch,
+            Command::AcceptAllAbove,
+            Command::Reject,
+            Command::RejectShot,
         ],
     ),
     (
@@ -105,6 +133,44 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
     (
         "Training",
         &[Command::UseForTraining, Command::PauseTrainer],
+    ),
+    (
+        "Find without a click",
+        &[
+            Command::FindCamera,
+            Command::StopFindCamera,
+            Command::TryFirstCamera,
+            Command::TryOtherCamera,
+        ],
+    ),
+    (
+        "Base",
+        &[
+            Command::EstimateBase,
+            Command::BaseOnPaint,
+            Command::ShowForBase,
+            Command::UseEstimatedBase,
+            Command::DropEstimatedBase,
+            Command::StopSolving,
+            Command::UseForBase,
+        ],
+    ),
+    (
+        "Field",
+        &[
+            Command::ChooseSport,
+            Command::ConfirmFieldSize,
+            Command::FitFieldSize,
+        ],
+    ),
+    (
+        "Zoom",
+        &[
+            Command::ZoomIn,
+            Command::ZoomOut,
+            Command::ZoomToFit,
+            Command::ZoomToClick,
+        ],
     ),
 ];
 
@@ -206,18 +272,10 @@ const fn tip(group: MenuGroup) -> &'static str {
 /// Shows the entries of a menu: submenus first.
 fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
     ui.set_min_width(232.0);
-    let grouped = |command: &Command| {
-        SUBMENUS
-            .iter()
-            .any(|(_, commands)| commands.contains(command))
-    };
-    for (title, commands) in SUBMENUS
-        .iter()
-        .filter(|(_, commands)| commands[0].group() == group)
-    {
-        ui.menu_button(*title, |ui| entries(panel, ui, commands));
+    for (title, commands) in submenus(group) {
+        ui.menu_button(title, |ui| entries(panel, ui, commands));
     }
-    for command in Command::all().filter(|command| command.group() == group && !grouped(command)) {
+    for command in rows(group) {
         if SECTIONS.contains(&command) {
             ui.separator();
         }
@@ -226,6 +284,23 @@ fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
             recent(panel, ui);
         }
     }
+}
+
+/// The submenus of a menu, with their titles.
+fn submenus(group: MenuGroup) -> impl Iterator<Item = (&'static str, &'static [Command])> {
+    SUBMENUS
+        .into_iter()
+        .filter(move |(_, commands)| commands[0].group() == group)
+}
+
+/// The commands of a menu that are in no submenu.
+fn rows(group: MenuGroup) -> impl Iterator<Item = Command> {
+    let is_in_submenu = |command: &Command| {
+        SUBMENUS
+            .iter()
+            .any(|(_, commands)| commands.contains(command))
+    };
+    Command::all().filter(move |command| command.group() == group && !is_in_submenu(command))
 }
 
 /// Shows the entries of a submenu or of a context menu.
@@ -269,9 +344,13 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
 }
 
 /// Whether a command that switches something on and off is on; then its entry has a tick.
-fn is_on(app: &App, command: Command) -> bool {
+pub fn is_on(app: &App, command: Command) -> bool {
     match command {
-        Command::ShowMasks => app.session.picture.masks,
+        Command::PointTool => app.session.picture.tool == Tool::Point,
+        Command::SelectTool => app.session.picture.tool == Tool::Select,
+        Command::LineTool => app.session.picture.tool == Tool::Line,
+        Command::CheckTool => app.session.picture.tool == Tool::Check,
+        Command::ShowMasks => app.session.picture.tool == Tool::Mask,
         Command::ShowFieldMap => app.settings.field_map,
         Command::SnapPoints => app.settings.snap_points,
         Command::BaseOnPaint => app.settings.base_on_paint,
@@ -298,13 +377,13 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
     let none = panel.app.settings.recent.is_empty();
     ui.add_enabled_ui(!none, |ui| {
         let opened = ui.menu_button("Open recent", |ui| {
-            for path in panel.app.settings.recent.clone() {
+            for document in &panel.app.settings.recent {
                 if ui
-                    .button(document_name(&path))
-                    .on_hover_text(path.display().to_string())
+                    .button(document_name(&document.file))
+                    .on_hover_text(document.file.display().to_string())
                     .clicked()
                 {
-                    panel.actions.push(Action::Open(path));
+                    panel.actions.push(Action::Open(document.file.clone()));
                     ui.close();
                 }
             }
@@ -529,5 +608,30 @@ fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
         .clicked()
     {
         panel.actions.push(Action::Command(Command::TrainerPanel));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_menu_is_longer_than_twelve_rows_and_lines_are_above_its_own_commands() {
+        for group in MenuGroup::ALL {
+            // The menu of files lists recent documents, too.
+            let recent = usize::from(group == MenuGroup::File);
+            let length = submenus(group).count() + rows(group).count() + recent;
+            assert!(length <= 12, "{}: {length} rows", group.title());
+        }
+        for (title, commands) in SUBMENUS {
+            assert!(commands.len() <= 12, "{title}: {} rows", commands.len());
+            let group = commands[0].group();
+            assert!(
+                commands.iter().all(|command| command.group() == group),
+                "{title}"
+            );
+        }
+        let of_menus: Vec<Command> = MenuGroup::ALL.into_iter().flat_map(rows).collect();
+        assert!(SECTIONS.iter().all(|command| of_menus.contains(command)));
     }
 }

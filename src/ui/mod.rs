@@ -11,9 +11,10 @@
 //! | the picture and what is drawn over it | `viewport`, `overlay`, `labels`, `masks` |
 //! | naming and placing a click | `naming`, `loupe` |
 //! | pictures, conversion of coordinates, the renderer | `pictures`, `placement`, `canvas` |
+//! | the column of tools and panels | `tools` |
 //! | side panels | `inspector`, `camera_panel`, `trainer`, `review`, `reclick` |
 //! | rows and strips | `menu`, `tour`, `timeline`, `filmstrip`, `notices`, `status` |
-//! | in place of the picture | `quality`, `empty` |
+//! | in place of the picture | `quality`, `start` |
 //! | above everything | `dialogs`, `files` (the system's file dialogs) |
 //! | maps and plots that several panels use | `field_map`, `coverage_map`, `miniature`, `plot` |
 //! | controls that several panels use | `bar`, `number`, `symbol`, `theme` |
@@ -26,7 +27,6 @@ mod camera_panel;
 mod canvas;
 mod coverage_map;
 mod dialogs;
-mod empty;
 mod field_map;
 mod files;
 mod filmstrip;
@@ -52,10 +52,12 @@ mod rejecting;
 mod resizing;
 mod review;
 mod shell;
+mod start;
 mod status;
 mod symbol;
 mod theme;
 mod timeline;
+mod tools;
 mod tour;
 mod trainer;
 mod typing;

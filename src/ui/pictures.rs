@@ -74,9 +74,14 @@ impl Pictures {
     /// The thumbnail of a frame. If it is missing, it is requested at the end of this frame of the
     /// window.
     pub fn thumbnail(&mut self, open: &OpenProject, frame: usize) -> Option<egui::TextureHandle> {
-        let frame = picture_source(open, frame)?;
-        self.wanted.push(frame.clone());
-        self.textures.get(&frame).cloned()
+        self.thumbnail_of(picture_source(open, frame)?)
+    }
+
+    /// The thumbnail of a picture, as [`Self::thumbnail`].
+    pub fn thumbnail_of(&mut self, picture: FrameRef) -> Option<egui::TextureHandle> {
+        let texture = self.textures.get(&picture).cloned();
+        self.wanted.push(picture);
+        texture
     }
 
     /// Whether the thumbnail of a frame cannot be made.

@@ -1,10 +1,11 @@
-//! Symbols that are drawn as shapes, so that they do not depend on fonts. Each button with a symbol
-//! has an accessible name.
+//! Symbols, as glyphs of a font of icons. Each button with a symbol has an accessible name.
 
 use super::theme::{self, Themed as _};
 use egui::{
-    Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
+    Align2, Atom, Color32, FontData, FontDefinitions, FontFamily, FontId, Painter, Rect, Response,
+    Role, Sense, Ui, Vec2, WidgetInfo, vec2,
 };
+use std::sync::Arc;
 
 /// A symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +18,10 @@ pub enum Symbol {
     OnLine,
     /// A point on a landmark.
     Landmark,
+    /// The pointer that selects.
+    Pointer,
+    /// A mask.
+    Mask,
     /// Selected.
     Tick,
     /// The Enter key.
@@ -33,89 +38,95 @@ pub enum Symbol {
     Play,
     /// Pause.
     Pause,
+    /// A video.
+    Film,
+    /// A folder.
+    Folder,
+    /// A project.
+    Document,
+    /// Pictures to try.
+    Picture,
+    /// A lesson.
+    Lesson,
+    /// A camera.
+    Camera,
+    /// The forest.
+    Forest,
+    /// A list to work through.
+    List,
+    /// A plot.
+    Plot,
 }
 
-/// Draws a symbol into the middle of a rectangle. Coordinates are points from the centre, y down.
-pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
-    let centre = within.center();
-    let at = |x: f32, y: f32| pos2(centre.x + x, centre.y + y);
-    let stroke = Stroke::new(1.5, colour);
-    match symbol {
-        Symbol::Cross => {
-            painter.line_segment([at(-3.5, -3.5), at(3.5, 3.5)], stroke);
-            painter.line_segment([at(-3.5, 3.5), at(3.5, -3.5)], stroke);
+impl Symbol {
+    /// Its code in the font of icons (`.ci/icons`).
+    const fn glyph(self) -> char {
+        match self {
+            Self::Cross => '\u{e1b2}',
+            Self::Diamond => '\u{e2d2}',
+            Self::OnLine => '\u{e51d}',
+            Self::Landmark => '\u{e0ac}',
+            Self::Pointer => '\u{e1c3}',
+            Self::Mask => '\u{e1cb}',
+            Self::Tick => '\u{e06c}',
+            Self::Return => '\u{e0a1}',
+            Self::Warning => '\u{e193}',
+            Self::Info => '\u{e0f9}',
+            Self::Folded => '\u{e06f}',
+            Self::Unfolded => '\u{e06d}',
+            Self::Play => '\u{e13c}',
+            Self::Pause => '\u{e12e}',
+            Self::Film => '\u{e29b}',
+            Self::Folder => '\u{e247}',
+            Self::Document => '\u{e0cc}',
+            Self::Picture => '\u{e0f6}',
+            Self::Lesson => '\u{e234}',
+            Self::Camera => '\u{e1a5}',
+            Self::Forest => '\u{e2f5}',
+            Self::List => '\u{e1d0}',
+            Self::Plot => '\u{e2a5}',
         }
-        Symbol::Diamond => {
-            painter.add(Shape::closed_line(
-                vec![at(0.0, -5.0), at(5.0, 0.0), at(0.0, 5.0), at(-5.0, 0.0)],
-                stroke,
-            ));
-        }
-        Symbol::OnLine => {
-            painter.line_segment([at(-6.0, 4.0), at(6.0, -4.0)], stroke);
-            painter.circle_filled(centre, 2.5, colour);
-        }
-        Symbol::Landmark => {
-            for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
-                painter.line_segment([at(2.0 * x, 2.0 * y), at(6.0 * x, 6.0 * y)], stroke);
-            }
-        }
-        Symbol::Tick => {
-            painter.line(vec![at(-3.0, 0.0), at(-0.8, 2.4), at(3.2, -2.4)], stroke);
-        }
-        Symbol::Return => {
-            painter.line(vec![at(6.0, -5.0), at(6.0, 2.0), at(-5.0, 2.0)], stroke);
-            painter.line(vec![at(-1.5, -1.5), at(-5.0, 2.0), at(-1.5, 5.5)], stroke);
-        }
-        Symbol::Warning => {
-            painter.add(Shape::convex_polygon(
-                vec![at(0.0, -6.0), at(6.5, 5.5), at(-6.5, 5.5)],
-                colour,
-                Stroke::NONE,
-            ));
-            let dark = Stroke::new(1.5, painter.palette().on_accent);
-            painter.line_segment([at(0.0, -2.0), at(0.0, 1.8)], dark);
-            painter.circle_filled(at(0.0, 3.8), 0.9, painter.palette().on_accent);
-        }
-        Symbol::Info => {
-            painter.circle_stroke(centre, 6.0, stroke);
-            painter.line_segment([at(0.0, -0.5), at(0.0, 3.2)], stroke);
-            painter.circle_filled(at(0.0, -3.0), 1.0, colour);
-        }
-        Symbol::Folded => triangle(
-            painter,
-            [at(-2.5, -4.5), at(3.5, 0.0), at(-2.5, 4.5)],
-            colour,
-        ),
-        Symbol::Play => triangle(
-            painter,
-            [at(-3.5, -5.5), at(5.5, 0.0), at(-3.5, 5.5)],
-            colour,
-        ),
-        Symbol::Pause => {
-            for x in [-3.0, 3.0] {
-                painter.rect_filled(
-                    Rect::from_center_size(at(x, 0.0), vec2(3.0, 11.0)),
-                    0.0,
-                    colour,
-                );
-            }
-        }
-        Symbol::Unfolded => triangle(
-            painter,
-            [at(-4.5, -2.5), at(4.5, -2.5), at(0.0, 3.5)],
-            colour,
-        ),
     }
 }
 
-/// A filled triangle.
-fn triangle(painter: &Painter, corners: [Pos2; 3], colour: Color32) {
-    painter.add(Shape::convex_polygon(
-        corners.to_vec(),
+/// The name of the font of icons.
+const FONT: &str = "icons";
+/// Size of a symbol in a row of text, points.
+const SIZE: f32 = 14.0;
+
+/// Size of a symbol in a large button, points.
+const ATOM: f32 = 18.0;
+
+/// Adds the font of icons to a window's fonts.
+pub fn install(fonts: &mut FontDefinitions) {
+    let data = FontData::from_static(touchline_assets::ICONS);
+    fonts.font_data.insert(FONT.to_owned(), Arc::new(data));
+    let family = FontFamily::Name(FONT.into());
+    fonts.families.insert(family, vec![FONT.to_owned()]);
+}
+
+/// Draws a symbol into the middle of a rectangle.
+pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
+    paint_sized(painter, symbol, within, SIZE, colour);
+}
+
+/// Draws a symbol of a size (points) into the middle of a rectangle.
+pub fn paint_sized(painter: &Painter, symbol: Symbol, within: Rect, size: f32, colour: Color32) {
+    let font = FontId::new(size, FontFamily::Name(FONT.into()));
+    painter.text(
+        within.center(),
+        Align2::CENTER_CENTER,
+        symbol.glyph(),
+        font,
         colour,
-        Stroke::NONE,
-    ));
+    );
+}
+
+/// A symbol as a part of a button with a text.
+pub fn atom(symbol: Symbol, colour: Color32) -> Atom<'static> {
+    Atom::paint(Vec2::splat(ATOM), move |ui, within| {
+        paint_sized(ui.painter(), symbol, within.rect, ATOM, colour);
+    })
 }
 
 /// Shows a symbol that is not a button.

@@ -449,9 +449,11 @@ fn nothing_open_invites_and_takes_a_typed_path() {
         .with_size(SIZE)
         .build_eframe(|creation| Shell::new(creation, None, None).unwrap());
     harness.run_steps(3);
+    harness.get_by_label("How two clicks solve a frame");
+    harness.get_by_label_contains("Video…");
+    harness.get_by_label_contains("Take the tour");
     harness.get_by_label(
-        "Drop a video, a folder of frames, a project, or cameras of another program with their video. \
-         Or try the demo match (2 minutes).",
+        "Or drop on this window a video, frames, a project, or cameras of another program with their video.",
     );
     harness.get_by_label("Path to open").focus();
     harness.run_steps(2);

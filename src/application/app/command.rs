@@ -31,6 +31,11 @@ pub enum Command {
     DeleteClick,
     RenameClick,
     NameNext,
+    PointTool,
+    SelectTool,
+    LineTool,
+    CheckTool,
+    ShowMasks,
     PlaceOnLine,
     ToggleCheck,
     NextClick,
@@ -94,7 +99,6 @@ pub enum Command {
     ZoomToClick,
     HideOverlay,
     OverlayStyle,
-    ShowMasks,
     ShowFieldMap,
     Compare,
     Uncertainty,
@@ -171,6 +175,11 @@ rows! {
     DeleteClick, "delete_click", Edit, Picture, "Delete point", "Delete the selected point.", ["Delete"];
     RenameClick, "rename_click", Edit, Picture, "Name point…", "Give the selected point another name.", ["C"];
     NameNext, "name_next", Edit, Picture, "Name the next point…", "Go to the first point of this frame that has no name, and name it.", [];
+    PointTool, "point_tool", Edit, Picture, "Place points", "A press in the picture places a point, or drags the point, landmark or line under it.", ["A"];
+    SelectTool, "select_tool", Edit, Picture, "Select and move", "A press in the picture selects or drags a point, or moves the picture; nothing is placed.", ["V"];
+    LineTool, "line_tool", Edit, Picture, "Place points on lines", "Every point that you place lies on a line of the field, not on a landmark.", ["Shift+L"];
+    CheckTool, "check_tool", Edit, Picture, "Place check points", "Every point that you place is a check point: left out of the solve, with its error shown.", ["Shift+K"];
+    ShowMasks, "show_masks", Edit, Picture, "Draw masks", "Show the boxes that are excluded from feature detection, and draw new ones.", ["M"];
     PlaceOnLine, "place_on_line", Edit, Picture, "Point on a line", "Mark the next or the selected point as lying on a line of the field, not on a landmark.", ["L"];
     ToggleCheck, "toggle_check", Edit, Picture, "Check point", "Leave the selected point out of the solve and show its error instead.", ["K"];
     NextClick, "next_click", Edit, Picture, "Next point", "Select the next point of this frame.", ["Tab"];
@@ -228,7 +237,6 @@ rows! {
     ZoomToClick, "zoom_to_click", View, Picture, "Zoom to the point", "Show the selected point at 800 %.", ["Z"];
     HideOverlay, "hide_overlay", View, Picture, "Hide overlay (hold)", "Hide the overlay while the key is held.", ["H"];
     OverlayStyle, "overlay_style", View, Picture, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
-    ShowMasks, "show_masks", View, Picture, "Masks", "Show the boxes that are excluded from feature detection, and draw new ones.", ["M"];
     ShowFieldMap, "show_field_map", View, Picture, "Field map", "Show or hide the field map.", ["G"];
     Compare, "compare", View, Picture, "Compare (hold)", "Draw the other solution dashed while the key is held: the other focal length, or the camera with other names.", ["B"];
     Uncertainty, "uncertainty", View, Picture, "Uncertainty", "How precise the lines are: a 1-σ band around them, a heat map, or nothing.", ["U"];
@@ -266,7 +274,7 @@ rows! {
     UseOwnNoise, "use_own_noise", Frame, Document, "Use my click noise", "Weight points by the click noise that your blind clicks show, instead of the usual one. One step of undo.", [];
     UseUsualNoise, "use_usual_noise", Frame, Document, "Use the usual click noise", "Points are weighted by the field template's click noise again; yours stays in the project.", [];
     Guide, "guide", Help, Application, "User guide", "The guide, at the page of what is shown.", ["F1"];
-    StartTour, "start_tour", Help, Document, "Take the tour", "Five steps on the demo match, each done by you: place two points, refine one, accept, decide (3 minutes).", [];
+    StartTour, "start_tour", Help, Document, "Take the tour", "Five steps on the demo match, each done by you: place two points, refine one, accept, decide (2 minutes).", [];
     LeaveTour, "leave_tour", Help, Document, "Leave the tour", "End the tour; what you labelled stays.", [];
     Palette, "palette", Help, Application, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, Application, "Keys", "Every command and its key; keys can be changed here.", ["?"];

@@ -64,8 +64,7 @@ pub fn next_step(app: &App) -> Guidance {
         .or_else(|| stretch(app))
         .or_else(|| {
             app.session
-                .points
-                .next_on_line
+                .is_next_on_line()
                 .then(|| Guidance::say("Click a spot on a line, then name the line."))
         })
         .or_else(|| other_picture(app))

@@ -51,6 +51,7 @@ pub mod session;
 pub mod settings;
 mod shown;
 pub mod synonyms;
+mod tool;
 pub mod tour;
 mod trainer;
 mod update;
@@ -77,6 +78,7 @@ pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, WindowPlace};
 pub use shown::Shown;
+pub use tool::Tool;
 pub use trainer::{
     AnswerKey, Doing, ForestFacts, TrainerOrder, TrainerReport, TrainerState, TrainerStatus,
     UnusableReference, describe_left,

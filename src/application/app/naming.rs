@@ -278,10 +278,10 @@ fn rank_as_second_point(
     landmark: &Landmark,
     at: ImagePoint,
 ) -> Ranking {
-    /// Its own index is not among the frame's clicks yet.
-    const NEW_CLICK: usize = usize::MAX;
     let id = landmark.id.as_str();
-    let second = Observation::of_landmark(scene.field, id, at, scene.image_size, NEW_CLICK).ok();
+    let last = scene.named.iter().map(|named| named.click).max();
+    let next = last.map_or(0, |last| last + 1);
+    let second = Observation::of_landmark(scene.field, id, at, scene.image_size, next).ok();
     let Some((ptz, score)) = second.and_then(|second| solve_with_second_point(scene, base, second))
     else {
         return Ranking::implausible(f64::INFINITY);

@@ -8,6 +8,7 @@ pub use super::notice::{Level, Messages, Notice, in_row};
 use super::choices::QualityChoice;
 use super::guide::GuidePage;
 use super::review_choice::ReviewChoice;
+use super::tool::Tool;
 use super::tour::Tour;
 use super::video::VideoState;
 use super::{Command, TrainerState};
@@ -92,8 +93,8 @@ pub struct PictureDisplay {
     pub held: Held,
     /// How the uncertainty is displayed.
     pub uncertainty: UncertaintyView,
-    /// Whether the masks are shown and can be drawn.
-    pub masks: bool,
+    /// What a press in the picture does. The masks are shown while they are drawn.
+    pub tool: Tool,
 }
 
 /// What has been written to disk, and what waits for it.
@@ -204,6 +205,12 @@ impl Session {
     pub fn forget_placed(&mut self) {
         self.points.named_unasked = None;
         self.points.just_snapped.clear();
+    }
+
+    /// Whether the next point that is placed lies on a line.
+    #[must_use]
+    pub fn is_next_on_line(&self) -> bool {
+        self.points.next_on_line || self.picture.tool == Tool::Line
     }
 
     /// Shows a message. It replaces an earlier one with the same text.

@@ -5,6 +5,7 @@ use crate::scene::{OverlayStyle, PictureLook, Sport};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use touchline_vision::media::FrameRef;
 
 /// Maximum number of recent documents.
 pub const MAX_RECENT: usize = 12;
@@ -37,7 +38,7 @@ pub struct Settings {
     /// Keys that differ from the defaults.
     pub keys: Keymap,
     /// Recent documents, latest first.
-    pub recent: Vec<PathBuf>,
+    pub recent: Vec<RecentDocument>,
     /// Whether the field map is shown.
     pub field_map: bool,
     /// Whether the details in the inspector are unfolded.
@@ -52,6 +53,74 @@ pub struct Settings {
     pub snap_suggestions: bool,
     /// The graphics adapter for which the note about drawing on the processor has been shown.
     pub told_about_adapter: String,
+}
+
+/// A document that was opened before.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "StoredDocument")]
+pub struct RecentDocument {
+    /// The document's file.
+    pub file: PathBuf,
+    /// Where the picture of its first frame is read from: an image or a video.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture: Option<PathBuf>,
+    /// The frame's index among those of the video; none if the picture is an image.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub video_frame: Option<usize>,
+}
+
+impl RecentDocument {
+    /// A document with its first picture.
+    #[must_use]
+    pub fn new(file: &Path, picture: Option<&FrameRef>) -> Self {
+        Self {
+            file: file.to_path_buf(),
+            picture: picture.map(|picture| picture.path().to_path_buf()),
+            video_frame: match picture {
+                Some(FrameRef::Video { index, .. }) => Some(*index),
+                _ => None,
+            },
+        }
+    }
+
+    /// The picture of the first frame, if the document had one.
+    #[must_use]
+    pub fn picture(&self) -> Option<FrameRef> {
+        let path = self.picture.clone()?;
+        Some(match self.video_frame {
+            Some(index) => FrameRef::video(path, index),
+            None => FrameRef::image(path),
+        })
+    }
+}
+
+/// A recent document as settings store it. Earlier versions stored the file alone.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum StoredDocument {
+    File(PathBuf),
+    Document {
+        file: PathBuf,
+        picture: Option<PathBuf>,
+        video_frame: Option<usize>,
+    },
+}
+
+impl From<StoredDocument> for RecentDocument {
+    fn from(stored: StoredDocument) -> Self {
+        match stored {
+            StoredDocument::File(file) => Self::new(&file, None),
+            StoredDocument::Document {
+                file,
+                picture,
+                video_frame,
+            } => Self {
+                file,
+                picture,
+                video_frame,
+            },
+        }
+    }
 }
 
 /// The colours of the window.
@@ -227,9 +296,9 @@ impl Settings {
     }
 
     /// Moves a document to the head of the recent ones.
-    pub fn remember(&mut self, document: &Path) {
-        self.recent.retain(|path| path != document);
-        self.recent.insert(0, document.to_path_buf());
+    pub fn remember(&mut self, document: RecentDocument) {
+        self.recent.retain(|known| known.file != document.file);
+        self.recent.insert(0, document);
         self.recent.truncate(MAX_RECENT);
     }
 
@@ -296,9 +365,30 @@ mod tests {
     fn the_latest_document_comes_first_and_once() {
         let mut settings = Settings::default();
         for n in 0..20 {
-            settings.remember(Path::new(&format!("/m/{}", n % 15)));
+            let file = PathBuf::from(format!("/m/{}", n % 15));
+            settings.remember(RecentDocument::new(&file, None));
         }
         assert_eq!(settings.recent.len(), MAX_RECENT);
-        assert_eq!(settings.recent[0], Path::new("/m/4"));
+        assert_eq!(settings.recent[0].file, Path::new("/m/4"));
+    }
+
+    #[test]
+    fn a_recent_document_keeps_its_picture_and_may_be_a_path_alone() {
+        let frame = FrameRef::video(PathBuf::from("/m/match.mp4"), 7);
+        let image = FrameRef::image(PathBuf::from("/m/1.jpg"));
+        let mut settings = Settings::default();
+        for picture in [&frame, &image] {
+            let file = picture.path().with_extension("json");
+            settings.remember(RecentDocument::new(&file, Some(picture)));
+        }
+        let json = serde_json::to_string(&settings).unwrap();
+        let read = Settings::from_json(&json).unwrap();
+        assert_eq!(read, settings);
+        let pictures: Vec<_> = read.recent.iter().map(RecentDocument::picture).collect();
+        assert_eq!(pictures, [Some(image), Some(frame)]);
+
+        let earlier = Settings::from_json(r#"{"recent": ["/m/a/project.json"]}"#).unwrap();
+        assert_eq!(earlier.recent[0].file, Path::new("/m/a/project.json"));
+        assert_eq!(earlier.recent[0].picture(), None);
     }
 }

@@ -17,6 +17,8 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::Reject | C::RejectShot => "skip discard unusable close-up replay",
         C::DeleteClick => "remove landmark keypoint",
         C::RenameClick => "rename relabel landmark keypoint",
+        C::PointTool | C::SelectTool | C::CheckTool => "tool mode",
+        C::LineTool => "tool mode line point touchline",
         C::PlaceOnLine => "line point touchline",
         C::ToggleCheck => "hold out validation",
         C::EstimateBase => "calibrate position extrinsics bundle adjustment",

@@ -76,6 +76,7 @@ pub fn save_settings(settings: &Settings, path: &Path) -> Result<(), SettingsErr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::settings::RecentDocument;
 
     #[test]
     fn settings_survive_the_round_trip_and_damage_falls_back_to_defaults() {
@@ -83,7 +84,7 @@ mod tests {
         let path = folder.path().join("deep").join("settings.json");
         assert_eq!(load_settings(&path), (Settings::default(), None));
         let mut settings = Settings::default();
-        settings.remember(Path::new("/matches/a"));
+        settings.remember(RecentDocument::new(Path::new("/matches/a"), None));
         settings.overlay.width = 3.5;
         save_settings(&settings, &path).unwrap();
         assert_eq!(load_settings(&path), (settings, None));

@@ -6,7 +6,7 @@ use touchline_application::app::session::{
 };
 use touchline_application::app::{
     Action, App, Command, DiskReport, EditAction, Effect, MaskList, MaskScope, Navigation, Opened,
-    PointerAction, Settings, ViewAction,
+    PointerAction, Settings, Tool, ViewAction,
 };
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::builtin;
@@ -367,6 +367,63 @@ fn points_on_lines_check_points_and_deleting() {
     bench.command(Command::DeleteClick);
     assert_eq!(bench.frame().clicks.len(), 3);
     assert_eq!(bench.app.session.points.selected, None);
+}
+
+#[test]
+fn a_tool_stays_until_another_is_chosen() {
+    let mut bench = Bench::new(document(1, true));
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let on_line = |share: f64| {
+        let line = &field.line("touchline_far").unwrap().curve;
+        truth(0).image_from_world(line.point_at(share)).unwrap()
+    };
+    let take_touchline = |bench: &mut Bench| {
+        let typed = Navigation::TypeName("touchline far".into());
+        bench.act(Action::Navigate(typed));
+        bench.act(Action::Edit(EditAction::TakeName(0)));
+    };
+    bench.command(Command::LineTool);
+    for share in [0.45, 0.55] {
+        bench.click(on_line(share));
+        take_touchline(&mut bench);
+    }
+    let names: Vec<_> = bench
+        .frame()
+        .clicks
+        .iter()
+        .map(|click| &click.target)
+        .collect();
+    let touchline = Some(Target::Line("touchline_far".into()));
+    assert_eq!(names, [&touchline, &touchline]);
+
+    bench.command(Command::CheckTool);
+    bench.place("halfway_far");
+    bench.command(Command::PointTool);
+    bench.place("centre_mark");
+    let checks: Vec<bool> = bench
+        .frame()
+        .clicks
+        .iter()
+        .map(|click| click.check)
+        .collect();
+    assert_eq!(checks, [false, false, true, false]);
+
+    // Nothing is placed, and a point is deselected; a name that was chosen first is placed.
+    bench.command(Command::SelectTool);
+    bench.click(on_line(0.5));
+    assert_eq!(
+        (
+            bench.frame().clicks.len(),
+            bench.app.session.points.selected
+        ),
+        (4, None)
+    );
+    let chosen = Target::Landmark("centre_circle_right".into());
+    bench.act(Action::Edit(EditAction::Pick(chosen)));
+    bench.click(bench.image_of("centre_circle_right"));
+    assert_eq!(bench.frame().clicks.len(), 5);
+    bench.command(Command::Cancel);
+    assert_eq!(bench.app.session.picture.tool, Tool::Point);
 }
 
 #[test]

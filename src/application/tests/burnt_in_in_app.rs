@@ -7,7 +7,7 @@ use touchline_application::app::operation::Report;
 use touchline_application::app::operations::BurntInSearch;
 use touchline_application::app::session::{Level, SidePanel};
 use touchline_application::app::{
-    Action, App, Command, EditAction, MaskList, Navigation, Opened, Settings, ViewAction,
+    Action, App, Command, EditAction, MaskList, Navigation, Opened, Settings, Tool, ViewAction,
 };
 use touchline_calibration::proposals::FoundMask;
 use touchline_documents::document::{
@@ -85,7 +85,8 @@ fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
     );
     bench.command(Command::KeepBurntIn);
     assert_eq!(ranged(&bench.app), [(None, Some(499), MaskSource::Found)]);
-    assert!(bench.app.session.messages.notices.is_empty() && !bench.app.session.picture.masks);
+    assert!(bench.app.session.messages.notices.is_empty());
+    assert_eq!(bench.app.session.picture.tool, Tool::Point);
     assert!(bench.app.why_not(Command::KeepBurntIn).is_some());
     bench.command(Command::Undo);
     assert!(ranged(&bench.app).is_empty());
@@ -98,7 +99,8 @@ fn change_keeps_them_and_opens_the_masks() {
     let mut bench = bench_with_found();
     bench.command(Command::ChangeBurntIn);
     assert_eq!(ranged(&bench.app).len(), 1);
-    assert!(bench.app.session.picture.masks && bench.app.session.panel == SidePanel::Camera);
+    assert_eq!(bench.app.session.picture.tool, Tool::Mask);
+    assert_eq!(bench.app.session.panel, SidePanel::Camera);
     bench.act(Action::Edit(EditAction::RemoveMask {
         list: MaskList::Ranged,
         index: 0,

@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, SIZE};
 use touchline_application::app::{
-    Action, App, Command, EditAction, MaskList, MaskScope, Navigation,
+    Action, App, Command, EditAction, MaskList, MaskScope, Navigation, Tool,
 };
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{
@@ -145,7 +145,7 @@ fn escape_leaves_the_masks_and_enter_accepts_nothing_below_them() {
         "Masks are being drawn: Esc ends that first."
     );
     bench.command(Command::Cancel);
-    assert!(!bench.app.session.picture.masks);
+    assert_eq!(bench.app.session.picture.tool, Tool::Point);
     bench.command(Command::AcceptAndStay);
     assert_eq!(bench.statuses(), "RS");
 }

@@ -4,7 +4,7 @@ use super::section;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Align, Button, Layout, RichText, Ui};
-use touchline_application::app::{Action, Command, EditAction, MaskList, MaskScope};
+use touchline_application::app::{Action, Command, EditAction, MaskList, MaskScope, Tool};
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Camera, MaskSource, RangedMask};
 
@@ -62,7 +62,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         );
     }
     let command = Command::ShowMasks;
-    let says = if panel.app.session.picture.masks {
+    let says = if panel.app.session.picture.tool == Tool::Mask {
         "Done drawing"
     } else {
         "Draw masks"

@@ -83,7 +83,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     let spots = pick::spots(&field, &map, &placement);
     let lines = match &panel.app.session.mode {
         Mode::Naming(naming) => naming.lines,
-        _ => panel.app.session.points.next_on_line,
+        _ => panel.app.session.is_next_on_line(),
     };
     let pointed = response
         .hover_pos()

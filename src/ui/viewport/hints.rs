@@ -5,8 +5,8 @@ use crate::ui::labels::{PlateStyle, colour, plate};
 use crate::ui::placement::Placement;
 use crate::ui::{Panel, rejecting, theme, typing};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
-use touchline_application::app::Command;
 use touchline_application::app::session::{Mode, reason_label};
+use touchline_application::app::{Command, Tool};
 use touchline_application::scene::overlay::{CLICK, UNNAMED};
 use touchline_documents::document::FrameStatus;
 
@@ -42,7 +42,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     let session = &panel.app.session;
     let frame = panel.app.frame()?;
     let keys = &panel.app.settings.keys;
-    if session.picture.masks {
+    if session.picture.tool == Tool::Mask {
         let done = keys.shown(Command::ShowMasks);
         return Some(format!(
             "Masks: drag a box for this frame, Shift-drag for every frame of the camera. {done} or Esc when done."
@@ -75,12 +75,22 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
             format!("Not calibratable: {reason}. {key} removes the mark.").replace(": .", "."),
         );
     }
-    (session.points.next_on_line && session.mode == Mode::Idle).then(|| {
-        format!(
-            "The next click is a point on a line. {} changes that.",
-            keys.shown(Command::PlaceOnLine)
-        )
-    })
+    if session.mode != Mode::Idle {
+        return None;
+    }
+    match session.picture.tool {
+        Tool::Select => {
+            Some("Drag points or the picture; nothing is placed. Esc when done.".to_owned())
+        }
+        Tool::Line => Some("Every click is a point on a line. Esc when done.".to_owned()),
+        Tool::Check => Some("Every click is a check point. Esc when done.".to_owned()),
+        Tool::Point | Tool::Mask => session.points.next_on_line.then(|| {
+            format!(
+                "The next click is a point on a line. {} changes that.",
+                keys.shown(Command::PlaceOnLine)
+            )
+        }),
+    }
 }
 
 /// Whether an estimated base is shown that is not applied yet.

@@ -20,11 +20,11 @@ mod wheel;
 
 use super::overlay::Overlay;
 use super::placement::Placement;
-use super::{Panel, PictureState, canvas, labels, loupe, masks, naming, theme};
+use super::{Panel, PictureState, canvas, labels, loupe, masks, naming, theme, tools};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{Hold, Pointer, Surroundings};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, ViewAction};
+use touchline_application::app::{Action, Tool, ViewAction};
 use touchline_application::render::{Layer, PictureKey, PictureLayer};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_vision::media;
@@ -98,7 +98,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         mode: &session.mode,
         hover: session.points.hover,
         ready: shown_picture(panel, frame.image_size).is_ok(),
-        masks: session.picture.masks,
+        tool: session.picture.tool,
         space: ctx.input(|input| input.key_down(Key::Space)) && !ctx.text_edit_focused(),
         is_free: &is_free,
         drawn_at: &|at| app.grabbable(at, reach),
@@ -254,7 +254,7 @@ fn show_frame(
         .app
         .settings
         .picture
-        .dimmed(if panel.app.session.picture.masks {
+        .dimmed(if panel.app.session.picture.tool == Tool::Mask {
             BELOW_MASKS
         } else {
             1.0
@@ -298,6 +298,7 @@ fn show_frame(
         loupe::rest(ui);
     }
     naming::show(panel, ui, placement);
+    tools::paint_border(&painter, panel.app.session.picture.tool, rect);
 }
 
 /// Whether a drag from a place on the screen would move a drawn landmark or line.
@@ -334,15 +335,16 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) 
                 .flat_map(|frame| &frame.clicks)
                 .map(|click| click.image)
                 .collect();
+            let tool = panel.app.session.picture.tool;
+            let is_on_click = pointer::click_at(placement, &clicks, at).is_some();
             if ui.input(|input| input.key_down(Key::Space)) {
                 CursorIcon::Grab
-            } else if !panel.app.session.picture.masks
-                && pointer::click_at(placement, &clicks, at).is_some()
-            {
+            } else if tool != Tool::Mask && is_on_click {
                 CursorIcon::Move
-            } else if is_over_drawn_element(panel, placement, at) {
+            } else if tool == Tool::Select || is_over_drawn_element(panel, placement, at) {
                 CursorIcon::Grab
             } else {
+                tools::paint_beside_pointer(&ui.painter_at(placement.rect), tool, at);
                 CursorIcon::Crosshair
             }
         }

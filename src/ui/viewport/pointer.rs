@@ -8,7 +8,7 @@ use super::wheel::Gesture;
 use crate::ui::placement::Placement;
 use egui::{Event, Modifiers, PointerButton, Pos2};
 use touchline_application::app::session::{Mode, PictureView};
-use touchline_application::app::{Action, EditAction, PointerAction, ViewAction};
+use touchline_application::app::{Action, EditAction, PointerAction, Tool, ViewAction};
 use touchline_application::scene::drawn_element::{DrawnElement, ElementReach};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
@@ -87,8 +87,8 @@ pub struct Surroundings<'a> {
     pub hover: Option<ImagePoint>,
     /// Whether there is a picture on which points can be placed.
     pub ready: bool,
-    /// Whether masks are drawn instead of points.
-    pub masks: bool,
+    /// What a press does.
+    pub tool: Tool,
     /// Whether the space bar is down: then dragging moves the picture.
     pub space: bool,
     /// Whether a screen position is over the picture and not covered.
@@ -214,7 +214,7 @@ impl Reading<'_> {
             }
             PointerButton::Primary if self.around.ready => {
                 let in_image = self.placement.image_from_screen(at);
-                if self.around.masks {
+                if self.around.tool == Tool::Mask {
                     let corner = self.within_picture(in_image);
                     self.pointer.hold = Hold::Mask {
                         from: corner,
@@ -232,6 +232,15 @@ impl Reading<'_> {
                     None => (self.around.drawn_at)(in_image),
                     Some(_) => None,
                 };
+                // The tool that places nothing takes hold of the picture.
+                let is_placing = matches!(self.around.mode, Mode::Placing(_));
+                if self.around.tool == Tool::Select && on.is_none() && !is_placing {
+                    self.pointer.hold = Hold::Picture(button);
+                    let on = None;
+                    self.actions
+                        .push(Action::Pointer(PointerAction::Press { at: in_image, on }));
+                    return;
+                }
                 // What is held keeps its distance from the pointer: a click, or what is drawn.
                 let held = on
                     .and_then(|on| self.around.clicks.get(on))
@@ -396,6 +405,16 @@ mod tests {
         modifiers: Modifiers,
         mode: &Mode,
     ) -> Vec<Action> {
+        read_with(Tool::Point, pointer, events, modifiers, mode)
+    }
+
+    fn read_with(
+        tool: Tool,
+        pointer: &mut Pointer,
+        events: &[Event],
+        modifiers: Modifiers,
+        mode: &Mode,
+    ) -> Vec<Action> {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(960.0, 540.0));
         let around = Surroundings {
             placement: Placement::new(rect, 1.0, SIZE, PictureView::Fit),
@@ -403,7 +422,7 @@ mod tests {
             mode,
             hover: None,
             ready: true,
-            masks: false,
+            tool,
             space: false,
             is_free: &|at| rect.contains(at),
             drawn_at: &drawn_ring,
@@ -441,6 +460,24 @@ mod tests {
             on: None,
         });
         assert_eq!(actions, [press, Action::Pointer(PointerAction::Release)]);
+    }
+
+    #[test]
+    fn the_tool_that_selects_takes_hold_of_points_and_else_of_the_picture() {
+        let held = |at: Pos2, mode: &Mode| {
+            let mut pointer = Pointer::default();
+            let press = [button(at, true)];
+            read_with(Tool::Select, &mut pointer, &press, Modifiers::NONE, mode);
+            pointer.hold
+        };
+        let picture = Hold::Picture(PointerButton::Primary);
+        assert_eq!(held(pos2(100.0, 50.0), &Mode::Idle), picture);
+        let on_click = held(pos2(201.0, 203.0), &Mode::Idle);
+        assert!(matches!(on_click, Hold::Click { .. }), "{on_click:?}");
+        // A name that was chosen first is placed.
+        let placing = Mode::Placing(touchline_documents::document::Target::Landmark("x".into()));
+        let placed = held(pos2(100.0, 50.0), &placing);
+        assert!(matches!(placed, Hold::Click { .. }), "{placed:?}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Searches the pictures for burned-in graphics (score boards, logos) when a document is opened,
 //! and asks the user whether to mask them.
 
+use crate::app::Tool;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::session::{Level, SidePanel};
 use crate::app::{App, Command};
@@ -145,7 +146,7 @@ impl App {
     /// Does the same, and opens the masks for editing.
     pub(in crate::app) fn change_burnt_in(&mut self) {
         self.keep_burnt_in();
-        self.session.picture.masks = true;
+        self.session.picture.tool = Tool::Mask;
         self.session.panel = SidePanel::Camera;
     }
 

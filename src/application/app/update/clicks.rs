@@ -1,6 +1,7 @@
 //! Places, moves and removes clicks.
 
 use super::App;
+use crate::app::Tool;
 use crate::app::session::{Level, Mode};
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Click, FrameStatus};
@@ -44,8 +45,11 @@ impl App {
             }
             return;
         }
-        // Beside the picture: deselect.
-        if !size.contains(at) {
+        // Beside the picture, or by a tool that places nothing: deselect.
+        let tool = self.session.picture.tool;
+        let places = matches!(self.session.mode, Mode::Placing(_))
+            || !matches!(tool, Tool::Select | Tool::Mask);
+        if !size.contains(at) || !places {
             self.session.points.selected = None;
             return;
         }
@@ -62,10 +66,11 @@ impl App {
             Mode::Placing(target) => Some(target),
             _ => None,
         };
-        let click = match placing {
+        let mut click = match placing {
             Some(target) => Click::new(target, at),
             None => Click::unnamed(at),
         };
+        click.check = tool == Tool::Check;
         let (placed, named) = (click.target.is_none(), click.target.clone());
         if !self.begin("Place point") {
             return;

@@ -2,6 +2,7 @@
 
 use super::App;
 use super::gold::IN_ROUND;
+use crate::app::Tool;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
 use crate::app::transfer::TransferTab;
@@ -128,7 +129,9 @@ impl App {
             C::AcceptStretch if self.stretch_size().is_none() => {
                 Some("No frames are selected: click with Shift on the filmstrip or the timeline.")
             }
-            C::Accept | C::AcceptAndStay | C::AcceptStretch if self.session.picture.masks => {
+            C::Accept | C::AcceptAndStay | C::AcceptStretch
+                if self.session.picture.tool == Tool::Mask =>
+            {
                 Some("Masks are being drawn: Esc ends that first.")
             }
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
@@ -303,7 +306,14 @@ impl App {
             }
             C::Compare => self.session.picture.held.compare = !self.session.picture.held.compare,
             C::OverlayStyle => self.session.dialog = Some(Dialog::OverlayStyle),
-            C::ShowMasks => self.session.picture.masks = !self.session.picture.masks,
+            C::PointTool => self.session.picture.tool = Tool::Point,
+            C::SelectTool => self.session.picture.tool = Tool::Select,
+            C::LineTool => self.session.picture.tool = Tool::Line,
+            C::CheckTool => self.session.picture.tool = Tool::Check,
+            C::ShowMasks => {
+                let is_on = self.session.picture.tool == Tool::Mask;
+                self.session.picture.tool = if is_on { Tool::Point } else { Tool::Mask };
+            }
             C::ShowFieldMap => {
                 self.settings.field_map = !self.settings.field_map;
                 self.effects.push(Effect::SaveSettings);
@@ -414,7 +424,8 @@ impl App {
             self.drop_estimated_base();
             return;
         }
-        if self.session.mode == Mode::Idle && std::mem::take(&mut self.session.picture.masks) {
+        let is_idle = self.session.mode == Mode::Idle;
+        if is_idle && std::mem::take(&mut self.session.picture.tool) != Tool::Point {
             return;
         }
         match &self.session.mode {

@@ -8,6 +8,7 @@ use crate::app::Opened;
 use crate::app::effect::{Effect, Opening};
 use crate::app::operations::Operations;
 use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session, is_to_do};
+use crate::app::settings::RecentDocument;
 use std::path::{Path, PathBuf};
 use touchline_core::field::{FieldError, Template};
 
@@ -66,7 +67,10 @@ impl App {
         }
         self.session.disk.orphans.clone_from(&opened.orphans);
         self.tell_orphans();
-        self.settings.remember(&opened.file);
+        let first = opened.document().frames.first();
+        let picture = first.and_then(|frame| frame.picture_source(&opened.folder));
+        self.settings
+            .remember(RecentDocument::new(&opened.file, picture.as_ref()));
         self.effects.push(Effect::SaveSettings);
         let Opened {
             prepared,

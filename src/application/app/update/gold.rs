@@ -6,6 +6,7 @@
 
 use super::App;
 use crate::app::GoldWork;
+use crate::app::Tool;
 use crate::app::reclick::{Asked, Reclick};
 use crate::app::session::{Level, Mode, PictureView};
 use crate::app::{Action, Command};
@@ -124,7 +125,7 @@ impl App {
         self.session.points.selected = None;
         self.session.forget_placed();
         self.session.points.next_on_line = false;
-        self.session.picture.masks = false;
+        self.session.picture.tool = Tool::Point;
         self.session.picture.held = crate::app::session::Held::default();
         self.session.quality.open = false;
         self.session.picture.view = PictureView::Fit;

@@ -5,6 +5,7 @@
 //! The frame is solved with each movement, so that the whole overlay follows.
 
 use super::App;
+use crate::app::Tool;
 use crate::app::session::Mode;
 use crate::scene::drawn_element::{DrawnElement, ElementReach, element_at};
 use crate::scene::overlay::OverlayScene;
@@ -30,15 +31,15 @@ impl App {
     /// gives a press another meaning.
     fn can_grab(&self) -> bool {
         let (session, held) = (&self.session, self.session.picture.held);
-        let shows_own_camera =
-            !(held.hide_overlay || held.compare || held.before_snap || session.picture.masks)
-                && self.current.base.is_some()
-                && self.current.proposal.is_none();
+        let shows_own_camera = !(held.hide_overlay || held.compare || held.before_snap)
+            && self.current.base.is_some()
+            && self.current.proposal.is_none();
         let is_rejected = self
             .frame()
             .is_some_and(|frame| frame.status == FrameStatus::Rejected);
         shows_own_camera
             && session.mode == Mode::Idle
+            && session.picture.tool == Tool::Point
             && !session.points.next_on_line
             && !is_rejected
             && !self.is_read_only()

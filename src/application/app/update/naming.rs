@@ -28,7 +28,7 @@ impl App {
     /// Shows the candidates for a click at the cursor. Lists lines if the next click is to be on a
     /// line, or the click is on one already.
     pub(super) fn open_naming(&mut self, click: usize) {
-        let lines = self.session.points.next_on_line
+        let lines = self.session.is_next_on_line()
             || self
                 .frame()
                 .and_then(|frame| frame.clicks.get(click))
@@ -60,7 +60,7 @@ impl App {
     /// While a click is being placed: names it if exactly one name is plausible, and removes the
     /// name otherwise. Called for every movement, so the name follows the pointer.
     pub(super) fn name_if_certain(&mut self, click: usize) {
-        let Some(naming) = self.ranked_names(click, self.session.points.next_on_line) else {
+        let Some(naming) = self.ranked_names(click, self.session.is_next_on_line()) else {
             return;
         };
         let target = unambiguous(&naming.candidates).map(|candidate| candidate.target.clone());

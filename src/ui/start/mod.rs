@@ -1,0 +1,194 @@
+//! The start page. It takes the place of the picture while nothing is open: what the program does,
+//! as a film ([`film`]), beside it what one can begin with, and the documents that were opened last
+//! ([`recent`]).
+
+mod film;
+mod recent;
+
+use super::{
+    Panel,
+    menu::document_name,
+    symbol::{self, Symbol},
+    theme::{self, Themed as _},
+};
+use egui::{
+    Align, Button, Id, Key, Layout, Margin, Rect, RichText, ScrollArea, TextEdit, Ui, UiBuilder,
+    vec2,
+};
+use std::path::PathBuf;
+use touchline_application::app::{Action, Command};
+
+/// Smallest and largest width of the film, points.
+const FILM: [f32; 2] = [360.0, 820.0];
+/// Smallest and largest width of the column beside it, points.
+const COLUMN: [f32; 2] = [400.0, 520.0];
+/// Between the two, and around them, points.
+const GAP: f32 = 32.0;
+
+/// Largest height of the page, points: a taller window has room above and below.
+const HEIGHT: f32 = 860.0;
+
+/// What the program does.
+const PURPOSE: &str = "Calibrates a sports camera from two clicks in a frame, and proposes the \
+                       camera of every other frame.";
+
+/// What one needs.
+const NEEDED: &str = "All you need is a video, or frames, of a camera that stands still and turns, \
+                      over a field with painted lines.";
+
+/// What may be dropped on the window.
+const INVITATION: &str = "Or drop on this window a video, frames, a project, or cameras of another \
+                          program with their video.";
+
+/// Height of a row to begin with, points.
+const ROW: f32 = 44.0;
+
+/// Shows the start page.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let area = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(area, 0.0, ui.palette().backdrop);
+    let free = area.width() - 3.0 * GAP;
+    let film = (0.56 * free).clamp(FILM[0], FILM[1]);
+    let column = (free - film).clamp(COLUMN[0], COLUMN[1]);
+    let page = vec2(film + GAP + column, area.height().min(HEIGHT) - GAP);
+    let page = Rect::from_center_size(area.center(), page).intersect(area.shrink(GAP / 2.0));
+    let title = Rect::from_min_size(page.min, vec2(page.width(), 72.0));
+    ui.scope_builder(UiBuilder::new().max_rect(title), |ui| {
+        ui.label(
+            RichText::new("touchline")
+                .size(26.0)
+                .color(ui.palette().strong),
+        );
+        ui.label(RichText::new(PURPOSE).size(14.0).color(ui.palette().text));
+    });
+    let below = page.with_min_y(title.bottom() + 2.0 * theme::SPACE);
+    let left = below.with_max_x(below.left() + film);
+    ui.scope_builder(UiBuilder::new().max_rect(left), |ui| {
+        film::show(ui, film);
+        ui.add_space(2.0 * theme::SPACE);
+        ui.label(RichText::new(NEEDED).color(ui.palette().weak));
+    });
+    let right = below.with_min_x(below.right() - column);
+    ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
+        ScrollArea::vertical().show(ui, |ui| beginnings(panel, ui));
+    });
+}
+
+/// Shows what one can begin with, or what is being opened.
+fn beginnings(panel: &mut Panel<'_>, ui: &mut Ui) {
+    ui.spacing_mut().item_spacing.y = 2.0 * theme::SPACE;
+    waiting_labels(panel, ui);
+    // While something is being opened, it can only be cancelled.
+    if let Some(opening) = &panel.app.session.disk.opening {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(RichText::new(opening).color(ui.palette().accent));
+        });
+        let cancel = ui.button("Cancel").on_hover_text("Stop opening. (Esc)");
+        if cancel.clicked() {
+            panel.actions.push(Action::Command(Command::Cancel));
+        }
+        return;
+    }
+    for (symbol, name, about, command) in [
+        (
+            Symbol::Film,
+            "Video…",
+            "A match or a clip",
+            Command::OpenVideo,
+        ),
+        (
+            Symbol::Folder,
+            "Folder…",
+            "Frames as pictures",
+            Command::OpenFolder,
+        ),
+        (
+            Symbol::Document,
+            "Project…",
+            "Work that you began",
+            Command::OpenProject,
+        ),
+        (
+            Symbol::Picture,
+            "Demo match",
+            "27 drawn frames to try things on",
+            Command::OpenDemo,
+        ),
+        (
+            Symbol::Lesson,
+            "Take the tour",
+            "Five steps, 2 minutes",
+            Command::StartTour,
+        ),
+    ] {
+        let text = RichText::new(name).size(15.0).color(ui.palette().strong);
+        let mut row = Button::new((symbol::atom(symbol, ui.palette().accent), text))
+            .gap(3.0 * theme::SPACE)
+            .right_text(RichText::new(about).color(ui.palette().weak))
+            .min_size(vec2(ui.available_width(), ROW));
+        if command == Command::StartTour && panel.app.settings.recent.is_empty() {
+            row = row.fill(ui.palette().accent_ground);
+        }
+        let row = ui
+            .add(row)
+            .on_hover_text(panel.app.settings.keys.tooltip(command));
+        if row.clicked() {
+            panel.actions.push(Action::Command(command));
+        }
+    }
+    path_field(panel, ui);
+    ui.label(RichText::new(INVITATION).small().color(ui.palette().weak));
+    recent::show(panel, ui);
+}
+
+/// Says which labels wait for their pictures.
+fn waiting_labels(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(labels) = panel.app.waiting_labels() else {
+        return;
+    };
+    let name = document_name(&labels.path);
+    let text = format!(
+        "{name}: {}. Now drop or open the video or the frames that they belong to.",
+        labels.format.title()
+    );
+    ui.label(RichText::new(text).color(ui.palette().accent));
+    let leave = ui
+        .button("Leave them")
+        .on_hover_text("Import nothing. (Esc)");
+    if leave.clicked() {
+        panel.actions.push(Action::Command(Command::Cancel));
+    }
+}
+
+/// A field for a typed or pasted path, for systems without file dialogs.
+fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let memory = Id::unique("typed path");
+    let mut typed: String = ui.data_mut(|data| data.get_temp(memory).unwrap_or_default());
+    let width = ui.available_width();
+    let row = Layout::left_to_right(Align::Center);
+    ui.allocate_ui_with_layout(vec2(width, 28.0), row, |ui| {
+        let field = TextEdit::singleline(&mut typed)
+            .hint_text("or type a path: a project, a folder, a video, labels")
+            .margin(Margin::symmetric(8, 6))
+            .desired_width(width - 72.0 - 2.0 * theme::SPACE);
+        let response = ui.add(field).accessible_name("Path to open").on_hover_text(
+            "The path of a project, a folder of frames, a video, or labels of another program; \
+             Enter opens it.",
+        );
+        // A text field loses the focus with Enter.
+        let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let open = ui.add_enabled(
+            !typed.trim().is_empty(),
+            Button::new("Open").min_size(vec2(72.0, 28.0)),
+        );
+        let open = open
+            .on_hover_text("Open this path. (Enter)")
+            .on_disabled_hover_text("Type a path first.");
+        if (entered || open.clicked()) && !typed.trim().is_empty() {
+            let path = PathBuf::from(typed.trim());
+            panel.actions.push(Action::OpenAny(vec![path]));
+        }
+    });
+    ui.data_mut(|data| data.insert_temp(memory, typed));
+}
