@@ -16,7 +16,7 @@
 //! | rows and strips | `menu`, `tour`, `timeline`, `filmstrip`, `notices`, `status` |
 //! | in place of the picture | `quality`, `start` |
 //! | above everything | `dialogs`, `files` (the system's file dialogs) |
-//! | maps and plots that several panels use | `field_map`, `coverage_map`, `miniature`, `plot` |
+//! | maps and plots that several panels use | `field_map`, `coverage_map`, `paint_map`, `miniature`, `plot` |
 //! | controls that several panels use | `bar`, `number`, `symbol`, `theme` |
 //!
 //! A *frame* is a picture of the document; a repaint of the window is called a *frame of the
@@ -43,6 +43,7 @@ mod naming;
 mod notices;
 mod number;
 mod overlay;
+mod paint_map;
 mod pictures;
 mod placement;
 mod plot;
@@ -69,7 +70,7 @@ pub use pictures::Pictures;
 pub use shell::Shell;
 pub use theme::apply as apply_theme;
 pub use touchline_application::jobs::PictureState;
-pub use window::{WindowError, run};
+pub use window::{WindowError, run, say_in_dialog};
 
 use touchline_application::app::{Action, App};
 

@@ -7,7 +7,7 @@
 
 use super::files::Files;
 use super::input_queue::InputQueue;
-use super::{Panel, PictureState, Pictures, canvas, layout, theme};
+use super::{Panel, PictureState, Pictures, canvas, layout, symbol, theme};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -41,6 +41,7 @@ impl Shell {
         document: Option<PathBuf>,
     ) -> io::Result<Self> {
         theme::apply(&creation.egui_ctx);
+        symbol::install(&creation.egui_ctx);
         creation.egui_ctx.add_plugin(InputQueue::default());
         canvas::install(&creation.egui_ctx, creation.wgpu_render_state.as_ref());
         // Quitting goes through the application, which warns before edits are lost.

@@ -2,8 +2,8 @@
 
 use super::theme::{self, Themed as _};
 use egui::{
-    Align2, Atom, Color32, FontData, FontDefinitions, FontFamily, FontId, Painter, Rect, Response,
-    Role, Sense, Ui, Vec2, WidgetInfo, vec2,
+    Align2, Atom, Color32, Context, FontData, FontDefinitions, FontFamily, FontId, Painter, Rect,
+    Response, Role, Sense, Ui, Vec2, WidgetInfo, vec2,
 };
 use std::sync::Arc;
 
@@ -97,12 +97,14 @@ const SIZE: f32 = 14.0;
 /// Size of a symbol in a large button, points.
 const ATOM: f32 = 18.0;
 
-/// Adds the font of icons to a window's fonts.
-pub fn install(fonts: &mut FontDefinitions) {
+/// Adds the font of icons to the fonts of a window. Must be called before a symbol is drawn.
+pub fn install(ctx: &Context) {
+    let mut fonts = FontDefinitions::default();
     let data = FontData::from_static(touchline_assets::ICONS);
     fonts.font_data.insert(FONT.to_owned(), Arc::new(data));
     let family = FontFamily::Name(FONT.into());
     fonts.families.insert(family, vec![FONT.to_owned()]);
+    ctx.set_fonts(fonts);
 }
 
 /// Draws a symbol into the middle of a rectangle.

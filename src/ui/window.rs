@@ -62,3 +62,13 @@ pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
     };
     Ok(until_it_panics(open)??)
 }
+
+/// Shows a message in a dialog of the system and waits until it is closed; for what cannot be said
+/// in the window. Does nothing where there is no such dialog.
+pub fn say_in_dialog(message: &str) {
+    rfd::MessageDialog::new()
+        .set_level(rfd::MessageLevel::Error)
+        .set_title("touchline")
+        .set_description(message)
+        .show();
+}

@@ -22,7 +22,7 @@ fn the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame() {
         .harness
         .get_by_label("Pan, tilt and focal length over time: 9 suggestions")
         .rect();
-    assert!(plots.width() > 1200.0, "{plots:?}");
+    assert!(plots.width() > 1180.0, "{plots:?}");
     // The pan rises from frame to frame: the last point is at the top of the first plot, on the
     // right.
     let last = plots.right_top() + egui::vec2(-6.0, 8.0);

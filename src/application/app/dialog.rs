@@ -45,6 +45,8 @@ pub enum Dialog {
     },
     /// Colour, width and opacity of the overlay.
     OverlayStyle,
+    /// What the search for a camera without a click has found, and what comes next.
+    FoundCamera,
     /// Acceptance of several suggestions together.
     AcceptAll,
     /// Input of a frame number or a time.

@@ -81,7 +81,7 @@ pub use shown::Shown;
 pub use tool::Tool;
 pub use trainer::{
     AnswerKey, Doing, ForestFacts, TrainerOrder, TrainerReport, TrainerState, TrainerStatus,
-    UnusableReference, describe_left,
+    UnusableReference, describe_estimate, describe_left,
 };
 pub use update::MAX_SCALE;
 pub use versioned::Versioned;

@@ -206,14 +206,20 @@ impl Doing {
     }
 }
 
-/// A remaining time as text, rounded according to its uncertainty.
+/// A remaining time as text.
 #[must_use]
 pub fn describe_left(left: Duration) -> String {
-    match left.as_secs() {
-        0..=9 => "a few seconds left".to_owned(),
-        seconds @ 10..=89 => format!("about {}\u{a0}s left", seconds.next_multiple_of(10)),
-        seconds @ 90..=5_399 => format!("about {}\u{a0}min left", seconds.div_ceil(60)),
-        seconds => format!("about {:.1}\u{a0}h left", seconds as f64 / 3600.0),
+    format!("{} left", describe_estimate(left))
+}
+
+/// An estimated time as text, rounded according to its uncertainty.
+#[must_use]
+pub fn describe_estimate(time: Duration) -> String {
+    match time.as_secs() {
+        0..=9 => "a few seconds".to_owned(),
+        seconds @ 10..=89 => format!("about {}\u{a0}s", seconds.next_multiple_of(10)),
+        seconds @ 90..=5_399 => format!("about {}\u{a0}min", seconds.div_ceil(60)),
+        seconds => format!("about {:.1}\u{a0}h", seconds as f64 / 3600.0),
     }
 }
 

@@ -8,7 +8,7 @@ use touchline_application::app::guidance::next_step;
 use touchline_application::app::operation::{Breakdown, Failure};
 use touchline_application::app::operations::CameraSearch;
 use touchline_application::app::operations::camera_search::Left;
-use touchline_application::app::session::{Level, SidePanel};
+use touchline_application::app::session::{Dialog, Level, SidePanel};
 use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline_calibration::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationProgress, DecidingLandmark, Doubt,
@@ -315,6 +315,7 @@ fn of_two_answers_each_can_be_tried_and_undone() {
             .x
     };
     bench.command(Command::TryOtherCamera);
+    assert_eq!(bench.app.session.dialog, None, "the choice goes on");
     assert!((x_m(&bench) - 31.0).abs() < 1e-9);
     bench.command(Command::TryFirstCamera);
     assert!((x_m(&bench) - 1.0).abs() < 1e-9);
@@ -366,6 +367,7 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
         let waits = matches!(bench.app.operations.camera_search.left, Left::Two(_));
         assert_eq!(waits, x_m.is_none(), "between the two nothing is decided");
         if x_m.is_some() {
+            assert_eq!(bench.app.session.dialog, Some(Dialog::FoundCamera));
             bench.command(Command::Undo);
             assert!(!has_base(&bench.app), "one step");
             assert_eq!(

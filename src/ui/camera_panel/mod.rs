@@ -11,16 +11,15 @@ mod field;
 mod masks;
 mod numbers;
 mod over_time;
-mod paint_map;
 mod position_view;
 
 use super::{
-    Panel, inspector,
+    Panel, inspector, paint_map,
     theme::{self, Themed as _},
 };
-use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui};
+use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::{Action, Command, EditAction};
-use touchline_core::camera::BaseAngles;
+use touchline_core::camera::{BaseAngles, CameraBase};
 use touchline_core::geometry::{Angle, Vec3};
 use touchline_documents::document::Camera;
 
@@ -70,7 +69,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                         field::show(panel, ui);
                     }
                     autocalibration::show(panel, ui, &camera);
-                    paint_map::show(panel, ui, &camera);
+                    paint(panel, ui, &camera);
                     estimate::show(panel, ui, &camera);
                     over_time::show(panel, ui, &camera);
                     if camera.base().is_some() {
@@ -216,4 +215,22 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 fn section(ui: &mut Ui, text: &str) {
     ui.add_space(2.0 * theme::SPACE);
     theme::title(ui, text);
+}
+
+/// Maximum height of the map of paint as a share of its width.
+const MOST_HIGH: f32 = 0.6;
+
+/// Shows the map of paint of a camera that was found without a click since the project was opened,
+/// and has not been moved since.
+fn paint(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    let Some(found) = panel.app.found_camera() else {
+        return;
+    };
+    let has_moved = |base: &CameraBase| base.position_m != found.found.base.position_m;
+    if found.camera != camera.id || camera.base().is_some_and(|base| has_moved(&base)) {
+        return;
+    }
+    section(ui, "PAINT AND LINES");
+    let width = ui.available_width();
+    paint_map::show(panel, ui, &found, vec2(width, MOST_HIGH * width));
 }

@@ -9,6 +9,7 @@ mod accept_all;
 mod assign;
 mod changed_outside;
 mod comment;
+mod found_camera;
 mod fuzzy;
 mod go_to;
 mod guide;
@@ -54,6 +55,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
+        Some(Dialog::FoundCamera) => found_camera::show(panel, ctx),
         Some(Dialog::GoToPlace) => go_to::show(panel, ctx),
         Some(Dialog::AssignToCamera(scope)) => assign::show(panel, ctx, scope),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),

@@ -6,10 +6,9 @@ mod palette;
 pub use marks::{paint_line_mark, paint_status_bar, status_letter, verdict_colour};
 pub use palette::{ON_PICTURE, Palette, Themed};
 
-use super::symbol;
 use egui::{
-    Color32, CornerRadius, FontDefinitions, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle,
-    Theme, ThemePreference, Vec2, vec2,
+    Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme,
+    ThemePreference, Vec2, vec2,
 };
 use touchline_application::app::settings::ThemeChoice;
 
@@ -39,11 +38,8 @@ pub fn under_colours_of_pictures(ui: &egui::Ui) -> Color32 {
     }
 }
 
-/// Installs the fonts and both themes in a window.
+/// Installs both themes in a window.
 pub fn apply(ctx: &egui::Context) {
-    let mut fonts = FontDefinitions::default();
-    symbol::install(&mut fonts);
-    ctx.set_fonts(fonts);
     follow(ctx, ThemeChoice::default());
     for theme in [Theme::Dark, Theme::Light] {
         let mut style = (*ctx.style_of(theme)).clone();

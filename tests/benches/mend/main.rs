@@ -1,7 +1,7 @@
 //! Cameras of other programs, mended: how many frames are right before and after, and how often the
 //! result was certain and wrong. Printed as Markdown.
 //!
-//! `cargo bench --bench mend [-- drawn scattered mirrored real] [--seeds N] [--frames N] [--keep DIR]`;
+//! `cargo bench --bench mend [-- drawn scattered mirrored size mixed real] [--seeds N] [--frames N] [--keep DIR]`;
 //! the real clips are those of `TOUCHLINE_DATA`. Drawn clips have exact truth; for real ones it is
 //! the program's own answer without clicks, where the paint supports it. With `--keep` drawn
 //! pictures stay in a folder and are used again.
@@ -17,14 +17,16 @@ mod arguments;
 #[path = "../no_click/drawing.rs"]
 mod drawing;
 mod given;
+mod mixed;
 
 use arguments::Arguments;
 use drawing::{CAMERA, Drawn, document_of_video, draw, shots};
 use given::{Faults, GOOD, SCATTERED, give};
+use mixed::{CLOSE_UP, give_all, mixed_clip};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use touchline::document::{CameraId, Document, FieldSpec, document_to_string};
-use touchline::field::builtin;
 use touchline::markings::{ProjectedLandmark, project_landmarks};
 use touchline::media::{FrameReader, FrameSource, VideoInfo};
 use touchline::pipelines::{MatchLabels, MatchOptions, MendOptions, label_match, mend};
@@ -44,7 +46,7 @@ const REAL: [&str; 2] = ["germany-italy", "estudiantes-patronato"];
 
 fn main() {
     let arguments = Arguments::of_process();
-    let sections = ["drawn", "scattered", "mirrored", "real"];
+    let sections = ["drawn", "scattered", "mirrored", "size", "mixed", "real"];
     let wants = |name: &str| arguments.wants(name, &sections);
     let scratch = tempfile::tempdir().unwrap();
     let folder = arguments
@@ -76,9 +78,23 @@ fn main() {
         let frames = arguments.number("--frames", frames);
         for seed in 1..=seeds {
             let pictures = folder.join(format!("{frames}-{seed}"));
-            let drawn = drawn_clip(&pictures, frames, seed);
+            let drawn = drawn_clip(&pictures, frames, FieldSpec::new("soccer"), seed);
             report(name, seed, &drawn, &pictures, &faults, is_verbose);
         }
+    }
+    for seed in (1..=seeds).filter(|_| wants("size")) {
+        let frames = arguments.number("--frames", 200);
+        let pictures = folder.join(format!("size-{frames}-{seed}"));
+        let size = [("length_m", 101.0), ("width_m", 65.0)];
+        let size = size.map(|(name, value)| (name.to_owned(), value));
+        let field = FieldSpec::with_params("soccer", size.into_iter().collect());
+        let drawn = drawn_clip(&pictures, frames, field, seed);
+        report("size", seed, &drawn, &pictures, &GOOD, is_verbose);
+    }
+    for seed in (1..=seeds).filter(|_| wants("mixed")) {
+        let pictures = folder.join(format!("mixed-{seed}"));
+        let drawn = mixed_clip(&pictures, seed);
+        report("mixed", seed, &drawn, &pictures, &GOOD, is_verbose);
     }
     if let Some(data) = std::env::var_os("TOUCHLINE_DATA").filter(|_| wants("real")) {
         for clip in REAL {
@@ -92,16 +108,16 @@ fn main() {
 }
 
 /// A drawn clip of 25 frames a second by a strong lens.
-fn drawn_clip(folder: &Path, frames: usize, seed: u64) -> Drawn {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let scene = stadium(&StadiumOptions::new(field, seed));
+fn drawn_clip(folder: &Path, frames: usize, field: FieldSpec, seed: u64) -> Drawn {
+    let model = field.model(Path::new("")).unwrap();
+    let scene = stadium(&StadiumOptions::new(model, seed));
     let shoot = ShootOptions {
         step_s: 0.04,
         ..Preset::Hard.shoot()
     };
     let base = shoot.main_camera(drawing::SIZE);
     let taken = shots(&scene, &base, &shoot, frames, seed);
-    draw(folder, &[(&scene, &taken)], 75, FieldSpec::new("soccer"))
+    draw(folder, &[(&scene, &taken)], 75, field)
 }
 
 /// A real clip with the cameras that the program finds without a click.
@@ -151,7 +167,14 @@ fn found_without_clicks(data: &Path, clip: &str, video: &str, info: &VideoInfo) 
 
 fn report(name: &str, seed: u64, drawn: &Drawn, folder: &Path, faults: &Faults, is_verbose: bool) {
     let mut document = drawn.document.clone();
-    give(&mut document, &drawn.truth, faults, seed);
+    // Whoever gives cameras, or imports them, takes the usual size for granted.
+    document.field = FieldSpec::new("soccer");
+    let close_up = if name == "mixed" { CLOSE_UP } else { 0..0 };
+    if name == "mixed" {
+        give_all(&mut document, &drawn.truth, faults, seed);
+    } else {
+        give(&mut document, &drawn.truth, faults, seed);
+    }
     let before = right(&document, drawn);
     let begun = Instant::now();
     let options = MendOptions::default();
@@ -189,7 +212,15 @@ fn report(name: &str, seed: u64, drawn: &Drawn, folder: &Path, faults: &Faults, 
         }
         eprintln!("{:?}", mended.tally());
     }
+    let in_close_up = close_up.clone();
+    let with_camera = in_close_up.filter(|index| document.frames[*index].ptz.is_some());
+    if !close_up.is_empty() {
+        let cameras: BTreeSet<_> = document.frames.iter().map(|frame| &frame.camera).collect();
+        let (cameras, wrong) = (cameras.len(), with_camera.count());
+        eprintln!("{name} {seed}: {cameras} cameras, {wrong} frames of the close-up with a camera");
+    }
     let mut off: Vec<f64> = (0..drawn.truth.len())
+        .filter(|index| !close_up.contains(index))
         .filter_map(|index| off_px(&document, drawn, index))
         .collect();
     off.sort_by(f64::total_cmp);

@@ -6,7 +6,7 @@
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::session::{Level, SidePanel};
+use crate::app::session::{Dialog, Level, SidePanel};
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -171,6 +171,12 @@ impl CameraSearch {
 // ---- In the application ----
 
 impl App {
+    /// The camera that was found last, or of two the one that explains more paint.
+    #[must_use]
+    pub fn found_camera(&self) -> Option<Arc<FoundCamera>> {
+        self.operations.camera_search.found.clone()
+    }
+
     /// Why a command of the search is not available. None if it is.
     pub(in crate::app) fn why_not_camera_search(&self, command: Command) -> Option<&'static str> {
         let CameraSearchState { slot, left, .. } = &self.operations.camera_search;
@@ -332,6 +338,12 @@ impl App {
         let offers = [("Review", Command::ReviewPanel), ("Undo", Command::Undo)];
         self.session
             .notify_with(Level::Info, describe_found(&found.found), offers);
+        // What the user is doing in another dialog, and the choice between two cameras, come first;
+        // the message remains.
+        let is_choosing = matches!(self.operations.camera_search.left, Left::Two(_));
+        if self.session.dialog.is_none() && !is_choosing {
+            self.session.dialog = Some(Dialog::FoundCamera);
+        }
     }
 }
 
@@ -427,8 +439,8 @@ impl TwoCameras {
 
 // ---- Words ----
 
-/// The result in one sentence: position, its 1-σ, and how many frames agree with their own paint.
-fn describe_found(found: &AutocalibratedCamera) -> String {
+/// The result in two sentences: position, its 1-σ, and how many frames agree with their own paint.
+pub fn describe_found(found: &AutocalibratedCamera) -> String {
     let sigma = found.base.sigma.position_m;
     let (snapped, frames) = (found.snapped_count(), found.frames.len());
     let assumed: String = found

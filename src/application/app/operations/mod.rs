@@ -26,7 +26,7 @@ pub use base_estimate::BaseEstimate;
 pub use base_refinement::BaseRefinement;
 pub use bulk_solve::BulkSolving;
 pub use burnt_in::BurntInSearch;
-pub use camera_search::CameraSearch;
+pub use camera_search::{CameraSearch, describe_found};
 pub use camera_watch::CameraWatch;
 pub use clip_tracking::ClipTracking;
 pub use comparison::{Compared, Comparison};

@@ -27,7 +27,7 @@ impl App {
                 | Dialog::About
                 | Dialog::NotSaved(_),
             ) => GuidePage::Window,
-            Some(Dialog::AssignToCamera(_)) => GuidePage::Base,
+            Some(Dialog::AssignToCamera(_) | Dialog::FoundCamera) => GuidePage::Base,
             Some(Dialog::GoToPlace) => GuidePage::Video,
             Some(Dialog::AcceptAll) => GuidePage::Review,
             Some(Dialog::Transfer) => GuidePage::Export,

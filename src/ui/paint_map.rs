@@ -4,41 +4,22 @@
 //! Where paint and lines coincide, the camera is right. This is the user's check of a camera for
 //! which nothing was clicked.
 
-use super::section;
-use crate::ui::{Panel, theme::Themed as _};
-use egui::{Color32, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
-use std::sync::Arc;
+use super::{Panel, theme::Themed as _};
+use egui::{Color32, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, vec2};
 use touchline_application::app::{Action, Navigation};
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, line_pieces};
 use touchline_calibration::calibrate::FoundCamera;
 use touchline_core::geometry::{ImagePoint, subsample};
-use touchline_documents::document::Camera;
 
 /// Maximum number of paint points that are drawn.
 const PLACES: usize = 4000;
 
-/// Maximum height of the map as a share of its width.
-const MOST_HIGH: f32 = 0.6;
-
-/// Shows the map of a camera. Nothing unless it was found automatically since the project was
-/// opened and has not been moved since.
-pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
-    let is_it = |found: &Arc<FoundCamera>| {
-        let base = camera.base();
-        found.camera == camera.id
-            && base.is_none_or(|base| base.position_m == found.found.base.position_m)
+/// Shows the panorama of a found camera, as large as it fits into a size. Nothing if the document
+/// has no frame of it any more. Returns whether the user goes to a frame.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &FoundCamera, within: Vec2) -> bool {
+    let Some(open) = panel.app.open() else {
+        return false;
     };
-    let Some(found) = panel
-        .app
-        .operations
-        .camera_search
-        .found
-        .clone()
-        .filter(is_it)
-    else {
-        return;
-    };
-    let Some(open) = panel.app.open() else { return };
     let frames: Vec<_> = found.looks(&open.document).collect();
     let looks: Vec<_> = frames.iter().map(|(_, look)| *look).collect();
     let scene = PaintMapScene {
@@ -48,40 +29,34 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         paint: &found.found.paint,
     };
     let Some(map) = PaintMapFrame::of(&scene) else {
-        return;
+        return false;
     };
-    section(ui, "PAINT AND LINES");
-    // The map fills the width, unless it would then be too high.
     let (wide, high) = (map.size.width as f32, map.size.height as f32);
-    let scale = ui.available_width() / wide;
-    let size = vec2(
-        ui.available_width(),
-        (high * scale).min(MOST_HIGH * ui.available_width()),
-    );
-    let scale = scale.min(size.y / high);
+    let scale = (within.x / wide).min(within.y / high);
+    let size = vec2(within.x, high * scale);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, describe(&found)));
-    let at = |point: ImagePoint| rect.min + vec2(point.x as f32, point.y as f32) * scale;
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, describe(found)));
+    // In the middle of the width.
+    let corner = rect.min + vec2((within.x - wide * scale) / 2.0, 0.0);
+    let at = |point: ImagePoint| corner + vec2(point.x as f32, point.y as f32) * scale;
     draw(ui, rect, &scene, &map, at);
     // A click: from the screen to the map, and from there to a frame.
     let clicked = response
         .clicked()
         .then(|| response.interact_pointer_pos())
         .flatten();
-    if let Some(pointer) = clicked {
-        let offset = (pointer - rect.min) / scale;
-        let place = map.frame_at(
-            &scene,
-            ImagePoint::new(f64::from(offset.x), f64::from(offset.y)),
-        );
-        if let Some(place) = place {
-            panel
-                .actions
-                .push(Action::Navigate(Navigation::GoTo(frames[place].0)));
-        }
+    let place = clicked.and_then(|pointer| {
+        let offset = (pointer - corner) / scale;
+        let in_map = ImagePoint::new(f64::from(offset.x), f64::from(offset.y));
+        map.frame_at(&scene, in_map)
+    });
+    if let Some(place) = place {
+        let goal = Navigation::GoTo(frames[place].0);
+        panel.actions.push(Action::Navigate(goal));
     }
     let tip = "White: paint that stays put while the camera turns. Orange: the field's lines with this camera. Where they coincide, the camera is right. Click to go to the frame that shows that place.";
     response.on_hover_text(tip);
+    place.is_some()
 }
 
 /// The evidence in words, for a screen reader.

@@ -1,0 +1,77 @@
+//! What the search for a camera has found: the panorama of paint with the field's lines, which shows
+//! at a glance whether the camera is right, and what comes next.
+
+use super::sheet;
+use crate::ui::{
+    Panel,
+    menu::is_on,
+    paint_map,
+    theme::{self, Themed as _},
+};
+use egui::{Button, Context, Label, RichText, Ui, vec2};
+use std::time::Duration;
+use touchline_application::app::operations::describe_found;
+use touchline_application::app::{Action, Command, ViewAction, describe_estimate};
+use touchline_documents::document::Frame;
+
+/// Height of the map as a share of the window's.
+const MAP: f32 = 0.55;
+
+/// The time that the forest takes for a frame, on two cores: `tests/benches/forest.md`.
+const SECONDS_A_FRAME: f64 = 0.1;
+
+/// Shows the dialog.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    let Some(found) = panel.app.found_camera() else {
+        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        return;
+    };
+    let window = ctx.content_rect().size();
+    let size = vec2(0.8 * window.x, 0.85 * window.y);
+    sheet(panel, ctx, "Camera found", size, |panel, ui| {
+        let map = vec2(ui.available_width(), MAP * window.y);
+        if paint_map::show(panel, ui, &found, map) {
+            panel.actions.push(Action::View(ViewAction::CloseDialog));
+        }
+        ui.add_space(2.0 * theme::SPACE);
+        ui.add(Label::new(describe_found(&found.found)).wrap());
+        let next = RichText::new(next(panel)).color(ui.palette().weak);
+        ui.add(Label::new(next).wrap());
+        ui.add_space(2.0 * theme::SPACE);
+        ui.horizontal(|ui| {
+            let review = Button::new("Review").fill(ui.palette().accent_ground);
+            button(panel, ui, review, Command::ReviewPanel);
+            button(panel, ui, Button::new("Map"), Command::CameraPanel);
+            button(panel, ui, Button::new("Undo"), Command::Undo);
+        });
+    });
+}
+
+/// Shows a button that closes the dialog and carries out a command; a panel that is open stays.
+fn button(panel: &mut Panel<'_>, ui: &mut Ui, button: Button<'_>, command: Command) {
+    let tip = panel.app.settings.keys.tooltip(command);
+    if ui.add(button).on_hover_text(tip).clicked() {
+        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        if !is_on(panel.app, command) {
+            panel.actions.push(Action::Command(command));
+        }
+    }
+}
+
+/// What comes next, and how long it takes.
+fn next(panel: &Panel<'_>) -> String {
+    let frames = panel.app.open().map(|open| &open.document.frames);
+    let is_left = |frame: &Frame| frame.ptz.is_none() && frame.is_open();
+    let left = frames.map_or(0, |frames| {
+        frames.iter().filter(|frame| is_left(frame)).count()
+    });
+    if left == 0 {
+        return "Every frame has a camera now: look at some and accept them.".to_owned();
+    }
+    let time = Duration::from_secs_f64(SECONDS_A_FRAME * left as f64);
+    format!(
+        "Next: accept those that are right. The forest learns from them and proposes the cameras \
+         of the other {left} frames: {}.",
+        describe_estimate(time)
+    )
+}
