@@ -3,7 +3,7 @@
 //!
 //! | floor | rooms |
 //! |---|---|
-//! | 4 | [`relocalize`] (the pan-tilt forest, pose from its rays), [`paint`] (painted lines in pixels: the line check, snapping), [`track`] (frames of one camera tied to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
+//! | 4 | [`relocalize`] (the pan-tilt forest, pose from its rays), [`paint`] (painted lines in pixels: the line check, snapping), [`track`] (frames of one camera matched to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
 //! | 3 | [`features`] (SIFT of a picture) |
 //! | 1 | [`media`] (frames of folders and videos) |
 

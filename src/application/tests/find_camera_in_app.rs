@@ -231,9 +231,9 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     let mut bench = Bench::new(unknown(5));
     for (why, says) in [
         (
-            Abstention::NotTied {
+            Abstention::NotConnected {
                 frames: 40,
-                tied: 7,
+                connected: 7,
             },
             "No camera was found: only 7 of 40 frames overlap with each other. Add frames in which the camera turns from one \
              view to the next, all of one camera that does not move, or click 4 landmarks on 2 wide frames.",

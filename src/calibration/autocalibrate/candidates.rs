@@ -362,7 +362,7 @@ mod tests {
     use super::super::pose::PanoramaPose;
     use super::super::rotating_camera::{
         IMAGE_SIZE, bare_frame, base, document, frames_at_scale, hypothesis, matched,
-        matched_with_strokes, ptz, soccer,
+        matched_with_marking_pixels, ptz, soccer,
     };
     use super::*;
     use std::ops::ControlFlow;
@@ -407,7 +407,7 @@ mod tests {
     #[test]
     fn poses_near_each_other_become_one_candidate_at_the_right_place() {
         let prior = known_field();
-        let matched = matched_with_strokes(&prior.assumed, &ALL_VIEWS);
+        let matched = matched_with_marking_pixels(&prior.assumed, &ALL_VIEWS);
         let found = poses_beside(
             &prior.assumed,
             &[
@@ -451,8 +451,10 @@ mod tests {
     fn frames_without_paint_are_said_to_show_too_little() {
         let prior = known_field();
         let views = [0, 2, 4];
-        let mut matched = matched_with_strokes(&prior.assumed, &views);
-        matched.strokes.fill(bare_frame(0, IMAGE_SIZE).strokes);
+        let mut matched = matched_with_marking_pixels(&prior.assumed, &views);
+        matched
+            .marking_pixels
+            .fill(bare_frame(0, IMAGE_SIZE).marking_pixels);
         let click = |(frame, landmark): (usize, &str)| {
             let at = prior
                 .assumed

@@ -8,7 +8,7 @@ use super::pose::PanoramaPose;
 use touchline_core::field::{FieldModel, LandmarkId};
 use touchline_core::geometry::{Angle, ImagePoint, Vec2, Vec3};
 use touchline_documents::document::{Click, Frames, Target};
-use touchline_vision::track::Turns;
+use touchline_vision::track::RelativeRotations;
 
 /// Landmarks higher than this above the ground are left out, m.
 const ON_GROUND_M: f64 = 0.01;
@@ -56,14 +56,14 @@ impl GroundClick {
 /// The poses that pairs of clicks determine on a field, at the given rotations. The pair of
 /// landmarks that are farthest apart comes first: its pose is the most precise.
 pub(super) fn poses(
-    turns: &Turns,
+    rotations: &RelativeRotations,
     clicks: &[GroundClick],
     field: &FieldModel,
 ) -> Vec<PanoramaPose> {
     // Each click as the horizontal offset of its ray at a depth of 1 m below the camera, in
     // `panorama`, with the horizontal position of its landmark.
     let sight = |click: &GroundClick| {
-        let ray = turns
+        let ray = rotations
             .camera(click.frame)
             .world_direction_from_image(click.image)
             .ok()?
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn two_landmarks_in_two_frames_say_where_the_camera_stands() {
-        let turns = Turns {
+        let rotations = RelativeRotations {
             ptz: vec![
                 Ptz::from_degrees(-25.0, -12.0, 2100.0),
                 Ptz::from_degrees(18.0, -9.0, 2600.0),
@@ -137,7 +137,7 @@ mod tests {
             .unwrap();
         let mut clicked = |place: usize, frame: usize, x: f64, y: f64| {
             let image = ImagePoint::new(x, y);
-            let ray = turns
+            let ray = rotations
                 .camera(frame)
                 .world_direction_from_image(image)
                 .unwrap();
@@ -150,7 +150,7 @@ mod tests {
             }
         };
         let (one, other) = (clicked(0, 0, 500.0, 700.0), clicked(1, 1, 1300.0, 600.0));
-        let found = poses(&turns, &[one.clone(), other], &field);
+        let found = poses(&rotations, &[one.clone(), other], &field);
         let [pose] = found.as_slice() else {
             panic!("{found:?}")
         };
@@ -167,6 +167,6 @@ mod tests {
             image: ImagePoint::new(900.0, -4000.0),
             ..one.clone()
         };
-        assert_eq!(poses(&turns, &[one.clone(), one, sky], &field), []);
+        assert_eq!(poses(&rotations, &[one.clone(), one, sky], &field), []);
     }
 }

@@ -31,13 +31,13 @@ pub enum AutocalibrationError {
 pub enum Abstention {
     /// Too few frames match each other.
     #[error(
-        "at most {tied} of {frames} frames match each other: use three or more overlapping frames of one camera that does not move"
+        "at most {connected} of {frames} frames match each other: use three or more overlapping frames of one camera that does not move"
     )]
-    NotTied {
+    NotConnected {
         /// Number of sampled frames.
         frames: usize,
         /// Size of the largest connected group.
-        tied: usize,
+        connected: usize,
     },
     /// The matches do not fit a camera that only rotates and zooms.
     #[error(transparent)]

@@ -14,7 +14,7 @@ use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
-use touchline_vision::paint::{Shown, Strokes};
+use touchline_vision::paint::{MarkingPixels, Shown};
 
 /// Paint lies on a line within this distance from its edge, px at 1920 px width.
 const WITHIN_PX: f64 = 4.0;
@@ -94,10 +94,10 @@ pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -
 pub(super) fn measure_evidence(
     joint: &JointAdjustment,
     paint: &[FramePaint],
-    strokes: &[Strokes],
+    marking_pixels: &[MarkingPixels],
 ) -> AutocalibrationEvidence {
     let field = &joint.field;
-    let frames: Vec<usize> = (0..strokes.len())
+    let frames: Vec<usize> = (0..marking_pixels.len())
         .filter(|frame| joint.ptz[*frame].is_some())
         .collect();
     // Count in each frame that has a camera.
@@ -105,7 +105,12 @@ pub(super) fn measure_evidence(
         .par_iter()
         .filter_map(|&frame| {
             let camera = PtzCamera::new(joint.base, joint.ptz[frame]?);
-            Some(Counts::of(field, &camera, &paint[frame], &strokes[frame]))
+            Some(Counts::of(
+                field,
+                &camera,
+                &paint[frame],
+                &marking_pixels[frame],
+            ))
         })
         .collect();
     // Sum over frames before dividing: a frame counts by how much paint and line it shows.
@@ -138,9 +143,16 @@ pub(super) fn measure_evidence(
 }
 
 /// The labels of the lines that the cameras should show on open ground and do not.
-pub(super) fn missing_lines(field: &FieldModel, looking: &[(PtzCamera, &Strokes)]) -> Vec<String> {
-    let of_frame = |(camera, strokes): &(PtzCamera, &Strokes)| {
-        LineCounts::of(field, &samples_of(field, camera, strokes.size()), strokes)
+pub(super) fn missing_lines(
+    field: &FieldModel,
+    looking: &[(PtzCamera, &MarkingPixels)],
+) -> Vec<String> {
+    let of_frame = |(camera, marking_pixels): &(PtzCamera, &MarkingPixels)| {
+        LineCounts::of(
+            field,
+            &samples_of(field, camera, marking_pixels.size()),
+            marking_pixels,
+        )
     };
     let counts: Vec<Vec<LineCounts>> = looking.par_iter().map(of_frame).collect();
     missing(field, &counts.iter().map(Vec::as_slice).collect::<Vec<_>>())
@@ -206,11 +218,11 @@ struct LineCounts {
 impl LineCounts {
     /// Counts the samples of each line of a field in one frame. Samples on anything but ground or
     /// paint (players, boards) are no evidence either way.
-    fn of(field: &FieldModel, samples: &[LineSample], strokes: &Strokes) -> Vec<Self> {
+    fn of(field: &FieldModel, samples: &[LineSample], marking_pixels: &MarkingPixels) -> Vec<Self> {
         let mut of_line = vec![Self::default(); field.lines.len()];
         for sample in samples {
             let counts = &mut of_line[sample.line];
-            match strokes.shown(sample.image) {
+            match marking_pixels.shown(sample.image) {
                 Shown::Stroke => {
                     (counts.predicted, counts.seen) = (counts.predicted + 1, counts.seen + 1);
                 }
@@ -233,10 +245,15 @@ impl Counts {
     }
 
     /// Counts the paint and the line samples of one frame.
-    fn of(field: &FieldModel, camera: &PtzCamera, paint: &FramePaint, strokes: &Strokes) -> Self {
+    fn of(
+        field: &FieldModel,
+        camera: &PtzCamera,
+        paint: &FramePaint,
+        marking_pixels: &MarkingPixels,
+    ) -> Self {
         /// A line counts as visible if at least this many of its samples are.
         const OF_LINE: usize = 6;
-        let size = strokes.size();
+        let size = marking_pixels.size();
         let samples = samples_of(field, camera, size);
         let within_px = WITHIN_PX * size.scale_from_1920();
         // Hash the samples into cells of 8 px. Paint within 8 px of a sample is in the same cell or
@@ -265,7 +282,7 @@ impl Counts {
         };
         // Both directions: paint on lines, and lines with paint.
         let explained = paint.iter().filter(on_line).count();
-        let of_line = LineCounts::of(field, &samples, strokes);
+        let of_line = LineCounts::of(field, &samples, marking_pixels);
         let lines = (0..of_line.len())
             .filter(|line| of_line[*line].seen >= OF_LINE)
             .collect();

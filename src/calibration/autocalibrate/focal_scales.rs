@@ -18,7 +18,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
-use touchline_vision::track::Turns;
+use touchline_vision::track::RelativeRotations;
 
 /// The focal scales of the search, in per cent of the scale that fits the matches best. Rotations
 /// alone determine the scale badly, and scrolling boards bias all matches alike. Neighbouring
@@ -63,7 +63,7 @@ pub(super) fn search_poses(
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
     let num_places = PLACES * maps.len();
-    let search_at_scale = |_: &Turns, panorama: &Panorama| search(panorama, maps);
+    let search_at_scale = |_: &RelativeRotations, panorama: &Panorama| search(panorama, maps);
     try_focal_scales(
         matched,
         &FIRST_FOCAL_PERCENT,
@@ -86,10 +86,10 @@ pub(super) fn poses_from_clicks(
         &FINE_FOCAL_PERCENT,
         fields.len(),
         progress,
-        |turns, panorama| {
+        |rotations, panorama| {
             let mut found = Vec::new();
             for (number, (field, map)) in fields.iter().zip(maps).enumerate() {
-                for pose in poses(turns, clicks, field).into_iter().take(MAX_PAIRS) {
+                for pose in poses(rotations, clicks, field).into_iter().take(MAX_PAIRS) {
                     let fitted = fit_pose(pose, &panorama.directions, map);
                     found.push(score_pose(fitted, panorama, (number, map)));
                 }
@@ -111,7 +111,7 @@ fn try_focal_scales(
     focal_percent: &[u32],
     places: usize,
     progress: &Progress<'_, AutocalibrationProgress>,
-    poses_at: impl Fn(&Turns, &Panorama) -> Vec<ScoredPose>,
+    poses_at: impl Fn(&RelativeRotations, &Panorama) -> Vec<ScoredPose>,
 ) -> Result<PosesByFocalScale, Stop> {
     let (mut found, mut rotations) = (Vec::new(), Vec::new());
     let mut percents = focal_percent.to_vec();

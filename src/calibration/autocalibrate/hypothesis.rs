@@ -47,7 +47,7 @@ impl Hypothesis {
             image_size: matched.image_size,
         };
         let joint = adjust_jointly(start, size_prior, &observed)?;
-        let evidence = measure_evidence(&joint, paint, &matched.strokes);
+        let evidence = measure_evidence(&joint, paint, &matched.marking_pixels);
         let paint_priors = joint.paint_priors();
         // Frames with too little paint have no camera yet; they get one in the alignment.
         let placed = matched

@@ -19,7 +19,7 @@ use touchline_core::solve::base::{
     LensModel, adjust_base,
 };
 use touchline_core::solve::{BlockEquations, Loss, Observation};
-use touchline_vision::track::{PosePrior, PriorSource, Tie, adjust_matched_frames};
+use touchline_vision::track::{PosePrior, PriorSource, ViewGraphEdge, adjust_matched_frames};
 
 /// The reach of each round: paint farther than this from every line is left out, px at 1920 px
 /// width.
@@ -34,7 +34,7 @@ const SIZE_AFTER: [usize; 2] = [1, 3];
 
 /// After these rounds the frames are adjusted to their matches as well, which brings back frames
 /// that went to wrong lines.
-const TIED_AFTER: [usize; 2] = [2, 3];
+const CONNECTED_AFTER: [usize; 2] = [2, 3];
 
 /// 1-σ of a point on the centre of a stroke, px at 1920 px width. It includes the error that
 /// neighbouring points have in common.
@@ -91,11 +91,11 @@ impl JointAdjustment {
 
 /// The frames, adjusted to their paint and to the pairwise matches, with the base held fixed.
 /// Unchanged if the two leave a frame undetermined.
-fn adjusted_by_ties(
+fn adjusted_by_edges(
     base: &CameraBase,
     ptz: &[Option<Ptz>],
     taken: &[FrameClicks],
-    ties: &[Tie],
+    edges: &[ViewGraphEdge],
     size: ImageSize,
 ) -> Vec<Option<Ptz>> {
     // Only frames with a camera take part, and the adjustment numbers them consecutively.
@@ -103,7 +103,7 @@ fn adjusted_by_ties(
         .filter(|frame| ptz[*frame].is_some())
         .collect();
     let place = |frame: usize| part.binary_search(&frame).ok();
-    let ties = renumber_matches(ties, &part);
+    let edges = renumber_matches(edges, &part);
     let start: Vec<Ptz> = ptz.iter().copied().flatten().collect();
     // The paint enters as one Gaussian prior per frame instead of point by point: linearised at the
     // present cameras, three parameters each.
@@ -116,7 +116,7 @@ fn adjusted_by_ties(
             })
         })
         .collect();
-    let Some(adjusted) = adjust_matched_frames(base, &start, &ties, &priors, size) else {
+    let Some(adjusted) = adjust_matched_frames(base, &start, &edges, &priors, size) else {
         return ptz.to_vec();
     };
     let mut brought = ptz.to_vec();
@@ -170,7 +170,7 @@ pub(super) struct FrameObservations<'a> {
     /// Persistent paint of each frame.
     pub paint: &'a [FramePaint],
     /// Pairwise matches, numbered like the frames.
-    pub matches: &'a [Tie],
+    pub matches: &'a [ViewGraphEdge],
     pub image_size: ImageSize,
 }
 
@@ -244,8 +244,8 @@ pub(super) fn adjust_jointly(
         // crown.
         taken = on_field(taken, &crowned);
         field = crowned;
-        if TIED_AFTER.contains(&round) {
-            ptz = adjusted_by_ties(&base, &ptz, &taken, matches, size);
+        if CONNECTED_AFTER.contains(&round) {
+            ptz = adjusted_by_edges(&base, &ptz, &taken, matches, size);
         }
         // Fit the field's size. The map of lines has to follow.
         let Some(prior) = size_prior.filter(|_| SIZE_AFTER.contains(&round)) else {

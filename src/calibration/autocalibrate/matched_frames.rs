@@ -13,8 +13,10 @@ use super::{Abstention, AutocalibrationError, AutocalibrationProgress};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::Features;
-use touchline_vision::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
-use touchline_vision::track::{Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
+use touchline_vision::paint::{MarkingPixels, PersistentPoint, SeenGround, persistent_paint};
+use touchline_vision::track::{
+    RelativeRotations, TurnOptions, ViewGraphEdge, adjust_rotations, groups, match_frames_pairwise,
+};
 
 /// With fewer directions of persistent paint no camera is found.
 const MIN_DIRECTIONS: usize = 150;
@@ -35,9 +37,9 @@ pub(super) struct MatchedFrames {
     /// Size of all their pictures.
     pub image_size: ImageSize,
     /// The edges of the view graph.
-    pub matches: Vec<Tie>,
-    /// Strokes of each frame.
-    pub strokes: Vec<Strokes>,
+    pub matches: Vec<ViewGraphEdge>,
+    /// MarkingPixels of each frame.
+    pub marking_pixels: Vec<MarkingPixels>,
     /// Masks of each frame: boxes whose pixels do not count.
     pub masks: Vec<Vec<PixelBox>>,
 }
@@ -46,7 +48,7 @@ pub(super) struct MatchedFrames {
 pub(super) struct FramesAtScale {
     /// The log focal scale: of the factor on the focal lengths that fit the matches best.
     pub log_scale: f64,
-    pub rotations: Turns,
+    pub rotations: RelativeRotations,
     /// Persistent paint of each frame.
     pub paint: Vec<FramePaint>,
 }
@@ -64,7 +66,8 @@ impl MatchedFrames {
         let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
         let of_pairs =
             progress.part(|Share { done, of }| AutocalibrationProgress::Tying { done, of });
-        let matches = tie_frames(&features, &of_pairs).map_err(AutocalibrationError::Track)?;
+        let matches =
+            match_frames_pairwise(&features, &of_pairs).map_err(AutocalibrationError::Track)?;
         report(
             progress,
             AutocalibrationProgress::Tying {
@@ -76,20 +79,25 @@ impl MatchedFrames {
     }
 
     /// Keeps the largest group of frames of one size that `matches` connect.
-    pub fn from_matches(frames: &[SampledFrame], matches: &[Tie]) -> Result<Self, Abstention> {
+    pub fn from_matches(
+        frames: &[SampledFrame],
+        matches: &[ViewGraphEdge],
+    ) -> Result<Self, Abstention> {
         // Frames of different sizes are different cameras, even if they match. The groups come
         // largest first.
-        let is_of_one_size =
-            |pair: &&Tie| frames[pair.first].image_size() == frames[pair.second].image_size();
-        let of_one_size: Vec<Tie> = matches.iter().filter(is_of_one_size).cloned().collect();
+        let is_of_one_size = |pair: &&ViewGraphEdge| {
+            frames[pair.first].image_size() == frames[pair.second].image_size()
+        };
+        let of_one_size: Vec<ViewGraphEdge> =
+            matches.iter().filter(is_of_one_size).cloned().collect();
         let group = groups(frames.len(), &of_one_size)
             .into_iter()
             .next()
             .unwrap_or_default();
         if group.len() < MIN_FRAMES {
-            return Err(Abstention::NotTied {
+            return Err(Abstention::NotConnected {
                 frames: frames.len(),
-                tied: group.len(),
+                connected: group.len(),
             });
         }
         let others = (0..frames.len()).filter(|frame| group.binary_search(frame).is_err());
@@ -98,9 +106,9 @@ impl MatchedFrames {
             others: others.map(|frame| frames[frame].index).collect(),
             image_size: frames[group[0]].image_size(),
             matches: renumber_matches(matches, &group),
-            strokes: group
+            marking_pixels: group
                 .iter()
-                .map(|&frame| frames[frame].strokes.clone())
+                .map(|&frame| frames[frame].marking_pixels.clone())
                 .collect(),
             masks: group
                 .iter()
@@ -123,13 +131,14 @@ impl MatchedFrames {
             ..TurnOptions::default()
         };
         // Rotations, zoom and lens from the matches, at this scale.
-        let rotations = adjust_turns(self.indices.len(), &self.matches, self.image_size, &options)
-            .map_err(Abstention::NotTurning)?;
+        let rotations =
+            adjust_rotations(self.indices.len(), &self.matches, self.image_size, &options)
+                .map_err(Abstention::NotTurning)?;
         let frames: Vec<_> = self
-            .strokes
+            .marking_pixels
             .iter()
             .enumerate()
-            .map(|(frame, strokes)| (rotations.camera(frame), strokes.clone()))
+            .map(|(frame, marking_pixels)| (rotations.camera(frame), marking_pixels.clone()))
             .collect();
         // Paint that several frames show in one direction.
         let points = persistent_paint(&frames);
@@ -140,7 +149,7 @@ impl MatchedFrames {
                 places: panorama.directions.len(),
             });
         }
-        let paint = paint_of_frames(&points, self.strokes.len());
+        let paint = paint_of_frames(&points, self.marking_pixels.len());
         Ok((
             FramesAtScale {
                 log_scale: focal_scale.ln(),
@@ -154,10 +163,10 @@ impl MatchedFrames {
 
 /// The matches between the frames of a group (ascending), renumbered within it. Matches with other
 /// frames are left out.
-pub(super) fn renumber_matches(matches: &[Tie], group: &[usize]) -> Vec<Tie> {
+pub(super) fn renumber_matches(matches: &[ViewGraphEdge], group: &[usize]) -> Vec<ViewGraphEdge> {
     let number = |frame: usize| group.binary_search(&frame).ok();
-    let renumber = |pair: &Tie| {
-        Some(Tie {
+    let renumber = |pair: &ViewGraphEdge| {
+        Some(ViewGraphEdge {
             first: number(pair.first)?,
             second: number(pair.second)?,
             ..pair.clone()
@@ -190,7 +199,7 @@ mod tests {
     #[test]
     fn the_largest_connected_group_is_kept_and_the_others_are_named() {
         // Frames 0 and 6 match nothing; 1 to 3 are connected, and so are 4 and 5.
-        let matches: Vec<Tie> = [(1, 2), (2, 3), (4, 5)]
+        let matches: Vec<ViewGraphEdge> = [(1, 2), (2, 3), (4, 5)]
             .iter()
             .filter_map(|&(first, second)| exact_match(first, second))
             .collect();
@@ -208,23 +217,35 @@ mod tests {
             (matched.number_of(22), matched.number_of(24)),
             (Some(1), None)
         );
-        assert_eq!((matched.strokes.len(), matched.masks.len()), (3, 3));
+        assert_eq!((matched.marking_pixels.len(), matched.masks.len()), (3, 3));
     }
 
     #[test]
     fn two_frames_are_too_few() {
         let matches = [exact_match(0, 1).unwrap()];
         let refused = MatchedFrames::from_matches(&sampled(4), &matches).err();
-        assert_eq!(refused, Some(Abstention::NotTied { frames: 4, tied: 2 }));
+        assert_eq!(
+            refused,
+            Some(Abstention::NotConnected {
+                frames: 4,
+                connected: 2
+            })
+        );
         let refused = MatchedFrames::from_matches(&[], &[]).err();
-        assert_eq!(refused, Some(Abstention::NotTied { frames: 0, tied: 0 }));
+        assert_eq!(
+            refused,
+            Some(Abstention::NotConnected {
+                frames: 0,
+                connected: 0
+            })
+        );
     }
 
     #[test]
     fn frames_of_another_size_are_another_cameras() {
         let mut frames = sampled(5);
         frames[2] = bare_frame(22, ImageSize::new(640, 360));
-        let matches: Vec<Tie> = exact_matches()
+        let matches: Vec<ViewGraphEdge> = exact_matches()
             .into_iter()
             .filter(|pair| pair.second < 5)
             .collect();
@@ -242,7 +263,7 @@ mod tests {
             height: 40.0,
         };
         frames[3].masks = vec![mask];
-        let matches: Vec<Tie> = [(1, 2), (2, 3)]
+        let matches: Vec<ViewGraphEdge> = [(1, 2), (2, 3)]
             .iter()
             .filter_map(|&(first, second)| exact_match(first, second))
             .collect();

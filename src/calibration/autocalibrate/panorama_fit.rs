@@ -37,7 +37,7 @@ use touchline_core::solve::base::BasePriors;
 use touchline_core::solve::{
     BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise,
 };
-use touchline_vision::track::Turns;
+use touchline_vision::track::RelativeRotations;
 
 /// The gate of each round: paint farther than three times this from every line is left out, and the
 /// loss has this scale. Degrees, for a camera at the usual height ([`angular_scale`]).
@@ -74,7 +74,7 @@ pub(super) struct PanoramaFit {
     pub pose: PanoramaPose,
     pub log_scale: f64,
     /// The rotations of the frames at that focal scale.
-    pub rotations: Turns,
+    pub rotations: RelativeRotations,
     /// The field with its fitted crown and, if a size prior was given, its fitted size.
     pub field: FieldModel,
     /// The share of the paint that lies on a line.
@@ -88,7 +88,7 @@ impl PanoramaFit {
             position_m,
             world_from_panorama,
         } = self.pose;
-        // In `panorama` the cameras of the frames have a level base (`Turns::camera`), so
+        // In `panorama` the cameras of the frames have a level base (`RelativeRotations::camera`), so
         // `base_from_panorama` is that of the default angles.
         let base_from_panorama = BaseAngles::default().base_from_world();
         let base_from_world = base_from_panorama * world_from_panorama.transpose();
@@ -616,7 +616,7 @@ mod tests {
 
     /// The rotations of a low camera that pans along the near half of a pitch, at a focal scale:
     /// the longer the lens, the smaller the angles.
-    fn turns(percent: u32) -> (u32, Turns) {
+    fn rotations_at(percent: u32) -> (u32, RelativeRotations) {
         let scale = f64::from(percent) / 100.0;
         let ptz = |(pan_deg, focal_px): (f64, f64)| {
             Ptz::from_degrees(pan_deg / scale, -7.0 / scale, focal_px * scale)
@@ -627,7 +627,7 @@ mod tests {
         let lens = FocalCurve::NONE;
         (
             percent,
-            Turns {
+            RelativeRotations {
                 ptz: views.map(ptz).collect(),
                 lens,
                 image_size: SIZE,
@@ -637,7 +637,7 @@ mod tests {
     }
 
     fn rotations() -> RotationsByFocalScale {
-        RotationsByFocalScale::new([94, 100, 106].map(turns))
+        RotationsByFocalScale::new([94, 100, 106].map(rotations_at))
     }
 
     /// The paint of a field in the frames of a camera with this pose.
@@ -647,10 +647,10 @@ mod tests {
 
     /// The same with the rotations of another focal scale.
     fn frames_at(percent: u32, pose: &PanoramaPose, field: &FieldModel) -> FramesAtScale {
-        let (_, turns) = turns(percent);
+        let (_, rotations) = rotations_at(percent);
         let map = PitchMap::without_grid(field);
         let of_frame = |frame: usize| -> FramePaint {
-            let camera = turns.camera(frame);
+            let camera = rotations.camera(frame);
             let seen = |at: Vec3| {
                 camera
                     .image_from_world(pose.direction_in_panorama(at)?)
@@ -659,10 +659,10 @@ mod tests {
             let shown = |line: &OnLine| seen(line.at).filter(|image| SIZE.contains(*image));
             map.samples(1.0).filter_map(|line| shown(&line)).collect()
         };
-        let paint = (0..turns.ptz.len()).map(of_frame).collect();
+        let paint = (0..rotations.ptz.len()).map(of_frame).collect();
         FramesAtScale {
             log_scale: (f64::from(percent) / 100.0).ln(),
-            rotations: turns,
+            rotations: rotations,
             paint,
         }
     }
@@ -722,12 +722,13 @@ mod tests {
     }
 
     #[test]
-    fn paint_says_the_focal_scale_where_all_ties_are_put_off_together() {
+    fn paint_says_the_focal_scale_where_all_edges_are_put_off_together() {
         let (prior, field) = field_prior();
         let pose = PanoramaPose::upright(Vec3::new(-5.0, -66.0, 14.0), Angle::from_degrees(2.0));
         let frames = frames_at(135, &pose, &field);
-        let rotations =
-            RotationsByFocalScale::new([88, 94, 100, 106, 113, 120, 127, 135, 143].map(turns));
+        let rotations = RotationsByFocalScale::new(
+            [88, 94, 100, 106, 113, 120, 127, 135, 143].map(rotations_at),
+        );
         assert!(
             rotations.focal_scale_from_matches().sigma < 0.01,
             "they are sure of another scale"

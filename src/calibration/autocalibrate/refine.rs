@@ -1,6 +1,6 @@
 //! Refines the base of a hypothesis with the paint of its frames' own pictures.
 //!
-//! The strokes from which the search found the base are coarse, because they were detected without
+//! The marking pixels from which the search found the base are coarse, because they were detected without
 //! a prediction. With a base, each painted line is measured where the base predicts it, as for a
 //! base that the user refines ([`KnownFrames::estimate_base`]).
 
@@ -150,7 +150,7 @@ fn with_base(
         crown_m: estimate.crown_m,
         ..problem.field
     };
-    // The pose prior of a frame from the strokes is weak if these lay beside its lines. The frame
+    // The pose prior of a frame from the marking pixels is weak if these lay beside its lines. The frame
     // now lies on its paint, so it gets the covariance of an alignment.
     let fitted = problem.frames.iter().zip(&estimate.frames);
     let ptz_by_index: BTreeMap<usize, Ptz> = fitted

@@ -17,8 +17,8 @@ use touchline_core::markings::{SampleOptions, sample_lines};
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 use touchline_vision::features::Features;
 use touchline_vision::media::Picture;
-use touchline_vision::paint::{GroundPicture, Strokes};
-use touchline_vision::track::{PosePrior, PriorSource, Tie, Turns};
+use touchline_vision::paint::{GroundPicture, MarkingPixels};
+use touchline_vision::track::{PosePrior, PriorSource, RelativeRotations, ViewGraphEdge};
 
 pub const IMAGE_SIZE: ImageSize = ImageSize::new(960, 540);
 
@@ -65,7 +65,7 @@ pub fn paint(field: &FieldModel, ptz: Ptz) -> Vec<ImagePoint> {
 }
 
 /// The exact matches of two frames on a grid of pixels; none if they share too little.
-pub fn exact_match(first: usize, second: usize) -> Option<Tie> {
+pub fn exact_match(first: usize, second: usize) -> Option<ViewGraphEdge> {
     let ptz = ptz();
     let [one, other] = [first, second].map(|frame| PtzCamera::new(base(), ptz[frame]));
     let grid = (0..150_u32).map(|index| {
@@ -89,7 +89,7 @@ pub fn exact_match(first: usize, second: usize) -> Option<Tie> {
         .map(|(here, there)| (vector(*here), vector(*there)))
         .collect();
     let second_from_first = homography(&pairs).ok()?;
-    Some(Tie {
+    Some(ViewGraphEdge {
         first,
         second,
         matches,
@@ -99,7 +99,7 @@ pub fn exact_match(first: usize, second: usize) -> Option<Tie> {
 }
 
 /// The matches of all pairs of views that overlap.
-pub fn exact_matches() -> Vec<Tie> {
+pub fn exact_matches() -> Vec<ViewGraphEdge> {
     let num = ptz().len();
     let pairs = (0..num).flat_map(|first| (first + 1..num).map(move |second| (first, second)));
     pairs
@@ -115,25 +115,25 @@ pub fn bare_frame(index: usize, image_size: ImageSize) -> SampledFrame {
         keypoints: Vec::new(),
         descriptors: Vec::new(),
     };
-    let strokes = Strokes::of(&GroundPicture::new(&picture, &[]));
+    let marking_pixels = MarkingPixels::of(&GroundPicture::new(&picture, &[]));
     SampledFrame {
         index,
         masks: Vec::new(),
         features,
-        strokes,
+        marking_pixels,
     }
 }
 
 /// All views, matched. Their indices in the document are ten and more.
 pub fn matched() -> MatchedFrames {
-    let strokes = bare_frame(0, IMAGE_SIZE).strokes;
+    let marking_pixels = bare_frame(0, IMAGE_SIZE).marking_pixels;
     let num = ptz().len();
     MatchedFrames {
         indices: (10..10 + num).collect(),
         others: Vec::new(),
         image_size: IMAGE_SIZE,
         matches: exact_matches(),
-        strokes: vec![strokes; num],
+        marking_pixels: vec![marking_pixels; num],
         masks: vec![Vec::new(); num],
     }
 }
@@ -142,7 +142,7 @@ pub fn matched() -> MatchedFrames {
 pub fn frames_at_scale(field: &FieldModel) -> Arc<FramesAtScale> {
     let ptz = ptz();
     let paint = ptz.iter().map(|ptz| paint(field, *ptz)).collect();
-    let rotations = Turns {
+    let rotations = RelativeRotations {
         ptz,
         lens: FocalCurve::NONE,
         image_size: IMAGE_SIZE,
@@ -201,8 +201,8 @@ pub fn drawn_picture(field: &FieldModel, ptz: Ptz) -> Picture {
     Picture::new(IMAGE_SIZE, rgba.collect()).unwrap()
 }
 
-/// Some of the views, by their numbers, with few matches and the strokes of their drawn pictures.
-pub fn matched_with_strokes(field: &FieldModel, views: &[usize]) -> MatchedFrames {
+/// Some of the views, by their numbers, with few matches and the marking pixels of their drawn pictures.
+pub fn matched_with_marking_pixels(field: &FieldModel, views: &[usize]) -> MatchedFrames {
     const MATCHES_OF_PAIR: usize = 20;
     let (all, ptz) = (matched(), ptz());
     let mut matches = renumber_matches(&all.matches, views);
@@ -210,12 +210,13 @@ pub fn matched_with_strokes(field: &FieldModel, views: &[usize]) -> MatchedFrame
         let stride = pair.matches.len().div_ceil(MATCHES_OF_PAIR);
         pair.matches = pair.matches.iter().copied().step_by(stride).collect();
     }
-    let strokes_of =
-        |&view: &usize| Strokes::of(&GroundPicture::new(&drawn_picture(field, ptz[view]), &[]));
+    let marking_pixels_of = |&view: &usize| {
+        MarkingPixels::of(&GroundPicture::new(&drawn_picture(field, ptz[view]), &[]))
+    };
     MatchedFrames {
         indices: views.iter().map(|&view| all.indices[view]).collect(),
         matches,
-        strokes: views.par_iter().map(strokes_of).collect(),
+        marking_pixels: views.par_iter().map(marking_pixels_of).collect(),
         masks: vec![Vec::new(); views.len()],
         ..all
     }

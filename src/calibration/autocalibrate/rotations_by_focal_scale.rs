@@ -6,7 +6,7 @@
 
 use touchline_core::camera::{FocalCurve, Ptz};
 use touchline_core::geometry::{Mat3, Vec3};
-use touchline_vision::track::Turns;
+use touchline_vision::track::RelativeRotations;
 
 /// The matches determine the focal scale as this many independent ones would. There are many more,
 /// but they share errors: many lie on one player, or err together because the lens deviates from
@@ -19,7 +19,7 @@ const SIGMA: [f64; 2] = [0.003, 0.1];
 /// The rotations of the frames at several focal scales.
 pub(super) struct RotationsByFocalScale {
     /// Pairs of log focal scale and rotations, by ascending scale.
-    levels: Vec<(f64, Turns)>,
+    levels: Vec<(f64, RelativeRotations)>,
 }
 
 /// An estimate of the log focal scale.
@@ -42,8 +42,10 @@ impl FocalScale {
 
 impl RotationsByFocalScale {
     /// From rotations and their focal scales, in per cent of the scale that fits the matches best.
-    pub fn new(levels: impl IntoIterator<Item = (u32, Turns)>) -> Self {
-        let of_level = |(percent, turns): (u32, Turns)| ((f64::from(percent) / 100.0).ln(), turns);
+    pub fn new(levels: impl IntoIterator<Item = (u32, RelativeRotations)>) -> Self {
+        let of_level = |(percent, rotations): (u32, RelativeRotations)| {
+            ((f64::from(percent) / 100.0).ln(), rotations)
+        };
         let mut levels: Vec<_> = levels.into_iter().map(of_level).collect();
         levels.sort_by(|a, b| a.0.total_cmp(&b.0));
         Self { levels }
@@ -51,15 +53,16 @@ impl RotationsByFocalScale {
 
     /// The rotations at a log focal scale, which is clamped to the range that was adjusted. None if
     /// nothing was.
-    pub fn at(&self, log_scale: f64) -> Option<Turns> {
+    pub fn at(&self, log_scale: f64) -> Option<RelativeRotations> {
         let (first, last) = (self.levels.first()?, self.levels.last()?);
         let log_scale = log_scale.clamp(first.0, last.0);
         let above = self.levels.iter().position(|level| level.0 >= log_scale)?;
         // Between two levels everything is linear in the log scale; focal lengths are interpolated
         // as logarithms, pans the short way round.
-        let (to, to_turns) = &self.levels[above];
-        let Some((from, from_turns)) = above.checked_sub(1).map(|below| &self.levels[below]) else {
-            return Some(to_turns.clone());
+        let (to, to_rotations) = &self.levels[above];
+        let Some((from, from_rotations)) = above.checked_sub(1).map(|below| &self.levels[below])
+        else {
+            return Some(to_rotations.clone());
         };
         let share = (log_scale - from) / (to - from);
         let between = |from: f64, to: f64| from + share * (to - from);
@@ -69,21 +72,24 @@ impl RotationsByFocalScale {
             focal_px: between(from.focal_px.ln(), to.focal_px.ln()).exp(),
         };
         let lens = FocalCurve {
-            value: between(from_turns.lens.value, to_turns.lens.value),
-            per_1000_px: between(from_turns.lens.per_1000_px, to_turns.lens.per_1000_px),
-            ..from_turns.lens
+            value: between(from_rotations.lens.value, to_rotations.lens.value),
+            per_1000_px: between(
+                from_rotations.lens.per_1000_px,
+                to_rotations.lens.per_1000_px,
+            ),
+            ..from_rotations.lens
         };
-        let ptz = from_turns
+        let ptz = from_rotations
             .ptz
             .iter()
-            .zip(&to_turns.ptz)
+            .zip(&to_rotations.ptz)
             .map(of_frame)
             .collect();
-        let residual_px = between(from_turns.residual_px, to_turns.residual_px);
-        Some(Turns {
+        let residual_px = between(from_rotations.residual_px, to_rotations.residual_px);
+        Some(RelativeRotations {
             ptz,
             lens,
-            image_size: from_turns.image_size,
+            image_size: from_rotations.image_size,
             residual_px,
         })
     }
@@ -136,7 +142,7 @@ mod tests {
     use touchline_core::geometry::ImageSize;
 
     /// The rotations of two frames at a focal scale: the longer the lens, the smaller the angles.
-    fn turns(percent: u32, residual_px: f64) -> (u32, Turns) {
+    fn rotations(percent: u32, residual_px: f64) -> (u32, RelativeRotations) {
         let scale = f64::from(percent) / 100.0;
         let ptz = |pan_deg: f64| Ptz::from_degrees(pan_deg / scale, -9.0, 1000.0 * scale);
         let lens = FocalCurve {
@@ -146,7 +152,7 @@ mod tests {
         let image_size = ImageSize::new(1280, 720);
         (
             percent,
-            Turns {
+            RelativeRotations {
                 ptz: vec![ptz(-20.0), ptz(20.0)],
                 lens,
                 image_size,
@@ -157,7 +163,11 @@ mod tests {
 
     #[test]
     fn between_two_scales_everything_is_between() {
-        let levels = RotationsByFocalScale::new([turns(100, 0.3), turns(110, 0.4), turns(90, 0.5)]);
+        let levels = RotationsByFocalScale::new([
+            rotations(100, 0.3),
+            rotations(110, 0.4),
+            rotations(90, 0.5),
+        ]);
         let between = levels
             .at(f64::midpoint(1.0_f64.ln(), 1.1_f64.ln()))
             .unwrap();
@@ -172,14 +182,14 @@ mod tests {
         );
         assert_eq!(
             levels.at(-3.0).unwrap(),
-            turns(90, 0.5).1,
+            rotations(90, 0.5).1,
             "no farther than what was adjusted"
         );
         assert!(RotationsByFocalScale::new([]).at(0.0).is_none());
     }
 
     #[test]
-    fn the_scale_lies_where_the_ties_fit_best_and_is_the_surer_the_worse_they_fit_beside_it() {
+    fn the_scale_lies_where_the_edges_fit_best_and_is_the_surer_the_worse_they_fit_beside_it() {
         // Squared residuals with their minimum at a scale of 1.02.
         let fitting = |steepness: f64| {
             let residual_px = |percent: u32| {
@@ -187,7 +197,7 @@ mod tests {
                 (0.09 + steepness * off * off).sqrt()
             };
             RotationsByFocalScale::new(
-                [88, 94, 100, 106, 113].map(|percent| turns(percent, residual_px(percent))),
+                [88, 94, 100, 106, 113].map(|percent| rotations(percent, residual_px(percent))),
             )
             .focal_scale_from_matches()
         };
@@ -201,10 +211,11 @@ mod tests {
             sure.sigma < doubtful.sigma && doubtful.sigma <= SIGMA[1],
             "{sure:?}, {doubtful:?}"
         );
-        let flat = RotationsByFocalScale::new([94, 100, 106].map(|percent| turns(percent, 0.3)))
-            .focal_scale_from_matches();
+        let flat =
+            RotationsByFocalScale::new([94, 100, 106].map(|percent| rotations(percent, 0.3)))
+                .focal_scale_from_matches();
         assert_eq!(flat, FocalScale::unknown(0.0));
-        let two = RotationsByFocalScale::new([turns(100, 0.3), turns(106, 0.5)])
+        let two = RotationsByFocalScale::new([rotations(100, 0.3), rotations(106, 0.5)])
             .focal_scale_from_matches();
         assert_eq!(two.sigma, SIGMA[1], "two scales say nothing");
     }

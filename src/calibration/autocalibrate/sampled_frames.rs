@@ -1,10 +1,10 @@
-//! The sampled frames, and what is kept of each picture: its features and its strokes of paint.
+//! The sampled frames, and what is kept of each picture: its features and its marking pixels of paint.
 
 use rayon::prelude::*;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::features::{FeatureError, FeatureOptions, Features, extract};
 use touchline_vision::media::Picture;
-use touchline_vision::paint::{GroundPicture, Strokes};
+use touchline_vision::paint::{GroundPicture, MarkingPixels};
 
 /// Reads the picture of a document's frame, by its index; none if it cannot be read.
 pub type PictureOfFrame<'a> = &'a mut dyn FnMut(usize) -> Option<Picture>;
@@ -20,11 +20,11 @@ pub(super) struct SampledFrame {
     /// Boxes whose pixels do not count.
     pub masks: Vec<PixelBox>,
     pub features: Features,
-    pub strokes: Strokes,
+    pub marking_pixels: MarkingPixels,
 }
 
 impl SampledFrame {
-    /// Extracts features and strokes outside `masks`.
+    /// Extracts features and marking pixels outside `masks`.
     ///
     /// # Errors
     /// The program was built without OpenCV, or OpenCV refused.
@@ -38,17 +38,17 @@ impl SampledFrame {
             ..FeatureOptions::default()
         };
         let features = extract(picture, &masks, &options)?;
-        let strokes = Strokes::of(&GroundPicture::new(picture, &masks));
+        let marking_pixels = MarkingPixels::of(&GroundPicture::new(picture, &masks));
         Ok(Self {
             index,
             masks,
             features,
-            strokes,
+            marking_pixels,
         })
     }
 
     pub fn image_size(&self) -> ImageSize {
-        self.strokes.size()
+        self.marking_pixels.size()
     }
 }
 

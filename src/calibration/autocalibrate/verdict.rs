@@ -12,7 +12,7 @@ use super::{Abstention, Doubt};
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use touchline_core::camera::PtzCamera;
 use touchline_documents::document::Frames;
-use touchline_vision::paint::Strokes;
+use touchline_vision::paint::MarkingPixels;
 
 /// Minimum share of the frames that agree with the painted lines of their own pictures. Right
 /// answers had 0.9 and more on real and drawn matches, wrong ones 0.5 and less.
@@ -73,11 +73,12 @@ pub(super) fn missing_in_frames(
     camera: &AutocalibratedCamera,
     matched: &MatchedFrames,
 ) -> Vec<String> {
-    let looking = |frame: &AutocalibratedFrame| -> Option<(PtzCamera, &Strokes)> {
-        let strokes = &matched.strokes[matched.number_of(frame.index)?];
-        Some((PtzCamera::new(camera.base, frame.ptz), strokes))
+    let looking = |frame: &AutocalibratedFrame| -> Option<(PtzCamera, &MarkingPixels)> {
+        let marking_pixels = &matched.marking_pixels[matched.number_of(frame.index)?];
+        Some((PtzCamera::new(camera.base, frame.ptz), marking_pixels))
     };
-    let frames: Vec<(PtzCamera, &Strokes)> = camera.frames.iter().filter_map(looking).collect();
+    let frames: Vec<(PtzCamera, &MarkingPixels)> =
+        camera.frames.iter().filter_map(looking).collect();
     missing_lines(&camera.field, &frames)
 }
 
@@ -113,7 +114,7 @@ pub(super) fn contradicting_click(
 #[cfg(test)]
 mod tests {
     use super::super::rotating_camera::{
-        document, hypothesis, matched, matched_with_strokes, soccer,
+        document, hypothesis, matched, matched_with_marking_pixels, soccer,
     };
     use super::*;
     use touchline_core::geometry::{Angle, ImagePoint, Vec2, Vec3};
@@ -235,7 +236,7 @@ mod tests {
         assert_eq!(
             missing_in_frames(
                 &camera,
-                &matched_with_strokes(&camera.field, &[0, 1, 2, 3, 4, 5, 6])
+                &matched_with_marking_pixels(&camera.field, &[0, 1, 2, 3, 4, 5, 6])
             ),
             [""; 0]
         );

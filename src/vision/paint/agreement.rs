@@ -2,7 +2,7 @@
 //! on lines, and which lines show markings.
 
 use super::directions::{direction_of, with_neighbours};
-use super::strokes::{Shown, Strokes};
+use super::marking_pixels::{MarkingPixels, Shown};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
@@ -25,23 +25,26 @@ pub struct Agreement {
 
 /// The markings of a picture, prepared for comparison with many cameras.
 pub(super) struct PaintedCells<'a> {
-    strokes: &'a Strokes,
+    marking_pixels: &'a MarkingPixels,
     cells: DirectedCells,
 }
 
 impl<'a> PaintedCells<'a> {
-    pub fn of(strokes: &'a Strokes) -> Self {
-        let points = strokes.points.iter().map(|point| (point.at, point.normal));
+    pub fn of(marking_pixels: &'a MarkingPixels) -> Self {
+        let points = marking_pixels
+            .points
+            .iter()
+            .map(|point| (point.at, point.normal));
         Self {
-            strokes,
-            cells: DirectedCells::of(strokes.size(), points),
+            marking_pixels,
+            cells: DirectedCells::of(marking_pixels.size(), points),
         }
     }
 
     /// The agreement with a camera's lines.
     pub fn agreement(&self, field: &FieldModel, camera: &PtzCamera) -> Agreement {
-        let strokes = self.strokes;
-        let size = strokes.size();
+        let marking_pixels = self.marking_pixels;
+        let size = marking_pixels.size();
         let scale = size.scale_from_1920();
         let options = SampleOptions {
             spacing_px: SPACING_PX * scale,
@@ -57,10 +60,10 @@ impl<'a> PaintedCells<'a> {
         // Lines behind players or outside the ground are not expected to be seen.
         let open = samples
             .iter()
-            .filter(|sample| strokes.shown(sample.image) != Shown::Other);
+            .filter(|sample| marking_pixels.shown(sample.image) != Shown::Other);
         Agreement {
             explained: share(
-                strokes
+                marking_pixels
                     .points
                     .iter()
                     .map(|point| predicted.holds(point.at, point.normal)),
@@ -148,8 +151,11 @@ mod tests {
 
     #[test]
     fn the_right_camera_agrees_both_ways_and_wrong_ones_do_not() {
-        let (strokes, field) = (Strokes::of(&GroundPicture::new(&PICTURE, &[])), soccer());
-        let painted = PaintedCells::of(&strokes);
+        let (marking_pixels, field) = (
+            MarkingPixels::of(&GroundPicture::new(&PICTURE, &[])),
+            soccer(),
+        );
+        let painted = PaintedCells::of(&marking_pixels);
         let right = painted.agreement(&field, &truth());
         assert!(right.explained > 0.55 && right.seen > 0.85, "{right:?}");
         for (pan_deg, tilt_deg, focal_px) in [

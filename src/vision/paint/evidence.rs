@@ -7,7 +7,7 @@
 //! spread along its normal only. The lines are short pieces, each looked up once at its middle.
 
 use super::directions::{DIRECTIONS, direction_of, with_neighbours};
-use super::strokes::{Shown, Strokes};
+use super::marking_pixels::{MarkingPixels, Shown};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
@@ -66,14 +66,14 @@ pub(super) struct EvidenceMaps {
 
 impl EvidenceMaps {
     /// Maps in which a line may lie up to `reach_px` beside a marking.
-    pub fn of(strokes: &Strokes, reach_px: f64) -> Self {
-        let size = strokes.size();
+    pub fn of(marking_pixels: &MarkingPixels, reach_px: f64) -> Self {
+        let size = marking_pixels.size();
         let cell_px = (CELL_PX * size.scale_from_1920()).max(1.0);
         let count = |extent: u32| (f64::from(extent) / cell_px).ceil() as usize;
         let (columns, rows) = (count(size.width), count(size.height));
         let mut near = vec![0.0_f32; DIRECTIONS * columns * rows];
         let steps = (reach_px / cell_px).round().max(1.0) as i32;
-        for stroke in &strokes.points {
+        for stroke in &marking_pixels.points {
             let direction = direction_of(stroke.normal);
             // Along the normal only: a marking does not continue beyond its end.
             for step in -steps..=steps {
@@ -94,7 +94,7 @@ impl EvidenceMaps {
         }
         let middle = |index: usize| (index as f64 + 0.5) * cell_px;
         let open = (0..columns * rows).map(|cell| {
-            strokes.shown(ImagePoint::new(
+            marking_pixels.shown(ImagePoint::new(
                 middle(cell % columns),
                 middle(cell / columns),
             )) != Shown::Other
@@ -105,7 +105,7 @@ impl EvidenceMaps {
             rows,
             near,
             open: open.collect(),
-            length_px: strokes.points.len() as f64,
+            length_px: marking_pixels.points.len() as f64,
         }
     }
 
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn the_right_camera_has_far_more_evidence_than_others() {
         let (ground, field) = (GroundPicture::new(&PICTURE, &[]), soccer());
-        let maps = EvidenceMaps::of(&Strokes::of(&ground), 12.0);
+        let maps = EvidenceMaps::of(&MarkingPixels::of(&ground), 12.0);
         let chains = Chains::of(&field, truth().base(), 2.0);
         let right = maps.score(&chains, &truth());
         assert!(right > 0.6, "{right}");

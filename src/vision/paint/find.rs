@@ -16,7 +16,7 @@
 use super::agreement::{Agreement, PaintedCells};
 use super::check::overlays_apart_px;
 use super::evidence::{Chains, EvidenceMaps};
-use super::strokes::Strokes;
+use super::marking_pixels::MarkingPixels;
 use super::{GroundPicture, SnapError, SnapOptions, Snapped, snap};
 use rayon::prelude::*;
 use thiserror::Error;
@@ -169,9 +169,9 @@ pub fn find_camera(
     progress: &Progress<'_, f64>,
 ) -> Result<Found, FindError> {
     let scale = ground.size().scale_from_1920();
-    let strokes = Strokes::of(ground);
+    let marking_pixels = MarkingPixels::of(ground);
     // A picture with little paint fits many cameras; the search would only take time.
-    let (found_px, needed_px) = (strokes.points.len() as f64, LEAST_PAINT_PX * scale);
+    let (found_px, needed_px) = (marking_pixels.points.len() as f64, LEAST_PAINT_PX * scale);
     if !(found_px >= needed_px) {
         return Err(FindError::TooLittlePaint {
             found_px,
@@ -184,7 +184,7 @@ pub fn find_camera(
         base,
         clicks,
         options,
-        strokes,
+        marking_pixels,
         scale,
     };
     let likely = search.likely(progress)?;
@@ -198,7 +198,7 @@ struct Search<'a> {
     base: &'a CameraBase,
     clicks: &'a [Observation],
     options: &'a FindOptions,
-    strokes: Strokes,
+    marking_pixels: MarkingPixels,
     scale: f64,
 }
 
@@ -247,7 +247,7 @@ impl Search<'_> {
     }
 
     fn look(&self, reach_px: f64, piece_m: f64) -> Look {
-        let maps = EvidenceMaps::of(&self.strokes, reach_px * self.scale);
+        let maps = EvidenceMaps::of(&self.marking_pixels, reach_px * self.scale);
         Look {
             maps,
             chains: Chains::of(self.field, self.base, piece_m),
@@ -367,7 +367,7 @@ impl Search<'_> {
 
     /// Steps 3 and 4: aligns the candidates and decides whether the best is accepted.
     fn decided(&self, likely: &[Node], progress: &Progress<'_, f64>) -> Result<Found, FindError> {
-        let painted = PaintedCells::of(&self.strokes);
+        let painted = PaintedCells::of(&self.marking_pixels);
         let mut refused = None;
         let mut fits: Vec<(Agreement, Snapped)> = Vec::new();
         for (index, node) in likely.iter().enumerate() {

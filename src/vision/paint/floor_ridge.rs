@@ -278,7 +278,7 @@ mod tests {
     use super::*;
     use crate::media::Picture;
     use crate::paint::drawn::{COURT, SIZE, court, court_camera, court_truth};
-    use crate::paint::{SnapOptions, Strokes, check_lines, snap};
+    use crate::paint::{MarkingPixels, SnapOptions, check_lines, snap};
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
     use touchline_core::markings::LineVerdict;
 
@@ -433,15 +433,15 @@ mod tests {
     }
 
     #[test]
-    fn dark_lines_of_a_floor_are_strokes() {
+    fn dark_lines_of_a_floor_are_marking_pixels() {
         let (field, camera) = (court(), court_truth());
-        let strokes = Strokes::of(&GroundPicture::new(&COURT, &[]));
+        let marking_pixels = MarkingPixels::of(&GroundPicture::new(&COURT, &[]));
         let arc = field
             .lines
             .iter()
             .find(|line| line.id.as_str() == "three_point_arc_left")
             .unwrap();
-        let near = strokes
+        let near = marking_pixels
             .points
             .iter()
             .filter_map(|point| camera.plane_from_image(point.at, 0.0));

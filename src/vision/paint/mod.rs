@@ -8,7 +8,7 @@
 //! | [`snap`], [`Snapped`] | pan, tilt and focal length aligned to the paint, or the reason why not |
 //! | [`paint_places`], [`PaintPlace`] | where a picture shows the paint that a camera predicts, for the joint adjustment of many frames |
 //! | [`find_camera`], [`Found`] | the camera of one picture from its lines alone, with a known base |
-//! | [`Strokes`] | marking pixels of a picture, found without any camera |
+//! | [`MarkingPixels`] | marking pixels of a picture, found without any camera |
 //! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner, crossing or point marking that it names |
 //!
 //! All functions work on one picture with a known base, and none is randomised. The exception is
@@ -31,6 +31,7 @@ mod floor_ridge;
 mod ground;
 mod ground_area;
 mod lens;
+mod marking_pixels;
 mod persistent;
 mod placed_point;
 mod places;
@@ -41,7 +42,6 @@ mod search;
 mod sightings;
 mod snap;
 mod spot;
-mod strokes;
 mod surface;
 mod unexplained;
 
@@ -51,11 +51,11 @@ pub use check::{LineCheck, check_lines, overlays_apart_px};
 pub use error::SnapError;
 pub use find::{FindError, FindOptions, Found, find_camera};
 pub use ground::GroundPicture;
+pub use marking_pixels::{MarkingPixels, Shown, StrokePoint};
 pub use persistent::{PersistentPoint, SeenGround, persistent_paint};
 pub use placed_point::{PointSnapOptions, SnappedPoint};
 pub use places::{PaintPlace, paint_places};
 pub use point::snap_point;
 pub use sightings::{Seen, Sightings};
 pub use snap::{SnapOptions, Snapped, snap};
-pub use strokes::{Shown, StrokePoint, Strokes};
 pub use surface::Surface;

@@ -4,7 +4,7 @@
 //! that recur in a direction are painted on the ground; players, changing boards and moving shadows
 //! do not recur.
 
-use super::strokes::{Shown, StrokePoint, Strokes};
+use super::marking_pixels::{MarkingPixels, Shown, StrokePoint};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
@@ -36,10 +36,10 @@ pub struct PersistentPoint {
 /// The marking pixels that enough frames show in one direction. `frames` are the cameras and
 /// markings of pictures from one position.
 #[must_use]
-pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint> {
+pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<PersistentPoint> {
     let needed = needed(frames.len());
     let of_frame = |frame: usize| -> Vec<PersistentPoint> {
-        let (camera, strokes) = &frames[frame];
+        let (camera, marking_pixels) = &frames[frame];
         let others = others_of(frames, frame);
         let keep = |stroke: &StrokePoint| {
             let direction = camera
@@ -64,7 +64,9 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
                 stroke: *stroke,
             })
         };
-        subsample(&strokes.points, ASKED).filter_map(keep).collect()
+        subsample(&marking_pixels.points, ASKED)
+            .filter_map(keep)
+            .collect()
     };
     (0..frames.len())
         .into_par_iter()
@@ -83,15 +85,15 @@ const fn needed(frames: usize) -> usize {
 }
 
 /// What a frame shows at a point of `world`.
-fn shown((camera, strokes): &(PtzCamera, Strokes), point_in_world: Vec3) -> Shown {
+fn shown((camera, marking_pixels): &(PtzCamera, MarkingPixels), point_in_world: Vec3) -> Shown {
     camera
         .image_from_world(point_in_world)
-        .map_or(Shown::Other, |image| strokes.shown(image))
+        .map_or(Shown::Other, |image| marking_pixels.shown(image))
 }
 
 /// The indices of the other frames, those with the nearest optical axes first, at most
 /// [`MAX_FRAMES`].
-fn others_of(frames: &[(PtzCamera, Strokes)], frame: usize) -> Vec<usize> {
+fn others_of(frames: &[(PtzCamera, MarkingPixels)], frame: usize) -> Vec<usize> {
     // The third row of cam_from_world is the optical axis in `world`.
     let ahead = |of: &PtzCamera| of.cam_from_world().row(2).transpose();
     let here = ahead(&frames[frame].0);
@@ -117,7 +119,7 @@ pub struct SeenGround {
 impl SeenGround {
     /// Builds the grid from frames of one camera at one position.
     #[must_use]
-    pub fn of(frames: &[(PtzCamera, Strokes)]) -> Self {
+    pub fn of(frames: &[(PtzCamera, MarkingPixels)]) -> Self {
         /// Samples per row of a frame, enough that the widest views skip no cell.
         const ACROSS: usize = 320;
         let (columns, rows) = (
@@ -125,15 +127,15 @@ impl SeenGround {
             (90.0 / SEEN_CELL_DEG) as usize,
         );
         // The cells that a frame shows, each once, however many samples hit it.
-        let cells_of = |(camera, strokes): &(PtzCamera, Strokes)| -> BTreeSet<usize> {
-            let size = strokes.size();
+        let cells_of = |(camera, marking_pixels): &(PtzCamera, MarkingPixels)| -> BTreeSet<usize> {
+            let size = marking_pixels.size();
             let step = f64::from(size.width) / ACROSS as f64;
             let places = (0..ACROSS * (f64::from(size.height) / step) as usize).map(|place| {
                 let [column, row] =
                     [place % ACROSS, place / ACROSS].map(|at| (at as f64 + 0.5) * step);
                 ImagePoint::new(column, row)
             });
-            let is_ground = |at: &ImagePoint| strokes.shown(*at) != Shown::Other;
+            let is_ground = |at: &ImagePoint| marking_pixels.shown(*at) != Shown::Other;
             let cell = |at| Self::cell(columns, rows, camera.world_direction_from_image(at).ok()?);
             places.filter(is_ground).filter_map(cell).collect()
         };

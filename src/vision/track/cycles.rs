@@ -1,8 +1,8 @@
 //! Cycle consistency of pairwise matches: the homography between two frames should agree with the
 //! one composed over a third frame.
 
-use super::Tie;
-use super::tie::brought;
+use super::ViewGraphEdge;
+use super::view_graph_edge::brought;
 use std::collections::BTreeMap;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 
@@ -16,37 +16,40 @@ const MIN_SHARE: f64 = 0.34;
 const MIN_WAYS: i32 = 2;
 
 /// The pairwise matches that the others do not contradict.
-pub(super) fn uncontradicted(ties: &[Tie], size: ImageSize) -> Vec<Tie> {
+pub(super) fn uncontradicted(edges: &[ViewGraphEdge], size: ImageSize) -> Vec<ViewGraphEdge> {
     // Homographies in both directions, and the neighbours of each frame in the view graph.
     let mut between: BTreeMap<(usize, usize), Mat3> = BTreeMap::new();
     let mut beside: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for tie in ties {
-        let Some(&(here, there)) = tie.matches.first() else {
+    for edge in edges {
+        let Some(&(here, there)) = edge.matches.first() else {
             continue;
         };
-        let Some(first_from_second) = tie.second_from_first.try_inverse() else {
+        let Some(first_from_second) = edge.second_from_first.try_inverse() else {
             continue;
         };
         between.insert(
-            (tie.first, tie.second),
-            ahead_at(tie.second_from_first, here),
+            (edge.first, edge.second),
+            ahead_at(edge.second_from_first, here),
         );
-        between.insert((tie.second, tie.first), ahead_at(first_from_second, there));
-        beside.entry(tie.first).or_default().push(tie.second);
-        beside.entry(tie.second).or_default().push(tie.first);
+        between.insert(
+            (edge.second, edge.first),
+            ahead_at(first_from_second, there),
+        );
+        beside.entry(edge.first).or_default().push(edge.second);
+        beside.entry(edge.second).or_default().push(edge.first);
     }
     let agree_px = AGREE_PX * size.scale_from_1920();
     // For each pairwise match, compare the direct homography with the composition over every common
     // neighbour.
-    let stays = |tie: &&Tie| {
-        let Some(direct) = between.get(&(tie.first, tie.second)) else {
+    let stays = |edge: &&ViewGraphEdge| {
+        let Some(direct) = between.get(&(edge.first, edge.second)) else {
             return false;
         };
         let (mut ways, mut agreeing) = (0, 0);
-        for third in beside.get(&tie.first).into_iter().flatten() {
+        for third in beside.get(&edge.first).into_iter().flatten() {
             let (Some(there), Some(on)) = (
-                between.get(&(tie.first, *third)),
-                between.get(&(*third, tie.second)),
+                between.get(&(edge.first, *third)),
+                between.get(&(*third, edge.second)),
             ) else {
                 continue;
             };
@@ -57,7 +60,7 @@ pub(super) fn uncontradicted(ties: &[Tie], size: ImageSize) -> Vec<Tie> {
         }
         ways < MIN_WAYS || f64::from(agreeing) >= MIN_SHARE * f64::from(ways)
     };
-    ties.iter().filter(stays).cloned().collect()
+    edges.iter().filter(stays).cloned().collect()
 }
 
 /// Fixes the sign of a homography so that a point it was estimated from lies in front of the

@@ -19,23 +19,23 @@ pub enum TrackError {
     },
     /// Too few frames, or frames that matches do not connect.
     #[error(
-        "{frames} frames with {ties} ties between them; at least 2 frames that show the same are needed"
+        "{frames} frames with {edges} ties between them; at least 2 frames that show the same are needed"
     )]
     TooFew {
         /// Number of frames to adjust.
         frames: usize,
         /// Number of pairwise matches between them.
-        ties: usize,
+        edges: usize,
     },
     /// No rotation and zoom explains the pairwise matches.
     #[error(
-        "the {ties} ties of {frames} frames fit no camera that only turns and zooms: they lie {residual_px:.1} px off"
+        "the {edges} ties of {frames} frames fit no camera that only turns and zooms: they lie {residual_px:.1} px off"
     )]
     NotTurning {
         /// Number of frames to adjust.
         frames: usize,
         /// Number of pairwise matches between them.
-        ties: usize,
+        edges: usize,
         /// Median residual of the matches, px at 1920 px width.
         residual_px: f64,
     },

@@ -1,17 +1,17 @@
 //! Connected components of the view graph.
 
-use super::Tie;
+use super::ViewGraphEdge;
 
 /// The connected components of `count` frames under pairwise matches, the largest first, each
 /// ascending; a frame without a match is a component of its own.
 #[must_use]
-pub fn groups(count: usize, ties: &[Tie]) -> Vec<Vec<usize>> {
+pub fn groups(count: usize, edges: &[ViewGraphEdge]) -> Vec<Vec<usize>> {
     // Union–find; the root of a component is its smallest frame.
     let mut group_of: Vec<usize> = (0..count).collect();
-    for tie in ties {
+    for edge in edges {
         let (one, other) = (
-            root(&mut group_of, tie.first),
-            root(&mut group_of, tie.second),
+            root(&mut group_of, edge.first),
+            root(&mut group_of, edge.second),
         );
         group_of[one.max(other)] = one.min(other);
     }
@@ -41,15 +41,15 @@ mod tests {
 
     #[test]
     fn frames_hang_together_over_others_and_the_largest_group_is_first() {
-        let tie = |(first, second)| Tie {
+        let edge = |(first, second)| ViewGraphEdge {
             first,
             second,
             matches: Vec::new(),
             agreeing: 20,
             second_from_first: Mat3::identity(),
         };
-        let ties: Vec<Tie> = [(1, 4), (0, 2), (4, 5)].map(tie).to_vec();
-        assert_eq!(groups(6, &ties), [vec![1, 4, 5], vec![0, 2], vec![3]]);
+        let edges: Vec<ViewGraphEdge> = [(1, 4), (0, 2), (4, 5)].map(edge).to_vec();
+        assert_eq!(groups(6, &edges), [vec![1, 4, 5], vec![0, 2], vec![3]]);
         assert_eq!(groups(2, &[]), [vec![0], vec![1]]);
         assert!(groups(0, &[]).is_empty());
     }

@@ -1,7 +1,7 @@
 //! Joint adjustment of matched frames of a camera with a known base: a prior of each frame's pan,
 //! tilt and focal length, and the matches with its neighbours.
 
-use super::Tie;
+use super::ViewGraphEdge;
 use super::pose_prior::{PosePrior, by_focal_px};
 use super::pose_problem::{AdjustedFrame, PairwiseMatches, PoseProblem, PoseState};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
@@ -15,7 +15,7 @@ const MATCH_SIGMA_PX: f64 = 2.0;
 
 /// Maximum number of correspondences per pair of frames; more add little, since their errors are
 /// correlated.
-const OF_TIE: usize = 6;
+const OF_EDGE: usize = 6;
 
 /// Scales of the Cauchy loss, in 1-σ, from coarse to fine: a frame whose start is far off must
 /// first be reached by its matches.
@@ -27,21 +27,21 @@ const LOSS_SIGMAS: [f64; 3] = [30.0, 8.0, 2.0];
 pub fn adjust_matched_frames(
     base: &CameraBase,
     start: &[Ptz],
-    ties: &[Tie],
+    edges: &[ViewGraphEdge],
     priors: &[PosePrior],
     image_size: ImageSize,
 ) -> Option<Vec<AdjustedFrame>> {
-    let few: Vec<Tie> = ties
+    let few: Vec<ViewGraphEdge> = edges
         .iter()
-        .map(|tie| Tie {
-            matches: subsample(&tie.matches, OF_TIE).copied().collect(),
-            ..tie.clone()
+        .map(|edge| ViewGraphEdge {
+            matches: subsample(&edge.matches, OF_EDGE).copied().collect(),
+            ..edge.clone()
         })
         .collect();
     // The envelope: each row reaches left to the earliest frame it has a match with.
     let mut first: Vec<usize> = (0..start.len()).collect();
-    for tie in &few {
-        let (one, other) = (tie.first.min(tie.second), tie.first.max(tie.second));
+    for edge in &few {
+        let (one, other) = (edge.first.min(edge.second), edge.first.max(edge.second));
         first[other] = first[other].min(one);
     }
     let sigma_px = MATCH_SIGMA_PX * image_size.scale_from_1920();
@@ -49,7 +49,7 @@ pub fn adjust_matched_frames(
         bases: vec![base.at_origin(); start.len()],
         points: &[],
         matches: Some(PairwiseMatches {
-            ties: &few,
+            edges: &few,
             sigma_px,
             loss: Loss::Cauchy { c: sigmas },
         }),
@@ -97,16 +97,20 @@ pub fn adjust_matched_frames(
 /// A frame without a known camera is placed relative to the known frame with which it has the most
 /// inliers, or else relative to the first known frame.
 #[must_use]
-pub fn filled(known: &[Option<Ptz>], turns: &[Ptz], ties: &[Tie]) -> Option<Vec<Ptz>> {
+pub fn filled(
+    known: &[Option<Ptz>],
+    rotations: &[Ptz],
+    edges: &[ViewGraphEdge],
+) -> Option<Vec<Ptz>> {
     let nearest = |frame: usize| {
-        let beside = ties.iter().filter_map(|tie| {
-            let other = if tie.first == frame {
-                tie.second
+        let beside = edges.iter().filter_map(|edge| {
+            let other = if edge.first == frame {
+                edge.second
             } else {
-                tie.first
+                edge.first
             };
-            let is_of = tie.first == frame || tie.second == frame;
-            (is_of && known[other].is_some()).then_some((tie.agreeing, other))
+            let is_of = edge.first == frame || edge.second == frame;
+            (is_of && known[other].is_some()).then_some((edge.agreeing, other))
         });
         beside
             .max()
@@ -123,13 +127,13 @@ pub fn filled(known: &[Option<Ptz>], turns: &[Ptz], ties: &[Tie]) -> Option<Vec<
             let there = known[beside]?;
             // The known neighbour's camera relates the common frame to `base`. The optical axis is
             // mapped and roll is dropped; the focal length keeps its ratio to the neighbour's.
-            let base_from_common = turn(&there).transpose() * turn(&turns[beside]);
-            let ahead = base_from_common * turn(&turns[frame]).row(2).transpose();
+            let base_from_common = turn(&there).transpose() * turn(&rotations[beside]);
+            let ahead = base_from_common * turn(&rotations[frame]).row(2).transpose();
             let PanTilt { pan, tilt } = PanTilt::from_direction(ahead);
             Some(Ptz {
                 pan,
                 tilt,
-                focal_px: turns[frame].focal_px * there.focal_px / turns[beside].focal_px,
+                focal_px: rotations[frame].focal_px * there.focal_px / rotations[beside].focal_px,
             })
         })
         .collect()
@@ -162,8 +166,8 @@ mod tests {
         .to_vec()
     }
 
-    fn ties(truth: &[Ptz]) -> Vec<Tie> {
-        let tie = |(first, second): (usize, usize)| {
+    fn edges(truth: &[Ptz]) -> Vec<ViewGraphEdge> {
+        let edge = |(first, second): (usize, usize)| {
             let [one, other] = [first, second].map(|frame| PtzCamera::new(base(), truth[frame]));
             let grid = (0..64).map(|at| {
                 ImagePoint::new(
@@ -176,7 +180,7 @@ mod tests {
                 SIZE.contains(there).then_some((at, there))
             };
             let matches: Vec<_> = grid.filter_map(seen).collect();
-            Tie {
+            ViewGraphEdge {
                 first,
                 second,
                 agreeing: matches.len(),
@@ -184,7 +188,7 @@ mod tests {
                 second_from_first: Mat3::identity(),
             }
         };
-        [(0, 1), (1, 2)].map(tie).to_vec()
+        [(0, 1), (1, 2)].map(edge).to_vec()
     }
 
     fn prior(frame: usize, ptz: Ptz, sigma_deg: f64) -> PosePrior {
@@ -200,7 +204,7 @@ mod tests {
     #[test]
     fn a_frame_that_shows_nothing_is_placed_by_its_neighbours() {
         let truth = truth();
-        let ties = ties(&truth);
+        let edges = edges(&truth);
         let known = [Some(truth[0]), None, None];
         let turned: Vec<Ptz> = truth
             .iter()
@@ -209,7 +213,7 @@ mod tests {
                 ..*ptz
             })
             .collect();
-        let start = filled(&known, &turned, &ties).unwrap();
+        let start = filled(&known, &turned, &edges).unwrap();
         assert!((start[2].pan - truth[2].pan).degrees().abs() < 1e-9);
         let off = Ptz {
             pan: start[2].pan + Angle::from_degrees(0.5),
@@ -218,7 +222,7 @@ mod tests {
         let adjusted = adjust_matched_frames(
             &base(),
             &[start[0], start[1], off],
-            &ties,
+            &edges,
             &[prior(0, truth[0], 0.01)],
             SIZE,
         )
@@ -245,7 +249,7 @@ mod tests {
             adjust_matched_frames(
                 &base(),
                 &truth,
-                &ties(&truth)[..1],
+                &edges(&truth)[..1],
                 &[prior(0, truth[0], 0.01)],
                 SIZE
             )

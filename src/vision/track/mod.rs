@@ -3,13 +3,13 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | [`tie_frames`], [`Tie`] | pairwise matches: correspondences of two frames that one rotation and one zoom explain |
+//! | [`match_frames_pairwise`], [`ViewGraphEdge`] | pairwise matches: correspondences of two frames that one rotation and one zoom explain |
 //! | [`CutFinder`] | where one shot of a video ends and the next begins |
 //! | [`PointFollower`], [`carry`], [`adjust_clip`], [`smooth`] | a clip whose camera has a known base: points tracked by optical flow, cameras propagated from known frames to all others, adjusted together and smoothed |
 //! | [`groups`] | connected components of the view graph |
 //! | [`adjust_matched_frames`] | pan, tilt and focal length of matched frames with a known base, from the matches and a prior of each frame |
 //! | [`PosePrior`] | a prior of one frame in a joint adjustment |
-//! | [`adjust_turns`], [`Turns`] | pan, tilt and focal length of every frame of a connected group, from matches alone |
+//! | [`adjust_rotations`], [`RelativeRotations`] | pan, tilt and focal length of every frame of a connected group, from matches alone |
 //!
 //! Nothing here knows a field. Without a known base, pan is measured from the mean viewing
 //! direction, and the pan axis is taken as vertical.
@@ -20,6 +20,8 @@ mod axis;
 mod clip;
 mod cuts;
 mod cycles;
+mod edge_problem;
+mod edge_residual;
 mod envelope;
 mod error;
 mod group;
@@ -30,11 +32,9 @@ mod pairs;
 mod pose_equations;
 mod pose_prior;
 mod pose_problem;
+mod relative_rotations;
 mod start;
-mod tie;
-mod tie_problem;
-mod tie_residual;
-mod turns;
+mod view_graph_edge;
 
 pub use clip::{
     AdjustOptions, AdjustedClip, Carried, CarryOptions, CarryStop, ClipCamera, ClipLens,
@@ -45,8 +45,8 @@ pub use cuts::{CutFinder, FoundCut, Miniature, find_cuts};
 pub use error::TrackError;
 pub use group::groups;
 pub use matched_frames::{adjust_matched_frames, filled};
-pub use pairs::tie_frames;
+pub use pairs::match_frames_pairwise;
 pub use pose_prior::{PosePrior, PriorSource};
 pub use pose_problem::AdjustedFrame;
-pub use tie::Tie;
-pub use turns::{TurnOptions, Turns, adjust_turns};
+pub use relative_rotations::{RelativeRotations, TurnOptions, adjust_rotations};
+pub use view_graph_edge::ViewGraphEdge;

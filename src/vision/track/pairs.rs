@@ -2,8 +2,8 @@
 
 use super::cycles::uncontradicted;
 use super::matches::{Described, mutual_matches};
-use super::tie::{brought, zoom_and_turn};
-use super::{Tie, TrackError};
+use super::view_graph_edge::{brought, zoom_and_turn};
+use super::{TrackError, ViewGraphEdge};
 use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -37,43 +37,43 @@ const KEPT: usize = 48;
 ///
 /// # Errors
 /// The program was built without OpenCV, or OpenCV returned an error.
-pub fn tie_frames(
+pub fn match_frames_pairwise(
     frames: &[Features],
     progress: &Progress<'_, Share>,
-) -> Result<Vec<Tie>, TrackError> {
+) -> Result<Vec<ViewGraphEdge>, TrackError> {
     let pairs: Vec<(usize, usize)> = (0..frames.len())
         .flat_map(|first| (first + 1..frames.len()).map(move |second| (first, second)))
         .collect();
     let described: Vec<Described> = frames.par_iter().map(Described::of).collect();
     let done = AtomicUsize::new(0);
-    let ties: Vec<Option<Tie>> = pairs
+    let edges: Vec<Option<ViewGraphEdge>> = pairs
         .par_iter()
         .map(|&(first, second)| {
             if progress.is_cancelled() {
                 return Ok(None);
             }
-            let tie = tie_pair(frames, &described, first, second);
+            let edge = match_pair(frames, &described, first, second);
             // Cancellation is checked at the start of every pair.
             let _ = progress.report(Share {
                 done: done.fetch_add(1, Ordering::Relaxed) + 1,
                 of: pairs.len(),
             });
-            tie
+            edge
         })
         .collect::<Result<_, _>>()?;
-    let ties: Vec<Tie> = ties.into_iter().flatten().collect();
+    let edges: Vec<ViewGraphEdge> = edges.into_iter().flatten().collect();
     Ok(frames
         .first()
-        .map_or_else(Vec::new, |first| uncontradicted(&ties, first.image_size)))
+        .map_or_else(Vec::new, |first| uncontradicted(&edges, first.image_size)))
 }
 
 /// The pairwise match of two frames; `None` if they do not show the same, or share only a graphic.
-fn tie_pair(
+fn match_pair(
     frames: &[Features],
     described: &[Described],
     first: usize,
     second: usize,
-) -> Result<Option<Tie>, TrackError> {
+) -> Result<Option<ViewGraphEdge>, TrackError> {
     let (one, other) = (&frames[first], &frames[second]);
     let scale = one.image_size.scale_from_1920();
     let point = |features: &Features, index: usize| features.keypoints[index].point;
@@ -113,7 +113,7 @@ fn tie_pair(
     let plausible = is_of_a_turning_camera(&second_from_first, one.image_size.centre());
     let common = shown_by_both(one, other, &second_from_first);
     let needed = MIN_MATCHES.max((MIN_SHARE * common as f64) as usize);
-    Ok((agreeing >= needed && plausible).then(|| Tie {
+    Ok((agreeing >= needed && plausible).then(|| ViewGraphEdge {
         first,
         second,
         matches: spread(pairs, one),

@@ -6,10 +6,10 @@
 //! direction of its own: its residual is the difference of the directions in which two frames see
 //! it. Frames of a clip share points; frames sampled from a match of sport share pairwise matches.
 
-use super::Tie;
+use super::ViewGraphEdge;
+use super::edge_residual::{MatchJacobian, View};
 use super::pose_equations::{PairResidual, PointEquations, PoseEquations, PoseStep};
 use super::pose_prior::{PosePrior, moved};
-use super::tie_residual::{MatchJacobian, View};
 use nalgebra::{Matrix2x3, Matrix3x2};
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
@@ -34,10 +34,10 @@ pub(super) struct Seen {
     pub sightings: Vec<(usize, ImagePoint)>,
 }
 
-/// Pairwise matches; `first` and `second` of a [`Tie`] are rows.
+/// Pairwise matches; `first` and `second` of a [`ViewGraphEdge`] are rows.
 #[derive(Clone, Copy)]
 pub(super) struct PairwiseMatches<'a> {
-    pub ties: &'a [Tie],
+    pub edges: &'a [ViewGraphEdge],
     /// 1-σ of a match, px.
     pub sigma_px: f64,
     pub loss: Loss,
@@ -115,14 +115,14 @@ impl PoseProblem<'_> {
             .zip(&at.ptz)
             .map(|(base, ptz)| View::of_camera(base, *ptz))
             .collect();
-        for tie in matches.ties {
-            let rows = [tie.first, tie.second];
+        for edge in matches.edges {
+            let rows = [edge.first, edge.second];
             let (views, lenses) = (
                 rows.map(|row| &views[row]),
                 rows.map(|row| &self.bases[row].distortion),
             );
             // One residual per match; its derivatives are columns for (pan, tilt, ln f).
-            for &(first, second) in &tie.matches {
+            for &(first, second) in &edge.matches {
                 let Some(seen) = MatchJacobian::new(views, lenses, [first, second]) else {
                     equations.add_without_value(matches.loss);
                     continue;

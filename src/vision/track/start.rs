@@ -1,9 +1,9 @@
 //! Initial rotations and focal lengths of matched frames, chained along a spanning tree of the view
 //! graph.
 
-use super::Tie;
-use super::tie::zoom_and_turn;
-use super::tie_residual::View;
+use super::ViewGraphEdge;
+use super::edge_residual::View;
+use super::view_graph_edge::zoom_and_turn;
 use touchline_core::geometry::rotation::nearest_rotation;
 use touchline_core::geometry::{ImagePoint, Mat3};
 
@@ -19,12 +19,12 @@ pub(super) struct Step {
 /// A maximum spanning tree of the view graph by number of inliers (Prim's algorithm), in the order
 /// in which frames are reached. The root is the frame with the most inliers and is its own first
 /// step. Frames that are not connected to it are missing.
-pub(super) fn steps(count: usize, ties: &[Tie], centre: ImagePoint) -> Vec<Step> {
+pub(super) fn steps(count: usize, edges: &[ViewGraphEdge], centre: ImagePoint) -> Vec<Step> {
     // Root: the frame with the most inliers in total, the first of equals.
     let mut strength = vec![0_usize; count];
-    for tie in ties {
-        strength[tie.first] += tie.agreeing;
-        strength[tie.second] += tie.agreeing;
+    for edge in edges {
+        strength[edge.first] += edge.agreeing;
+        strength[edge.second] += edge.agreeing;
     }
     let Some(root) = (0..count).max_by_key(|&frame| (strength[frame], std::cmp::Reverse(frame)))
     else {
@@ -39,22 +39,22 @@ pub(super) fn steps(count: usize, ties: &[Tie], centre: ImagePoint) -> Vec<Step>
         zoom: 1.0,
     }];
     // Add the strongest edge between a frame reached and one not reached.
-    while let Some(tie) = ties
+    while let Some(edge) = edges
         .iter()
-        .filter(|tie| reached[tie.first] != reached[tie.second])
-        .max_by_key(|tie| tie.agreeing)
+        .filter(|edge| reached[edge.first] != reached[edge.second])
+        .max_by_key(|edge| edge.agreeing)
     {
-        let forth = reached[tie.first];
+        let forth = reached[edge.first];
         let (from, frame) = if forth {
-            (tie.first, tie.second)
+            (edge.first, edge.second)
         } else {
-            (tie.second, tie.first)
+            (edge.second, edge.first)
         };
         reached[frame] = true;
         let to_from = if forth {
-            tie.second_from_first
+            edge.second_from_first
         } else {
-            tie.second_from_first
+            edge.second_from_first
                 .try_inverse()
                 .unwrap_or_else(Mat3::identity)
         };

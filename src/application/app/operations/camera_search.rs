@@ -484,8 +484,8 @@ fn why_not(why: &Abstention) -> String {
             let doubts: Vec<String> = doubts.iter().map(Doubt::to_string).collect();
             format!("the best answer is not certain ({})", doubts.join("; "))
         }
-        Abstention::NotTied { frames, tied } => {
-            format!("only {tied} of {frames} frames overlap with each other")
+        Abstention::NotConnected { frames, connected } => {
+            format!("only {connected} of {frames} frames overlap with each other")
         }
         Abstention::LittlePaint { places } => {
             format!("only {places} places of paint agree between the frames")
@@ -497,7 +497,7 @@ fn why_not(why: &Abstention) -> String {
 /// The missing view, and the clicks that would replace it.
 fn what_helps(why: &Abstention) -> String {
     let missing = match why {
-        Abstention::NotTied { .. } => {
+        Abstention::NotConnected { .. } => {
             "Add frames in which the camera turns from one view to the next, all of one camera that does not move"
                 .to_owned()
         }
@@ -506,7 +506,7 @@ fn what_helps(why: &Abstention) -> String {
         _ => "Check that the field's sport is the one in the pictures".to_owned(),
     };
     let clicks = match why {
-        Abstention::NotTied { .. } | Abstention::NotTurning(_) => {
+        Abstention::NotConnected { .. } | Abstention::NotTurning(_) => {
             "click 4 landmarks on 2 wide frames"
         }
         _ => "click 2 landmarks far from each other and look again",

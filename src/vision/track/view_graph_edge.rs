@@ -4,7 +4,7 @@ use touchline_core::geometry::{ImagePoint, Mat3, Vec3};
 
 /// Point correspondences of two frames of one camera, and the homography that they agree on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tie {
+pub struct ViewGraphEdge {
     /// The first frame, as an index into the frames that were matched.
     pub first: usize,
     /// The second frame, likewise.

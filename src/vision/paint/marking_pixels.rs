@@ -61,7 +61,7 @@ pub struct StrokePoint {
 
 /// The marking pixels of a picture, and where it shows ground.
 #[derive(Clone, Debug)]
-pub struct Strokes {
+pub struct MarkingPixels {
     /// Marking pixels, row by row.
     pub points: Vec<StrokePoint>,
     cells: Cells,
@@ -78,7 +78,7 @@ pub enum Shown {
     Other,
 }
 
-impl Strokes {
+impl MarkingPixels {
     /// Detects the markings of a picture.
     #[must_use]
     pub fn of(ground: &GroundPicture) -> Self {
@@ -406,7 +406,7 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
     }
     // Extent of each connected component: the diagonal of its bounding box, px.
     let mut of_part = vec![0_usize; width * height];
-    let mut strokes: Vec<(f64, Colours)> = Vec::new();
+    let mut marking_pixels: Vec<(f64, Colours)> = Vec::new();
     for part in parts(&set, width) {
         let extent = |of: &dyn Fn(usize) -> usize| {
             let (least, most) = part
@@ -419,17 +419,17 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
         };
         let length = extent(&|index| index % width).hypot(extent(&|index| index / width));
         for index in part {
-            of_part[index] = strokes.len();
+            of_part[index] = marking_pixels.len();
         }
-        strokes.push((f64::from(length), Colours::default()));
+        marking_pixels.push((f64::from(length), Colours::default()));
     }
     // Colours are summed over whole components; the colour of one pixel is too noisy to decide.
     for ridge in ridges {
-        strokes[of_part[ridge.index]].1.add(&ridge.colours);
+        marking_pixels[of_part[ridge.index]].1.add(&ridge.colours);
     }
     // Dilation adds one pixel at each end.
     let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
-    let is_paint: Vec<bool> = strokes
+    let is_paint: Vec<bool> = marking_pixels
         .iter()
         .map(|(length_px, colours)| {
             *length_px > least_px && !(is_turf && colours.are_of_brighter_turf())
@@ -440,7 +440,7 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
         .map(|ridge| StrokePoint {
             at: ridge.at,
             normal: ridge.normal,
-            length_px: strokes[of_part[ridge.index]].0,
+            length_px: marking_pixels[of_part[ridge.index]].0,
         })
         .collect()
 }
@@ -544,9 +544,9 @@ mod tests {
     use touchline_core::markings::{SampleOptions, sample_lines};
 
     #[test]
-    fn strokes_are_the_painted_lines_and_nothing_else() {
+    fn marking_pixels_are_the_painted_lines_and_nothing_else() {
         let (field, camera) = (soccer(), truth());
-        let strokes = Strokes::of(&GroundPicture::new(&PICTURE, &[]));
+        let marking_pixels = MarkingPixels::of(&GroundPicture::new(&PICTURE, &[]));
         let samples = sample_lines(
             &field,
             &camera,
@@ -558,7 +558,7 @@ mod tests {
         );
         let seen = samples
             .iter()
-            .filter(|sample| strokes.shown(sample.image) == Shown::Stroke)
+            .filter(|sample| marking_pixels.shown(sample.image) == Shown::Stroke)
             .count();
         assert!(
             seen as f64 > 0.85 * samples.len() as f64,
@@ -574,7 +574,7 @@ mod tests {
                 .map(|line| line.paint_centre.distance_m(at))
                 .fold(f64::INFINITY, f64::min)
         };
-        let places = strokes
+        let places = marking_pixels
             .points
             .iter()
             .filter_map(|point| camera.plane_from_image(point.at, 0.0))
@@ -589,7 +589,10 @@ mod tests {
             "{right} of {}",
             distances_m.len()
         );
-        assert_eq!(strokes.shown(ImagePoint::new(-3.0, 5.0)), Shown::Other);
+        assert_eq!(
+            marking_pixels.shown(ImagePoint::new(-3.0, 5.0)),
+            Shown::Other
+        );
     }
 
     /// Turf in two stripes of mowing with a painted line between them through the middle of the
@@ -635,7 +638,7 @@ mod tests {
                 for stripes in [[85.0, 85.0], [80.0, 105.0], [105.0, 80.0]] {
                     let (ground, middle, normal) =
                         line_between_stripes(angle_deg, width_px, stripes);
-                    let points = Strokes::of(&ground).points;
+                    let points = MarkingPixels::of(&ground).points;
                     assert!(
                         points.len() > 40,
                         "{angle_deg}°, {width_px} px, {stripes:?}: {} places",
@@ -661,7 +664,7 @@ mod tests {
             for width_px in [0.5, 0.8, 1.2] {
                 for stripes in [[80.0, 100.0], [100.0, 75.0], [125.0, 90.0]] {
                     let (ground, ..) = line_between_stripes(angle_deg, width_px, stripes);
-                    let columns: BTreeSet<u32> = Strokes::of(&ground)
+                    let columns: BTreeSet<u32> = MarkingPixels::of(&ground)
                         .points
                         .iter()
                         .map(|point| point.at.x as u32)
@@ -679,7 +682,7 @@ mod tests {
     #[test]
     fn a_bright_stripe_of_mowing_is_no_stroke_and_white_and_yellow_paint_are() {
         let size = ImageSize::new(160, 120);
-        let strokes_of = |colour: [f64; 3]| {
+        let marking_pixels_of = |colour: [f64; 3]| {
             let pixels = (0..size.height * size.width).flat_map(|pixel| {
                 let off_px = f64::from(pixel / size.width) + 0.5 - 60.3;
                 let share = (2.5 - off_px.abs()).clamp(0.0, 1.0);
@@ -687,26 +690,26 @@ mod tests {
                     |at: usize| ([54.0, 96.0, 40.0][at] * (1.0 - share) + colour[at] * share) as u8;
                 [channel(0), channel(1), channel(2), 255]
             });
-            Strokes::of(&GroundPicture::new(
+            MarkingPixels::of(&GroundPicture::new(
                 &Picture::new(size, pixels.collect()).unwrap(),
                 &[],
             ))
             .points
             .len()
         };
-        assert_eq!(strokes_of([75.0, 130.0, 55.0]), 0, "brighter turf");
+        assert_eq!(marking_pixels_of([75.0, 130.0, 55.0]), 0, "brighter turf");
         for paint in [
             [120.0, 150.0, 110.0],
             [220.0, 220.0, 210.0],
             [210.0, 200.0, 50.0],
             [90.0, 120.0, 90.0],
         ] {
-            assert!(strokes_of(paint) > 100, "{paint:?}");
+            assert!(marking_pixels_of(paint) > 100, "{paint:?}");
         }
     }
 
     #[test]
-    fn a_picture_without_pixels_or_paint_has_no_strokes() {
+    fn a_picture_without_pixels_or_paint_has_no_marking_pixels() {
         for size in [
             ImageSize::new(0, 0),
             ImageSize::new(3, 2),
@@ -714,7 +717,7 @@ mod tests {
         ] {
             let picture = Picture::filled(size, [60, 110, 40, 255]);
             assert!(
-                Strokes::of(&GroundPicture::new(&picture, &[]))
+                MarkingPixels::of(&GroundPicture::new(&picture, &[]))
                     .points
                     .is_empty(),
                 "{size:?}"

@@ -5,9 +5,9 @@
 //! afterwards only pan, tilt and focal length of each frame are free, so that all matches together
 //! determine the axis.
 
+use super::edge_problem::{EdgeProblem, EdgeState, Freedom, residual_px};
 use super::start::{steps, views};
-use super::tie_problem::{Freedom, Tied, TiedState, residual_px};
-use super::{Tie, TrackError};
+use super::{TrackError, ViewGraphEdge};
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Vec3};
 use touchline_core::solve::{Equations, Loss, Minimum, Stopping, minimise};
@@ -47,7 +47,7 @@ impl Default for TurnOptions {
 
 /// Relative pan, tilt and focal length of the frames of one camera, and its lens.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Turns {
+pub struct RelativeRotations {
     /// Pan, tilt and focal length of each frame; pan 0 is the mean viewing direction.
     pub ptz: Vec<Ptz>,
     /// k₁ as a function of the focal length, in px of these frames.
@@ -58,7 +58,7 @@ pub struct Turns {
     pub residual_px: f64,
 }
 
-impl Turns {
+impl RelativeRotations {
     /// A frame's camera, at the origin of `world`, the pan axis along world z.
     #[must_use]
     pub fn camera(&self, frame: usize) -> PtzCamera {
@@ -83,20 +83,20 @@ const FOCAL_WIDTHS: [f64; 7] = [0.8, 1.1, 1.5, 2.1, 3.0, 4.3, 6.2];
 /// # Errors
 /// Fewer than two frames, frames that are not connected, or matches that no rotation and zoom
 /// explains.
-pub fn adjust_turns(
+pub fn adjust_rotations(
     count: usize,
-    ties: &[Tie],
+    edges: &[ViewGraphEdge],
     image_size: ImageSize,
     options: &TurnOptions,
-) -> Result<Turns, TrackError> {
+) -> Result<RelativeRotations, TrackError> {
     // A spanning tree of the view graph reaches every frame; otherwise the frames are not
     // connected.
     let centre = image_size.centre();
-    let along = steps(count, ties, centre);
+    let along = steps(count, edges, centre);
     if count < 2 || along.len() < count {
         return Err(TrackError::TooFew {
             frames: count,
-            ties: ties.len(),
+            edges: edges.len(),
         });
     }
     // The lens prior in px of these frames: the slope is per px, so it scales inversely.
@@ -106,8 +106,8 @@ pub fn adjust_turns(
         per_1000_px: options.lens.per_1000_px / px,
         ..options.lens
     };
-    let problem = |freedom, loss_px, fixed_scale| Tied {
-        ties,
+    let problem = |freedom, loss_px, fixed_scale| EdgeProblem {
+        edges,
         freedom,
         loss: Loss::Cauchy { c: loss_px },
         px,
@@ -119,18 +119,18 @@ pub fn adjust_turns(
     //    each start value and keep the one of least robust cost.
     let start = FOCAL_WIDTHS.iter().map(|widths| {
         let focal_px = widths * f64::from(image_size.width);
-        let start = TiedState {
+        let start = EdgeState {
             views: views(count, &along, centre, focal_px),
             lens: expected,
         };
         minimise(&problem(Freedom::Any, 20.0, false), start, until(8))
     });
-    let cost = |found: &Minimum<Tied<'_>>| Equations::cost(&found.equations);
+    let cost = |found: &Minimum<EdgeProblem<'_>>| Equations::cost(&found.equations);
     let best = start.min_by(|a, b| cost(a).total_cmp(&cost(b)));
     let Some(best) = best else {
         return Err(TrackError::TooFew {
             frames: count,
-            ties: ties.len(),
+            edges: edges.len(),
         });
     };
     // 2. Free rotations, with the robust loss from coarse to fine.
@@ -152,18 +152,18 @@ pub fn adjust_turns(
             state = minimise(&problem(Freedom::PanTilt, loss_px, true), state, until(30)).state;
         }
     }
-    let residual_px = residual_px(ties, &state) / px;
+    let residual_px = residual_px(edges, &state) / px;
     // A scale other than 1 leaves residuals even if the camera rotates; allow for them. The negated
     // comparison also rejects NaN.
     if !(residual_px <= NOT_TURNING_PX * options.focal_scale.max(1.0 / options.focal_scale).powi(2))
     {
         return Err(TrackError::NotTurning {
             frames: count,
-            ties: ties.len(),
+            edges: edges.len(),
             residual_px,
         });
     }
-    Ok(Turns {
+    Ok(RelativeRotations {
         ptz: state.ptz(),
         lens: state.lens,
         image_size,
@@ -181,7 +181,7 @@ const fn until(max_iterations: usize) -> Stopping {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tie_residual::View;
+    use super::super::edge_residual::View;
     use super::*;
     use touchline_core::geometry::rotation::{q_pan, q_tilt};
     use touchline_core::geometry::{ImagePoint, Mat3};
@@ -194,7 +194,7 @@ mod tests {
         ..FocalCurve::NONE
     };
 
-    fn truth() -> Turns {
+    fn truth() -> RelativeRotations {
         let ptz = [
             (-24.0, -11.0, 1700.0),
             (-13.0, -13.0, 1850.0),
@@ -206,7 +206,7 @@ mod tests {
         let ptz = ptz
             .map(|(pan, tilt, focal_px)| Ptz::from_degrees(pan, tilt, focal_px))
             .to_vec();
-        Turns {
+        RelativeRotations {
             ptz,
             lens: LENS,
             image_size: SIZE,
@@ -214,10 +214,10 @@ mod tests {
         }
     }
 
-    /// The ties of frames that see the same directions, `noise_px` off in a pattern that repeats
+    /// The edges of frames that see the same directions, `noise_px` off in a pattern that repeats
     /// nowhere.
-    fn ties(truth: &Turns, noise_px: f64) -> Vec<Tie> {
-        let mut ties = Vec::new();
+    fn edges(truth: &RelativeRotations, noise_px: f64) -> Vec<ViewGraphEdge> {
+        let mut edges = Vec::new();
         for first in 0..truth.ptz.len() {
             for second in first + 1..truth.ptz.len() {
                 let (one, other) = (truth.camera(first), truth.camera(second));
@@ -249,7 +249,7 @@ mod tests {
                     .map(|(a, b)| (vector(*a), vector(*b)))
                     .collect();
                 let second_from_first = touchline_core::geometry::homography(&pairs).unwrap();
-                ties.push(Tie {
+                edges.push(ViewGraphEdge {
                     first,
                     second,
                     agreeing: matches.len(),
@@ -258,18 +258,18 @@ mod tests {
                 });
             }
         }
-        ties
+        edges
     }
 
     #[test]
-    fn exact_ties_give_back_pan_tilt_focal_length_and_lens() {
+    fn exact_edges_give_back_pan_tilt_focal_length_and_lens() {
         let truth = truth();
         let options = TurnOptions {
             k1_sigma: 10.0,
             slope_sigma: 10.0,
             ..TurnOptions::default()
         };
-        let found = adjust_turns(6, &ties(&truth, 0.0), SIZE, &options).unwrap();
+        let found = adjust_rotations(6, &edges(&truth, 0.0), SIZE, &options).unwrap();
         let middle = found.ptz[0].pan - truth.ptz[0].pan;
         for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
             assert!(
@@ -294,31 +294,32 @@ mod tests {
     }
 
     #[test]
-    fn a_few_wrong_ties_do_no_harm() {
+    fn a_few_wrong_edges_do_no_harm() {
         let truth = truth();
-        let mut ties = ties(&truth, 0.7);
+        let mut edges = edges(&truth, 0.7);
         let away = touchline_core::geometry::Vec2::new(400.0, -150.0);
-        let wrong = ties
+        let wrong = edges
             .iter_mut()
-            .find(|tie| tie.second == tie.first + 1)
+            .find(|edge| edge.second == edge.first + 1)
             .unwrap();
         for (_, there) in &mut wrong.matches {
             *there = there.moved(away);
         }
         wrong.second_from_first =
             Mat3::new(1.0, 0.0, 400.0, 0.0, 1.0, -150.0, 0.0, 0.0, 1.0) * wrong.second_from_first;
-        let kept = crate::track::cycles::uncontradicted(&ties, SIZE);
-        let names = |ties: &[Tie]| {
-            ties.iter()
-                .map(|tie| (tie.first, tie.second))
+        let kept = crate::track::cycles::uncontradicted(&edges, SIZE);
+        let names = |edges: &[ViewGraphEdge]| {
+            edges
+                .iter()
+                .map(|edge| (edge.first, edge.second))
                 .collect::<Vec<_>>()
         };
         assert_eq!(
             names(&kept),
-            names(&ties)[1..],
+            names(&edges)[1..],
             "the wrong tie goes, and no right one with it"
         );
-        let found = adjust_turns(6, &kept, SIZE, &TurnOptions::default()).unwrap();
+        let found = adjust_rotations(6, &kept, SIZE, &TurnOptions::default()).unwrap();
         for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
             assert!(
                 (found.focal_px / exact.focal_px - 1.0).abs() < 0.03,
@@ -328,38 +329,45 @@ mod tests {
     }
 
     #[test]
-    fn asked_for_another_scale_the_ties_stretch() {
+    fn asked_for_another_scale_the_edges_stretch() {
         let options = TurnOptions {
             focal_scale: 1.06,
             ..TurnOptions::default()
         };
         let (usual, longer) = (TurnOptions::default(), options);
-        let ties = ties(&truth(), 0.3);
+        let edges = edges(&truth(), 0.3);
         let [usual, longer] =
-            [usual, longer].map(|options| adjust_turns(6, &ties, SIZE, &options).unwrap());
-        let mean = |turns: &Turns| turns.ptz.iter().map(|ptz| ptz.focal_px.ln()).sum::<f64>() / 6.0;
+            [usual, longer].map(|options| adjust_rotations(6, &edges, SIZE, &options).unwrap());
+        let mean = |rotations: &RelativeRotations| {
+            rotations
+                .ptz
+                .iter()
+                .map(|ptz| ptz.focal_px.ln())
+                .sum::<f64>()
+                / 6.0
+        };
         assert!((mean(&longer) - mean(&usual) - 1.06_f64.ln()).abs() < 1e-3);
         assert!(longer.residual_px > usual.residual_px);
     }
 
     #[test]
     fn frames_do_not_agree_better_by_shrinking() {
-        let truth = Turns {
+        let truth = RelativeRotations {
             lens: FocalCurve::NONE,
             ..truth()
         };
-        let ties = ties(&truth, 0.7);
+        let edges = edges(&truth, 0.7);
         let residual_px = |share: f64| {
             let view = |ptz: &Ptz| View {
                 cam_from_common: q_tilt(ptz.tilt) * q_pan(ptz.pan),
                 focal_px: ptz.focal_px * share,
                 principal_point: SIZE.centre(),
             };
-            let state = TiedState {
+            let state = EdgeState {
                 views: truth.ptz.iter().map(view).collect(),
                 lens: truth.lens,
             };
-            residual_px(&ties, &state)
+            residual_px(&edges, &state)
         };
         assert!(residual_px(1.0) < 1.5, "{}", residual_px(1.0));
         for share in [0.5, 0.1, 1e-3, 1e-9] {
@@ -369,15 +377,15 @@ mod tests {
 
     #[test]
     fn what_does_not_hang_together_is_refused() {
-        let ties = ties(&truth(), 0.0);
-        let alone = adjust_turns(7, &ties, SIZE, &TurnOptions::default());
+        let edges = edges(&truth(), 0.0);
+        let alone = adjust_rotations(7, &edges, SIZE, &TurnOptions::default());
         assert_eq!(
             alone,
             Err(TrackError::TooFew {
                 frames: 7,
-                ties: ties.len()
+                edges: edges.len()
             })
         );
-        assert!(adjust_turns(1, &[], SIZE, &TurnOptions::default()).is_err());
+        assert!(adjust_rotations(1, &[], SIZE, &TurnOptions::default()).is_err());
     }
 }

@@ -1,9 +1,9 @@
 //! The least-squares problem of matched frames without a known base: each match is one direction,
 //! seen by two frames. Unknowns are the lens, and rotation and focal length of every frame.
 
-use super::Tie;
+use super::ViewGraphEdge;
 use super::axis::{USUAL_TILT, upright_from_common};
-use super::tie_residual::{MatchJacobian, View};
+use super::edge_residual::{MatchJacobian, View};
 use nalgebra::{DVector, Vector1};
 use touchline_core::camera::{FocalCurve, PanTilt, Ptz};
 use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation, q_pan, q_tilt};
@@ -36,8 +36,8 @@ impl Freedom {
     }
 }
 
-pub(super) struct Tied<'a> {
-    pub ties: &'a [Tie],
+pub(super) struct EdgeProblem<'a> {
+    pub edges: &'a [ViewGraphEdge],
     pub freedom: Freedom,
     pub loss: Loss,
     /// Image px per px at 1920 px width.
@@ -50,7 +50,7 @@ pub(super) struct Tied<'a> {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct TiedState {
+pub(super) struct EdgeState {
     pub views: Vec<View>,
     pub lens: FocalCurve,
 }
@@ -58,17 +58,17 @@ pub(super) struct TiedState {
 /// Number of lens parameters; they precede those of the frames.
 const LENS: usize = 2;
 
-impl Problem for Tied<'_> {
-    type State = TiedState;
+impl Problem for EdgeProblem<'_> {
+    type State = EdgeState;
     type Equations = DenseEquations;
 
-    fn equations(&self, at: &TiedState) -> DenseEquations {
+    fn equations(&self, at: &EdgeState) -> DenseEquations {
         let own = self.freedom.parameters();
         let mut equations = DenseEquations::zero(LENS + own * at.views.len());
-        for tie in self.ties {
-            let frames = [tie.first, tie.second];
+        for edge in self.edges {
+            let frames = [edge.first, edge.second];
             let [one, other] = frames.map(|frame| &at.views[frame]);
-            for (first, second) in &tie.matches {
+            for (first, second) in &edge.matches {
                 // The match as seen by both frames. Beyond the fold it has a large constant
                 // residual without a gradient, so that leaving the lens's range is never a gain.
                 let seen =
@@ -102,7 +102,7 @@ impl Problem for Tied<'_> {
         equations
     }
 
-    fn stepped(&self, from: &TiedState, step: &DVector<f64>) -> TiedState {
+    fn stepped(&self, from: &EdgeState, step: &DVector<f64>) -> EdgeState {
         let own = self.freedom.parameters();
         // Additive step of the lens.
         let lens = FocalCurve {
@@ -135,16 +135,16 @@ impl Problem for Tied<'_> {
                 ..*view
             }
         });
-        TiedState {
+        EdgeState {
             views: views.collect(),
             lens,
         }
     }
 }
 
-impl Tied<'_> {
+impl EdgeProblem<'_> {
     /// Adds the priors: the lens, the gauge, and a weak one of the tilt.
-    fn add_priors(&self, at: &TiedState, equations: &mut DenseEquations) {
+    fn add_priors(&self, at: &EdgeState, equations: &mut DenseEquations) {
         /// 1-σ that holds a gauge parameter at its value, rad or ln px.
         const FIXED: f64 = 1e-6;
         /// Squared loss: a robust one would let the solution escape its gauge.
@@ -191,12 +191,12 @@ impl Tied<'_> {
     }
 }
 
-impl TiedState {
+impl EdgeState {
     /// Rotates the common frame so that the pan axis is its y axis, and removes the remaining roll
     /// of every frame.
     pub fn upright(mut self) -> Self {
-        let turns: Vec<Mat3> = self.views.iter().map(|view| view.cam_from_common).collect();
-        if let Some(upright) = upright_from_common(&turns) {
+        let rotations: Vec<Mat3> = self.views.iter().map(|view| view.cam_from_common).collect();
+        if let Some(upright) = upright_from_common(&rotations) {
             for view in &mut self.views {
                 let forward = upright * view.cam_from_common.row(2).transpose();
                 let ray = PanTilt::from_direction(forward);
@@ -237,11 +237,11 @@ impl TiedState {
 
 /// The median residual of the matches, px: the difference of directions times the distance from the
 /// centre of projection, as in [`MatchJacobian`].
-pub(super) fn residual_px(ties: &[Tie], at: &TiedState) -> f64 {
+pub(super) fn residual_px(edges: &[ViewGraphEdge], at: &EdgeState) -> f64 {
     let mut distances = Vec::new();
-    for tie in ties {
-        let (one, other) = (&at.views[tie.first], &at.views[tie.second]);
-        distances.extend(tie.matches.iter().filter_map(|(first, second)| {
+    for edge in edges {
+        let (one, other) = (&at.views[edge.first], &at.views[edge.second]);
+        distances.extend(edge.matches.iter().filter_map(|(first, second)| {
             let (here, there) = (
                 one.sight(*first, &at.lens)?,
                 other.sight(*second, &at.lens)?,
