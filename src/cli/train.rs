@@ -154,8 +154,8 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     if let Some(quality) = &quality {
         quality.bound(&document, &mut model);
         messages.note(&format!(
-            "{} references left out and asked for: {} found, {} of them off by over {WRONG_PX} px",
-            quality.asked.len(),
+            "{} references left out and tested: {} found, {} of them off by over {WRONG_PX} px",
+            quality.tested.len(),
             quality.found(),
             quality.wrong().count()
         ));

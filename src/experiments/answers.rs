@@ -11,7 +11,7 @@ use touchline_documents::report::{Cell, Table};
 
 /// The result of one test frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AskedFrame {
+pub struct FrameAnswer {
     /// Index of its set: one set for each seed.
     pub repeat: usize,
     /// Index of the frame in the set.
@@ -59,7 +59,7 @@ impl FoundCamera {
     }
 }
 
-impl AskedFrame {
+impl FrameAnswer {
     /// The result of a frame before a camera is found.
     pub fn blank(set: &FrameSet, repeat: usize, split: usize, frame: usize) -> Self {
         let known = &set.frames[frame];
@@ -148,8 +148,8 @@ pub const TALLY_EXPLAINED: &str = "IoU: mean over all frames asked, not found co
 
 impl Tally {
     /// Computes the statistics of test frames.
-    pub fn of<'a>(asked: impl Iterator<Item = &'a AskedFrame>) -> Self {
-        let all: Vec<&AskedFrame> = asked.collect();
+    pub fn of<'a>(asked: impl Iterator<Item = &'a FrameAnswer>) -> Self {
+        let all: Vec<&FrameAnswer> = asked.collect();
         let found: Vec<FoundCamera> = all.iter().filter_map(|asked| asked.found).collect();
         let ascending = |of: &dyn Fn(&FoundCamera) -> f64| {
             let mut values: Vec<f64> = found.iter().map(of).collect();
@@ -239,10 +239,10 @@ const STUDENT_975: [f64; 9] = [
 /// The 95 % interval of the mean `IoU`. Frames of one seed share stadium, crowd and camera path, so
 /// only the seeds are independent: the interval is that of the seeds' means. With a single seed, it
 /// is a bootstrap interval over the frames.
-fn interval_of_mean(all: &[&AskedFrame]) -> [f64; 2] {
+fn interval_of_mean(all: &[&FrameAnswer]) -> [f64; 2] {
     let ious: Vec<Vec<f64>> = by_seed(all.iter().copied())
         .into_iter()
-        .map(|asked| asked.into_iter().filter_map(AskedFrame::iou).collect())
+        .map(|asked| asked.into_iter().filter_map(FrameAnswer::iou).collect())
         .filter(|ious: &Vec<f64>| !ious.is_empty())
         .collect();
     if let [one] = &ious[..] {
@@ -253,8 +253,8 @@ fn interval_of_mean(all: &[&AskedFrame]) -> [f64; 2] {
 }
 
 /// The frames of each seed.
-fn by_seed<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> Vec<Vec<&'a AskedFrame>> {
-    let mut seeds: Vec<Vec<&AskedFrame>> = Vec::new();
+fn by_seed<'a>(asked: impl IntoIterator<Item = &'a FrameAnswer>) -> Vec<Vec<&'a FrameAnswer>> {
+    let mut seeds: Vec<Vec<&FrameAnswer>> = Vec::new();
     for asked in asked {
         if seeds.len() <= asked.repeat {
             seeds.resize(asked.repeat + 1, Vec::new());
@@ -277,8 +277,8 @@ pub fn interval_over_seeds(values: &[f64]) -> [f64; 2] {
 
 /// The 95 % interval, over the seeds, of a statistic of the answers.
 pub fn over_seeds<'a>(
-    asked: impl IntoIterator<Item = &'a AskedFrame>,
-    number: impl Fn(Vec<&'a AskedFrame>) -> f64,
+    asked: impl IntoIterator<Item = &'a FrameAnswer>,
+    number: impl Fn(Vec<&'a FrameAnswer>) -> f64,
 ) -> [f64; 2] {
     interval_over_seeds(&by_seed(asked).into_iter().map(number).collect::<Vec<_>>())
 }
@@ -286,11 +286,11 @@ pub fn over_seeds<'a>(
 /// The 95 % interval, over the seeds, of the difference of a statistic: that of `of` minus that of
 /// `than`, seed by seed.
 pub fn difference<'a>(
-    of: impl IntoIterator<Item = &'a AskedFrame>,
-    than: impl IntoIterator<Item = &'a AskedFrame>,
+    of: impl IntoIterator<Item = &'a FrameAnswer>,
+    than: impl IntoIterator<Item = &'a FrameAnswer>,
     number: impl Fn(&Tally) -> f64,
 ) -> [f64; 2] {
-    let tallied = |asked: Vec<&'a AskedFrame>| number(&Tally::of(asked.into_iter()));
+    let tallied = |asked: Vec<&'a FrameAnswer>| number(&Tally::of(asked.into_iter()));
     let pairs = by_seed(of).into_iter().zip(by_seed(than));
     let differences: Vec<f64> = pairs
         .map(|(of, than)| tallied(of) - tallied(than))
@@ -319,15 +319,15 @@ pub fn tally_table(heading: (&str, &str), tallies: &[(Cell, Tally)]) -> Table {
 /// The frames of each split name, and all frames.
 pub fn by_name<'a>(
     set: &'a FrameSet,
-    asked: &'a [AskedFrame],
-) -> Vec<(&'a str, Vec<&'a AskedFrame>)> {
+    asked: &'a [FrameAnswer],
+) -> Vec<(&'a str, Vec<&'a FrameAnswer>)> {
     let of = |name: &str| {
         asked
             .iter()
             .filter(|asked| set.splits[asked.split].name == name)
             .collect()
     };
-    let mut parts: Vec<(&str, Vec<&AskedFrame>)> = set
+    let mut parts: Vec<(&str, Vec<&FrameAnswer>)> = set
         .names()
         .into_iter()
         .map(|name| (name, of(name)))
@@ -339,7 +339,7 @@ pub fn by_name<'a>(
 /// A table with a row for each test frame. `ways` names the methods.
 pub fn frame_table<'a, N: AsRef<str>>(
     sets: &[FrameSet],
-    ways: impl IntoIterator<Item = (N, &'a [AskedFrame])>,
+    ways: impl IntoIterator<Item = (N, &'a [FrameAnswer])>,
 ) -> Table {
     let mut table = Table::new(&[
         ("way", "way"),
@@ -387,7 +387,7 @@ pub fn frame_table<'a, N: AsRef<str>>(
 mod tests {
     use super::*;
 
-    fn asked(repeat: usize, iou: Option<f64>) -> AskedFrame {
+    fn asked(repeat: usize, iou: Option<f64>) -> FrameAnswer {
         let base = crate::setting::base();
         let camera = PtzCamera::new(
             base,
@@ -400,7 +400,7 @@ mod tests {
             iou_whole: iou,
             error,
         });
-        AskedFrame {
+        FrameAnswer {
             repeat,
             frame: 0,
             split: 0,
@@ -438,10 +438,10 @@ mod tests {
         ];
         assert_eq!(Tally::of(all.iter()).iou_interval, [0.0, 1.0]);
         let three = [0.60, 0.61, 0.62].map(|iou| [asked(0, Some(iou)); 1]);
-        let all: Vec<AskedFrame> = three
+        let all: Vec<FrameAnswer> = three
             .iter()
             .enumerate()
-            .map(|(repeat, [asked])| AskedFrame { repeat, ..*asked })
+            .map(|(repeat, [asked])| FrameAnswer { repeat, ..*asked })
             .collect();
         let [low, high] = Tally::of(all.iter()).iou_interval;
         // 4.303 × 0.01 / √3 = 0.02484.
@@ -455,12 +455,12 @@ mod tests {
     #[test]
     fn a_difference_is_taken_in_each_seed() {
         // The seeds differ by 0.3, the methods by 0.1 in each of them.
-        let of: Vec<AskedFrame> = [0.5, 0.8]
+        let of: Vec<FrameAnswer> = [0.5, 0.8]
             .iter()
             .enumerate()
             .map(|(seed, iou)| asked(seed, Some(*iou)))
             .collect();
-        let than: Vec<AskedFrame> = [0.4, 0.7]
+        let than: Vec<FrameAnswer> = [0.4, 0.7]
             .iter()
             .enumerate()
             .map(|(seed, iou)| asked(seed, Some(*iou)))

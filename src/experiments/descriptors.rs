@@ -1,7 +1,7 @@
 //! SIFT compared with ORB and AKAZE, without a forest: each feature gets the ray of its nearest
 //! neighbour among all references' features, then the camera is solved.
 
-use super::answers::{AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, frame_table, tally_table};
+use super::answers::{FoundCamera, FrameAnswer, TALLY_EXPLAINED, Tally, frame_table, tally_table};
 use super::matching::{DescriptorRows, nearest};
 use super::paper::SIFT_SURF;
 use super::progress::Progress;
@@ -116,7 +116,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
          is its ray, then the pose from two points. No forest: a forest splits numbers, not bits. {TALLY_EXPLAINED}"
     ));
     let names = ["SIFT", "ORB", "AKAZE"];
-    let mut asked: [Vec<AskedFrame>; 3] = std::array::from_fn(|_| Vec::new());
+    let mut asked: [Vec<FrameAnswer>; 3] = std::array::from_fn(|_| Vec::new());
     for (repeat, set) in sets.iter().enumerate() {
         for (number, asked) in asked.iter_mut().enumerate() {
             // Extract one kind at a time, so that only its features are in memory.
@@ -200,8 +200,8 @@ fn binary(set: &FrameSet, kind: BinaryKind) -> Result<Described, ExperimentError
 }
 
 /// Solves the cameras of the test frames, one in `stride`.
-fn ask(set: &FrameSet, repeat: usize, described: &Described, stride: usize) -> Vec<AskedFrame> {
-    let of_split = |(number, split): (usize, &Split)| -> Vec<AskedFrame> {
+fn ask(set: &FrameSet, repeat: usize, described: &Described, stride: usize) -> Vec<FrameAnswer> {
+    let of_split = |(number, split): (usize, &Split)| -> Vec<FrameAnswer> {
         let seen: Vec<Ptz> = split
             .training_frames
             .iter()
@@ -224,9 +224,9 @@ fn ask(set: &FrameSet, repeat: usize, described: &Described, stride: usize) -> V
                 pose_from_candidates(&matches, &base, known.features.image_size, &options).ok();
             let found =
                 pose.map(|pose| FoundCamera::of(set, frame, &PtzCamera::new(base, pose.ptz)));
-            AskedFrame {
+            FrameAnswer {
                 found,
-                ..AskedFrame::blank(set, repeat, number, frame)
+                ..FrameAnswer::blank(set, repeat, number, frame)
             }
         };
         asked.par_iter().map(one).collect()

@@ -1,7 +1,7 @@
 //! The distributions of rotation and focal length errors.
 
 use super::answers::{
-    AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, difference, over_seeds, tally_table,
+    FoundCamera, FrameAnswer, TALLY_EXPLAINED, Tally, difference, over_seeds, tally_table,
 };
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
@@ -35,7 +35,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     for (_, sets) in &chosen {
         introduce(&mut report, inputs.sets(*sets, progress)?, "");
     }
-    let mut asked: Vec<(String, &[AskedFrame])> = Vec::new();
+    let mut asked: Vec<(String, &[FrameAnswer])> = Vec::new();
     for (name, sets) in &chosen {
         for kind in ForestKind::BOTH {
             let answers = inputs.answers(*sets, kind, Masks::AsTheyAre, progress)?;
@@ -97,7 +97,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     );
     let (degrees, share) = ROTATION;
     if one[0].kind != SetKind::Own {
-        let within = |asked: Vec<&AskedFrame>| Tally::of(asked.into_iter()).within_rotation;
+        let within = |asked: Vec<&FrameAnswer>| Tally::of(asked.into_iter()).within_rotation;
         let intervals: Vec<[f64; 2]> = asked
             .iter()
             .map(|(_, asked)| over_seeds(*asked, within))

@@ -1,6 +1,6 @@
 //! The two kinds of forests that are compared, and forests trained on the splits of a set.
 
-use super::answers::{AskedFrame, FoundCamera, RayCount};
+use super::answers::{FoundCamera, FrameAnswer, RayCount};
 use super::paper::INLIER_DEG;
 use super::sets::{FrameSet, KnownFrame, Split};
 use rayon::prelude::*;
@@ -123,11 +123,11 @@ impl<'a> Trained<'a> {
         &self,
         asking: &RelocalizeOptions,
         base_of: &(dyn Fn(&PtzCamera) -> CameraBase + Sync),
-    ) -> Vec<AskedFrame> {
-        let of_split = |(number, split): (usize, &Split)| -> Vec<AskedFrame> {
+    ) -> Vec<FrameAnswer> {
+        let of_split = |(number, split): (usize, &Split)| -> Vec<FrameAnswer> {
             let one = |&frame: &usize| {
                 let known = &self.set.frames[frame];
-                let mut asked = AskedFrame::blank(self.set, self.repeat, number, frame);
+                let mut asked = FrameAnswer::blank(self.set, self.repeat, number, frame);
                 let Some((forest, seen)) = &self.forests[number] else {
                     return asked;
                 };
@@ -150,7 +150,7 @@ impl<'a> Trained<'a> {
     }
 
     /// Relocalizes all test frames with their true bases.
-    pub fn ask_plainly(&self, asking: &RelocalizeOptions) -> Vec<AskedFrame> {
+    pub fn ask_plainly(&self, asking: &RelocalizeOptions) -> Vec<FrameAnswer> {
         self.ask(asking, &|truth| *truth.base())
     }
 
@@ -220,7 +220,7 @@ pub fn trained_on<'a>(
 }
 
 /// For each set in turn, trains its forests and relocalizes its test frames.
-pub fn ask_all(sets: &[FrameSet], kind: ForestKind) -> Vec<AskedFrame> {
+pub fn ask_all(sets: &[FrameSet], kind: ForestKind) -> Vec<FrameAnswer> {
     let of_set = |(repeat, set): (usize, &FrameSet)| {
         Trained::of(set, repeat, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed))
     };

@@ -1,6 +1,6 @@
 //! `IoU` as a function of the field of view, to show where relocalization fails.
 
-use super::answers::{AskedFrame, TALLY_EXPLAINED, Tally, over_seeds, tally_table};
+use super::answers::{FrameAnswer, TALLY_EXPLAINED, Tally, over_seeds, tally_table};
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
 use super::paper::{FAILURE_IOU, FAILURES_BELOW_DEG, NO_FAILURE_ABOVE_DEG};
@@ -50,7 +50,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             .windows(2)
             .map(|bin| (bin[0], bin[1]))
             .filter_map(|(from, to)| {
-                let within: Vec<&AskedFrame> = asked
+                let within: Vec<&FrameAnswer> = asked
                     .iter()
                     .filter(|asked| (from..to).contains(&asked.view_deg))
                     .collect();
@@ -102,7 +102,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
 }
 
 /// Numbers of failures and of frames: below, between and above the paper's two limits.
-fn failed_by_bound<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> [[usize; 2]; 3] {
+fn failed_by_bound<'a>(asked: impl IntoIterator<Item = &'a FrameAnswer>) -> [[usize; 2]; 3] {
     let mut counted = [[0; 2]; 3];
     for asked in asked {
         let place = usize::from(asked.view_deg >= FAILURES_BELOW_DEG)
@@ -114,12 +114,12 @@ fn failed_by_bound<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> [[usi
 }
 
 /// 1 − `IoU` of each frame over its field of view, with the paper's limits.
-fn figure(asked: &[AskedFrame], with_paper: bool) -> Figure {
+fn figure(asked: &[FrameAnswer], with_paper: bool) -> Figure {
     let lost =
-        |asked: &AskedFrame| Some([asked.view_deg, (1.0 - asked.iou()?).max(lost_iou::ENDS[0])]);
-    let (found, not_found): (Vec<&AskedFrame>, Vec<&AskedFrame>) =
+        |asked: &FrameAnswer| Some([asked.view_deg, (1.0 - asked.iou()?).max(lost_iou::ENDS[0])]);
+    let (found, not_found): (Vec<&FrameAnswer>, Vec<&FrameAnswer>) =
         asked.iter().partition(|asked| asked.found.is_some());
-    let points = |asked: &[&AskedFrame]| {
+    let points = |asked: &[&FrameAnswer]| {
         asked
             .iter()
             .filter_map(|asked| lost(asked))

@@ -1,6 +1,6 @@
 //! Inputs that several experiments share, each computed once.
 
-use super::answers::AskedFrame;
+use super::answers::FrameAnswer;
 use super::forests::{ForestKind, ask_all};
 use super::given::folder_with;
 use super::homographies::holds_homographies;
@@ -27,7 +27,7 @@ pub struct SharedInputs {
     highlights: OnceLock<Vec<FrameSet>>,
     distorted: OnceLock<Vec<FrameSet>>,
     worldcup: OnceLock<Vec<FrameSet>>,
-    answers: [OnceLock<Vec<AskedFrame>>; 8],
+    answers: [OnceLock<Vec<FrameAnswer>>; 8],
 }
 
 /// Number of sequences in a synthetic set like the highlights.
@@ -161,7 +161,7 @@ impl SharedInputs {
         kind: ForestKind,
         masks: Masks,
         progress: Progress,
-    ) -> Result<&[AskedFrame], ExperimentError> {
+    ) -> Result<&[FrameAnswer], ExperimentError> {
         let asked = self.sets(sets, progress)?;
         // The index of this combination among the eight.
         let place = 4 * usize::from(sets == Sets::WorldCup)

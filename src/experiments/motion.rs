@@ -1,7 +1,7 @@
 //! Synthetic frames along the motion of a real broadcast camera. A few of them train a forest,
 //! which relocalizes the others.
 
-use super::answers::{AskedFrame, FoundCamera, Tally, frame_table, tally_table};
+use super::answers::{FoundCamera, FrameAnswer, Tally, frame_table, tally_table};
 use super::forests::{ForestKind, Trained};
 use super::progress::{Progress, counted};
 use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
@@ -152,7 +152,7 @@ fn path_table(ptz: &[Ptz], pan_deg: &dyn Fn(&Ptz) -> f64) -> Table {
 }
 
 /// The results as `touchline evaluate` measures them.
-fn evaluated(set: &FrameSet, asked: &[AskedFrame]) -> Result<String, ExperimentError> {
+fn evaluated(set: &FrameSet, asked: &[FrameAnswer]) -> Result<String, ExperimentError> {
     let Some(known) = set.frames.first() else {
         return Ok(String::new());
     };

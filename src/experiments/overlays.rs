@@ -1,6 +1,6 @@
 //! Errors of the overlay in px, for sets in which labels may be wrong, too.
 
-use super::answers::AskedFrame;
+use super::answers::FrameAnswer;
 use super::sets::FrameSet;
 use touchline_calibration::proposals::overlay_error_px;
 use touchline_documents::report::{Cell, Column, Report, Table};
@@ -15,8 +15,8 @@ const OVERLAY_PX: [f64; 4] = [2.0, 5.0, 10.0, 20.0];
 pub fn overlays(
     report: &mut Report,
     set: &FrameSet,
-    asked: &[AskedFrame],
-    parts: &[(&str, Vec<&AskedFrame>)],
+    asked: &[FrameAnswer],
+    parts: &[(&str, Vec<&FrameAnswer>)],
 ) {
     report.table(
         "overlay",
@@ -24,7 +24,7 @@ pub fn overlays(
          at 1920 px width).",
         overlay_table(set, parts),
     );
-    let mut order: Vec<(f64, &AskedFrame)> = asked
+    let mut order: Vec<(f64, &FrameAnswer)> = asked
         .iter()
         .map(|asked| (error_px(set, asked).unwrap_or(f64::INFINITY), asked))
         .collect();
@@ -56,7 +56,7 @@ pub fn overlays(
 }
 
 /// The largest error of an answer's overlay, px at 1920 px width; none without an answer.
-fn error_px(set: &FrameSet, asked: &AskedFrame) -> Option<f64> {
+fn error_px(set: &FrameSet, asked: &FrameAnswer) -> Option<f64> {
     let known = &set.frames[asked.frame];
     Some(overlay_error_px(
         &known.truth,
@@ -66,7 +66,7 @@ fn error_px(set: &FrameSet, asked: &AskedFrame) -> Option<f64> {
 }
 
 /// Shares of all test frames. Those without an answer count as outside every limit.
-fn overlay_table(set: &FrameSet, parts: &[(&str, Vec<&AskedFrame>)]) -> Table {
+fn overlay_table(set: &FrameSet, parts: &[(&str, Vec<&FrameAnswer>)]) -> Table {
     let mut table = Table::new(&[("sequence", "sequence"), ("frames", "frames")]);
     for within in OVERLAY_PX {
         table.columns.push(Column::new(

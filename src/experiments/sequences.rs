@@ -2,7 +2,7 @@
 //! tables 2 and 3 of the paper.
 
 use super::answers::{
-    AskedFrame, TALLY_EXPLAINED, Tally, by_name, difference, frame_table, tally_table,
+    FrameAnswer, TALLY_EXPLAINED, Tally, by_name, difference, frame_table, tally_table,
 };
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
@@ -283,7 +283,7 @@ fn tables(
     })
 }
 
-fn tallies(set: &FrameSet, asked: &[AskedFrame]) -> Vec<(Cell, Tally)> {
+fn tallies(set: &FrameSet, asked: &[FrameAnswer]) -> Vec<(Cell, Tally)> {
     let parts = by_name(set, asked);
     parts
         .iter()
@@ -292,7 +292,7 @@ fn tallies(set: &FrameSet, asked: &[AskedFrame]) -> Vec<(Cell, Tally)> {
 }
 
 /// Median and 90 % times of the two steps for one frame, beside the paper's.
-fn step_times(asked: &[AskedFrame], which: Sets) -> Table {
+fn step_times(asked: &[FrameAnswer], which: Sets) -> Table {
     let mut times = Table::new(&[
         ("step", "step"),
         ("median_ms", "median (ms)"),
@@ -301,7 +301,7 @@ fn step_times(asked: &[AskedFrame], which: Sets) -> Table {
     for (step, of) in [
         (
             "asking the forest",
-            (|asked: &AskedFrame| asked.predict_ms) as fn(&AskedFrame) -> f64,
+            (|asked: &FrameAnswer| asked.predict_ms) as fn(&FrameAnswer) -> f64,
         ),
         ("finding the camera", |asked| asked.pose_ms),
     ] {
@@ -328,15 +328,15 @@ fn step_times(asked: &[AskedFrame], which: Sets) -> Table {
 /// Six test frames, evenly spread from the worst to the best.
 fn worst_to_best<'a>(
     sets: &'a [FrameSet],
-    asked: &[AskedFrame],
+    asked: &[FrameAnswer],
 ) -> Result<Vec<SheetFrame<'a>>, ExperimentError> {
-    let mut order: Vec<&AskedFrame> = asked.iter().collect();
-    let iou = |asked: &AskedFrame| asked.found.map_or(-1.0, |found| found.iou.unwrap_or(0.0));
+    let mut order: Vec<&FrameAnswer> = asked.iter().collect();
+    let iou = |asked: &FrameAnswer| asked.found.map_or(-1.0, |found| found.iou.unwrap_or(0.0));
     order.sort_by(|a, b| iou(a).total_cmp(&iou(b)));
     let tiles = SHEET_FRAMES.min(order.len());
     let chosen = (0..tiles).map(|tile| order[tile * (order.len() - 1) / (tiles - 1).max(1)]);
     let mut reader = FrameReader::new();
-    let sheet_frame = |asked: &AskedFrame| {
+    let sheet_frame = |asked: &FrameAnswer| {
         let known = &sets[asked.repeat].frames[asked.frame];
         let caption = match asked.found {
             Some(found) => format!(
@@ -358,15 +358,15 @@ fn worst_to_best<'a>(
 }
 
 /// The ranges of pan, tilt and focal length of a sequence.
-fn ranges_row(sets: &[FrameSet], name: &str, asked: &[&AskedFrame]) -> Vec<Cell> {
-    let range = |of: &dyn Fn(&AskedFrame) -> f64, digits: usize| -> Cell {
+fn ranges_row(sets: &[FrameSet], name: &str, asked: &[&FrameAnswer]) -> Vec<Cell> {
+    let range = |of: &dyn Fn(&FrameAnswer) -> f64, digits: usize| -> Cell {
         let values = asked.iter().map(|asked| of(asked));
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))
         });
         format!("{low:.digits$} to {high:.digits$}").into()
     };
-    let ptz = |asked: &AskedFrame| sets[asked.repeat].frames[asked.frame].truth.ptz();
+    let ptz = |asked: &FrameAnswer| sets[asked.repeat].frames[asked.frame].truth.ptz();
     let pans =
         AngleRange::smallest(asked.iter().map(|asked| ptz(asked).pan)).unwrap_or(AngleRange::FULL);
     vec![
@@ -382,7 +382,7 @@ fn ranges_row(sets: &[FrameSet], name: &str, asked: &[&AskedFrame]) -> Vec<Cell>
     ]
 }
 
-fn view_distribution(asked: &[AskedFrame]) -> Figure {
+fn view_distribution(asked: &[FrameAnswer]) -> Figure {
     let views: Vec<f64> = asked.iter().map(|asked| asked.view_deg).collect();
     Figure::new(
         "",

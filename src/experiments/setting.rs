@@ -68,14 +68,14 @@ pub fn normals(rng: &mut Pcg64Mcg) -> Vec3 {
 
 /// A pixel and the world point that it shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sighting {
+pub struct Correspondence {
     pub image: ImagePoint,
     pub world: Vec3,
     /// Whether the point is on the field.
     pub on_field: bool,
 }
 
-impl Sighting {
+impl Correspondence {
     /// Adds normal noise to both coordinates of the pixel, with this 1-σ, px.
     pub fn noisy(&self, sigma_px: f64, rng: &mut Pcg64Mcg) -> Self {
         let offset = Vec2::new(normal(rng), normal(rng)) * sigma_px;
@@ -88,7 +88,7 @@ impl Sighting {
 
 /// The world points at [`RAYS`] random pixels. Nine in ten are outside the field, unless the
 /// picture shows too little of the outside; then others fill up.
-pub fn sightings(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Sighting> {
+pub fn correspondences(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Correspondence> {
     let outside = (RAYS as f64 * OUTSIDE) as usize;
     let (mut wanted, mut spare) = (Vec::with_capacity(RAYS), Vec::new());
     let mut counts = [outside, RAYS - outside];
@@ -100,15 +100,15 @@ pub fn sightings(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Sighting> {
             rng.random_range(0.0..f64::from(SIZE.width)),
             rng.random_range(0.0..f64::from(SIZE.height)),
         );
-        let Some(sighting) = sighting(camera, ImagePoint::new(x, y)) else {
+        let Some(correspondence) = correspondence(camera, ImagePoint::new(x, y)) else {
             continue;
         };
-        let count = &mut counts[usize::from(sighting.on_field)];
+        let count = &mut counts[usize::from(correspondence.on_field)];
         if *count > 0 {
             *count -= 1;
-            wanted.push(sighting);
+            wanted.push(correspondence);
         } else if spare.len() < RAYS {
-            spare.push(sighting);
+            spare.push(correspondence);
         }
     }
     let missing = RAYS - wanted.len();
@@ -118,7 +118,7 @@ pub fn sightings(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Sighting> {
 
 /// The world point at a pixel: on the ground if that is nearer than the boards, otherwise on the
 /// vertical wall of boards and stands.
-fn sighting(camera: &PtzCamera, image: ImagePoint) -> Option<Sighting> {
+fn correspondence(camera: &PtzCamera, image: ImagePoint) -> Option<Correspondence> {
     let from = camera.base().position_m;
     let direction = camera.world_direction_from_image(image).ok()?;
     let to_wall = (0..2)
@@ -136,9 +136,12 @@ fn sighting(camera: &PtzCamera, image: ImagePoint) -> Option<Sighting> {
     let world = from + direction * to_wall.min(to_ground);
     let on_field =
         to_ground < to_wall && (0..2).all(|axis| world[axis].abs() <= HALF_FIELD_M[axis]);
-    world.iter().all(|x| x.is_finite()).then_some(Sighting {
-        image,
-        world,
-        on_field,
-    })
+    world
+        .iter()
+        .all(|x| x.is_finite())
+        .then_some(Correspondence {
+            image,
+            world,
+            on_field,
+        })
 }

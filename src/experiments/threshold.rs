@@ -1,7 +1,7 @@
 //! The threshold on distances of descriptors: table 4 of the paper.
 
 use super::answers::{
-    AskedFrame, RayCount, TALLY_EXPLAINED, Tally, describe_difference, difference,
+    FrameAnswer, RayCount, TALLY_EXPLAINED, Tally, describe_difference, difference,
     interval_over_seeds, tally_table,
 };
 use super::forests::{ForestKind, Trained};
@@ -23,7 +23,7 @@ const NO_GATE: f32 = 4.0;
 /// The results with one threshold.
 struct AtGate {
     gate: f32,
-    asked: Vec<AskedFrame>,
+    asked: Vec<FrameAnswer>,
     tally: Tally,
     /// Counts for each seed.
     rays: Vec<RayCount>,

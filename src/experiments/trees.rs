@@ -1,6 +1,6 @@
 //! The number of trees, from one to ten: its effect on the distribution of 1 − `IoU`.
 
-use super::answers::{AskedFrame, difference, mean_sd};
+use super::answers::{FrameAnswer, difference, mean_sd};
 use super::forests::{ForestKind, Trained};
 use super::paper::ENOUGH_TREES;
 use super::progress::Progress;
@@ -85,7 +85,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         both.push(asked);
     }
     if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &both[..]) {
-        let shown = |asked: &[Vec<AskedFrame>]| {
+        let shown = |asked: &[Vec<FrameAnswer>]| {
             let each = counts
                 .iter()
                 .zip(asked)
@@ -121,10 +121,10 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
 }
 
 /// 1 − `IoU` of all frames, ascending.
-fn lost(asked: &[AskedFrame]) -> Vec<f64> {
+fn lost(asked: &[FrameAnswer]) -> Vec<f64> {
     let mut lost: Vec<f64> = asked
         .iter()
-        .filter_map(AskedFrame::iou)
+        .filter_map(FrameAnswer::iou)
         .map(|iou| 1.0 - iou)
         .collect();
     lost.sort_by(f64::total_cmp);
@@ -137,7 +137,7 @@ fn measure(
     kind: ForestKind,
     counts: &[usize],
     progress: Progress,
-) -> Vec<Vec<AskedFrame>> {
+) -> Vec<Vec<FrameAnswer>> {
     let most = counts.iter().copied().max().unwrap_or(1);
     let mut asked = vec![Vec::new(); counts.len()];
     for (repeat, set) in sets.iter().enumerate() {

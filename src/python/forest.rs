@@ -275,7 +275,7 @@ fn train(
     }
     let training = Progress::new(|at: TrainProgress| steps.report(at.placed, at.total));
     let mut model = learn(document, &studied, options, &training).map_err(|error| match error {
-        LearnError::Stopped(Stopped::Asked) => stopped(),
+        LearnError::Stopped(Stopped::Cancelled) => stopped(),
         error => failure(error),
     })?;
     if measured {

@@ -114,7 +114,7 @@ const SUBMENUS: [(&str, &[Command]); 12] = [
             Command::StopTracking,
             Command::MendCameras,
             Command::StopMending,
-            Command::DiscardCarried,
+            Command::DiscardTracked,
             Command::DiscardBatch,
             Command::TakeLength,
         ],

@@ -23,7 +23,7 @@ use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Mat3, Vec3};
 #[cfg(feature = "opencv")]
 use touchline::jobs::{SharedPictures, Trainer, TrainerOptions};
-use touchline::proposals::{Answer, Asked, Proposal, Timings};
+use touchline::proposals::{Answer, FrameRequest, Proposal, Timings};
 use touchline::relocalize::NotFound;
 use touchline::ui::{Panel, Pictures, apply_theme, read, show};
 
@@ -166,10 +166,10 @@ impl Window {
                 Ok(answer)
             };
             let frame = &document.frames[frame];
-            let asked = Asked::of(document, frame);
+            let request = FrameRequest::from_frame(document, frame);
             Proposal {
                 frame: frame.id.clone(),
-                asked,
+                request,
                 generation,
                 outcome,
                 timings: Timings::default(),

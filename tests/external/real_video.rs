@@ -139,7 +139,7 @@ fn the_trainer_carries_cameras_between_key_frames() {
     let file = folder.path().join("project.json");
     let trainer = Trainer::start(file, options, SharedPictures::none(), wake).unwrap();
     trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
-    let (mut status, mut asked, mut carried) = (TrainerStatus::default(), 0, 0);
+    let (mut status, mut asked, mut tracked) = (TrainerStatus::default(), 0, 0);
     while !(status.doing == Doing::Nothing && status.forest.is_some()) {
         woken.recv().unwrap();
         for report in trainer.poll() {
@@ -151,8 +151,8 @@ fn the_trainer_carries_cameras_between_key_frames() {
                         camera.record(document.frames.by_id_mut(&camera.frame).unwrap());
                     }
                 }
-                TrainerReport::Carried(cameras) => {
-                    carried += cameras.len();
+                TrainerReport::Tracked(cameras) => {
+                    tracked += cameras.len();
                     for camera in cameras {
                         camera.record(document.frames.by_id_mut(&camera.frame).unwrap());
                     }
@@ -165,8 +165,8 @@ fn the_trainer_carries_cameras_between_key_frames() {
     assert_eq!(status.trouble, None);
     // Eight beside the first frame, and two key frames.
     assert!(
-        asked <= 10 && carried == 59,
-        "{asked} asked, {carried} carried"
+        asked <= 10 && tracked == 59,
+        "{asked} asked, {tracked} carried"
     );
     let pans: Vec<f64> = document
         .frames

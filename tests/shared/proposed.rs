@@ -1,7 +1,7 @@
 //! Documents whose frames are proposed, and what a forest says of a frame.
 
 use crate::bench::{SIZE, base};
-use touchline_calibration::proposals::{Answer, Asked, Proposal, Timings};
+use touchline_calibration::proposals::{Answer, FrameRequest, Proposal, Timings};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Mat3;
 use touchline_documents::document::{
@@ -86,10 +86,10 @@ pub fn proposal_in(
         .into()),
     };
     let frame = &document.frames[frame];
-    let asked = Asked::of(document, frame);
+    let request = FrameRequest::from_frame(document, frame);
     Proposal {
         frame: frame.id.clone(),
-        asked,
+        request,
         generation,
         outcome,
         timings: Timings::default(),

@@ -364,9 +364,9 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
     assert_eq!(tracked(&headless.app), 28);
 
     // They go as they came.
-    headless.act(Action::Command(Command::DiscardCarried));
+    headless.act(Action::Command(Command::DiscardTracked));
     assert_eq!(tracked(&headless.app), 0);
-    assert!(headless.app.why_not(Command::DiscardCarried).is_some());
+    assert!(headless.app.why_not(Command::DiscardTracked).is_some());
     let decided = |app: &App| {
         app.open()
             .unwrap()

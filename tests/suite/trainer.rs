@@ -33,7 +33,7 @@ fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
             match report {
                 TrainerReport::Status(status) => last = *status,
                 TrainerReport::Proposals(proposals) => proposed.extend(proposals),
-                TrainerReport::Carried(_) => panic!("these are no videos"),
+                TrainerReport::Tracked(_) => panic!("these are no videos"),
                 TrainerReport::Features(_) => panic!("nobody asked for features"),
                 TrainerReport::Broken { message } => panic!("{message}"),
             }

@@ -82,7 +82,7 @@ pub enum Command {
     Snap,
     SearchLines,
     Track,
-    DiscardCarried,
+    DiscardTracked,
     DiscardBatch,
     StopTracking,
     MendCameras,
@@ -220,7 +220,7 @@ rows! {
     Snap, "snap", Frame, Picture, "Snap to the painted lines", "Refine pan, tilt and focal length on the painted lines of the picture, held by the points. Hold the key to see the camera before. One step of undo.", ["S"];
     SearchLines, "search_lines", Frame, Picture, "Search the painted lines", "Find this frame's camera from its painted lines alone; for wide views of a camera whose base is known. The result is a suggestion.", [];
     Track, "track", Frame, Picture, "Carry cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions.", ["T"];
-    DiscardCarried, "discard_carried", Frame, Picture, "Discard the carried cameras", "Restore what the frames showed before cameras were carried to them. Frames that you have changed or accepted since are kept.", [];
+    DiscardTracked, "discard_carried", Frame, Picture, "Discard the carried cameras", "Restore what the frames showed before cameras were carried to them. Frames that you have changed or accepted since are kept.", [];
     DiscardBatch, "discard_batch", Frame, Picture, "Discard this batch of suggestions", "Discard this frame's suggestion and all others that came with it: from the same forest, shot or search. Frames that you have changed or accepted since are kept; the others show what was suggested before. No step of undo.", [];
     TakeLength, "take_length", Frame, Picture, "Take the measured length of the field", "Use the length of the field that the painted lines of the carried frames ask for, where nobody has stated it. One step of undo.", [];
     RefineBaseOnShot, "refine_base_on_shot", Frame, Picture, "Refine the base on this shot", "Track the shot, correct the camera's base and an assumed field size by the painted lines of all its frames, and repeat that until it stands; then carry the cameras through the shot. One clicked frame is enough. Undo takes the base back, and with it what was carried.", ["Shift+T"];

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
 use touchline_calibration::proposals::{
-    BatchId, CarriedProposal, Discarded, Finder, Offer, Project, Proposal,
+    BatchId, Discarded, Finder, Project, Proposal, SuggestionUpdate, TrackedProposal,
 };
 use touchline_core::field::{FieldError, FieldModel, Template};
 use touchline_core::solve::FrameSolution;
@@ -151,24 +151,24 @@ impl OpenProject {
         self.forest_generation = self.forest_generation.max(newest);
         let is_current = |proposal: &&Proposal| proposal.generation == self.forest_generation;
         let current = proposals.iter().filter(is_current);
-        let offers: Vec<_> = current.filter_map(Proposal::offer).collect();
+        let updates: Vec<_> = current.filter_map(Proposal::update).collect();
         let batch = self.batch_of_forest(self.forest_generation);
-        self.suggest(batch, &offers)
+        self.suggest(batch, &updates)
     }
 
     /// Takes in cameras that were tracked from a forest's proposals. `newest` is the newest
     /// generation among them. Cameras from an outdated forest are dropped.
-    pub(super) fn take_carried(
+    pub(super) fn take_tracked(
         &mut self,
-        carried: &[CarriedProposal],
+        tracked: &[TrackedProposal],
         newest: u64,
     ) -> Option<Edit> {
-        let current = carried
+        let current = tracked
             .iter()
-            .filter(|carried| carried.generation >= self.forest_generation);
-        let offers: Vec<_> = current.map(CarriedProposal::offer).collect();
+            .filter(|tracked| tracked.generation >= self.forest_generation);
+        let updates: Vec<_> = current.map(TrackedProposal::update).collect();
         let batch = self.batch_of_forest(newest);
-        self.suggest(batch, &offers)
+        self.suggest(batch, &updates)
     }
 
     /// The batch for a forest's proposals and for the cameras tracked from them.
@@ -178,9 +178,9 @@ impl OpenProject {
 
     /// Adds suggestions to a batch; this is no step of undo. Returns the edit for the journal; none
     /// if nothing changes.
-    pub(super) fn suggest(&mut self, batch: BatchId, offers: &[Offer]) -> Option<Edit> {
+    pub(super) fn suggest(&mut self, batch: BatchId, updates: &[SuggestionUpdate]) -> Option<Edit> {
         let mut document = self.document.clone();
-        let edit = self.project.suggest(&mut document, batch, offers)?;
+        let edit = self.project.suggest(&mut document, batch, updates)?;
         *self.document = document;
         self.revision += 1;
         Some(edit)

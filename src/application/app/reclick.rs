@@ -7,7 +7,7 @@ use touchline_documents::document::{Document, FrameStatus};
 
 /// A landmark to be clicked.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Asked {
+pub struct ReclickTarget {
     /// The index of the frame.
     pub frame: usize,
     /// The landmark.
@@ -18,7 +18,7 @@ pub struct Asked {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reclick {
     /// All landmarks of the round, in order.
-    asked: Vec<Asked>,
+    asked: Vec<ReclickTarget>,
     /// The index of the present one.
     at: usize,
     /// The indices in `asked` of the landmarks that were clicked, latest last. The others before
@@ -37,7 +37,7 @@ impl Reclick {
         let frames = document.frames.iter().enumerate();
         let gold = frames.filter(|(_, frame)| frame.gold && frame.status == FrameStatus::Reference);
         let asked = gold.flat_map(|(index, frame)| {
-            frame.asked_again().map(move |id| Asked {
+            frame.asked_again().map(move |id| ReclickTarget {
                 frame: index,
                 landmark: id.clone(),
             })
@@ -51,7 +51,7 @@ impl Reclick {
 
     /// The present landmark; none at the end.
     #[must_use]
-    pub fn asked(&self) -> Option<&Asked> {
+    pub fn asked(&self) -> Option<&ReclickTarget> {
         self.asked.get(self.at)
     }
 

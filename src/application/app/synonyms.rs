@@ -27,7 +27,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::TrainerPanel | C::PauseTrainer => "forest learn model training relocalization",
         C::ReviewPanel => "suggestions proposals list",
         C::QualityPage => "statistics errors residuals report",
-        C::Track | C::DiscardCarried | C::StopTracking | C::RefineBaseOnShot => {
+        C::Track | C::DiscardTracked | C::StopTracking | C::RefineBaseOnShot => {
             "propagate interpolate carry follow tracking"
         }
         C::MendCameras | C::StopMending => "repair fix correct calibration import",

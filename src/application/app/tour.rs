@@ -91,7 +91,7 @@ impl TourStep {
 
 /// The state of the document as the tour sees it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Sight {
+pub(super) struct TourView {
     /// The shown frame.
     pub frame: Option<FrameId>,
     /// Its points, px.
@@ -106,7 +106,7 @@ pub(super) struct Sight {
     pub decided: usize,
 }
 
-impl Sight {
+impl TourView {
     /// The state of a document; `solved` is about the shown frame.
     pub fn of(document: &Document, shown: Option<&Frame>, solved: bool) -> Self {
         let count = |wanted: &dyn Fn(&Frame) -> bool| {
@@ -136,14 +136,14 @@ impl Sight {
 pub struct Tour {
     step: TourStep,
     /// The state when the step began.
-    since: Sight,
+    since: TourView,
     /// Whether the user has taken a point in this step.
     took_point: bool,
 }
 
 impl Tour {
     /// Starts with the first step.
-    pub(super) const fn begin(seen: Sight) -> Self {
+    pub(super) const fn begin(seen: TourView) -> Self {
         Self {
             step: TourStep::FirstPoint,
             since: seen,
@@ -163,7 +163,7 @@ impl Tour {
     }
 
     /// Advances to the next step if the present one is done.
-    pub(super) fn look(&mut self, seen: Sight) {
+    pub(super) fn look(&mut self, seen: TourView) {
         let since = &self.since;
         let (done, next) = match self.step {
             TourStep::FirstPoint => (seen.named > since.named, TourStep::SecondPoint),

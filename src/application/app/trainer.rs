@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 use touchline_calibration::proposals::{
-    CarriedProposal, Coverage, Proposal, Quality, RefusedForests, Suspect, TrainingSampleError,
+    Coverage, Proposal, Quality, RefusedForests, Suspect, TrackedProposal, TrainingSampleError,
     UsedFeatures,
 };
 use touchline_core::progress::Share;
@@ -120,7 +120,7 @@ pub struct AnswerKey {
     /// The generation of the forest that answered, or from whose answers the camera was tracked.
     pub generation: u64,
     /// Whether the camera was tracked from other frames.
-    pub is_carried: bool,
+    pub is_tracked: bool,
 }
 
 /// An order to the trainer.
@@ -231,7 +231,7 @@ pub enum TrainerReport {
     /// Proposals of the forest.
     Proposals(Vec<Proposal>),
     /// Cameras that were tracked from key frames of a video to the frames between.
-    Carried(Vec<CarriedProposal>),
+    Tracked(Vec<TrackedProposal>),
     /// How the forest used the features of the shown frame.
     Features(Box<UsedFeatures>),
     /// The trainer stopped by an internal error and does not restart.

@@ -10,7 +10,7 @@ use touchline_application::app::session::{Dialog, Filter, Mode, SidePanel};
 use touchline_application::app::{
     Action, Command, EditAction, Effect, Navigation, PointerAction, TrainerReport, ViewAction,
 };
-use touchline_calibration::proposals::{Asked, Proposal};
+use touchline_calibration::proposals::{FrameRequest, Proposal};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_documents::document::{
@@ -427,11 +427,11 @@ fn undo_and_redo_neither_lose_nor_resurrect_what_is_proposed() {
     bench.command(Command::AcceptAndStay);
     bench.act(Action::Navigate(Navigation::GoTo(1)));
     bench.label("centre_mark");
-    let asked_of_untouched = Asked::of(&start, &start.frames[1]);
+    let request_for_untouched = FrameRequest::from_frame(&start, &start.frames[1]);
     let second = [2, 3].map(|frame| proposal(&bench, frame, 2, Some(2.0)));
     // Of frame 1 the answer arrives after it was clicked.
     let late = Proposal {
-        asked: asked_of_untouched,
+        request: request_for_untouched,
         ..proposal(&bench, 1, 2, Some(2.0))
     };
     bench.act(Action::Trainer(TrainerReport::Proposals(
@@ -537,7 +537,7 @@ fn answers_that_no_longer_hold_are_dropped() {
         "the same is not said twice"
     );
     let mut other = proposal(&bench, 2, 4, Some(2.0));
-    other.asked.sha256 = Some("another picture".into());
+    other.request.sha256 = Some("another picture".into());
     let beyond = Proposal {
         frame: "99".into(),
         ..proposal(&bench, 2, 4, Some(2.0))

@@ -38,7 +38,7 @@ pub(super) struct MatchedFrames {
     pub image_size: ImageSize,
     /// The edges of the view graph.
     pub matches: Vec<ViewGraphEdge>,
-    /// MarkingPixels of each frame.
+    /// The marking pixels of each frame.
     pub marking_pixels: Vec<MarkingPixels>,
     /// Masks of each frame: boxes whose pixels do not count.
     pub masks: Vec<Vec<PixelBox>>,

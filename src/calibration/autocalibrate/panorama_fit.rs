@@ -662,7 +662,7 @@ mod tests {
         let paint = (0..rotations.ptz.len()).map(of_frame).collect();
         FramesAtScale {
             log_scale: (f64::from(percent) / 100.0).ln(),
-            rotations: rotations,
+            rotations,
             paint,
         }
     }

@@ -105,7 +105,7 @@ pub fn learn_forest(
         &progress.part(LearningProgress::Training),
     ) {
         Ok(model) => Ok(Some(LearntForest { model, studied })),
-        Err(LearnError::Stopped(Stopped::Asked)) => Ok(None),
+        Err(LearnError::Stopped(Stopped::Cancelled)) => Ok(None),
         Err(error) => Err(explain_failure(error, pictures.document, studied)),
     }
 }

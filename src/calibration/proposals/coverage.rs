@@ -87,11 +87,11 @@ impl Coverage {
         let tilts = || outline.iter().map(|ray| ray.tilt.degrees());
         let tilt_deg = tilts().min_by(f64::total_cmp)? - MARGIN_DEG
             ..=tilts().max_by(f64::total_cmp)? + MARGIN_DEG;
-        let seeing: Vec<Sight> = training_frames
+        let seeing: Vec<ReferenceView> = training_frames
             .iter()
             .filter_map(|&index| document.frames.get(index).map(|frame| &**frame))
             .filter(|frame| frame.camera == *camera)
-            .filter_map(|frame| Sight::of(document, frame))
+            .filter_map(|frame| ReferenceView::of(document, frame))
             .collect();
         // Count for the centre of each cell the references that show it.
         let middle_of = |step: usize, steps: usize| (step as f64 + 0.5) / steps as f64;
@@ -106,7 +106,7 @@ impl Coverage {
                     tilt: Angle::from_degrees(tilt_deg),
                 };
                 let direction = ray.direction();
-                let seen = seeing.iter().filter(|sight| sight.shows(ray, &direction));
+                let seen = seeing.iter().filter(|view| view.shows(ray, &direction));
                 CoverageCell {
                     references: seen.count() as u32,
                     field: shows_field(field, &base, ray),
@@ -174,7 +174,7 @@ impl Coverage {
 }
 
 /// The view of a frame.
-struct Sight {
+struct ReferenceView {
     camera: PtzCamera,
     image_size: ImageSize,
     /// Direction of the centre of its picture in the base.
@@ -184,7 +184,7 @@ struct Sight {
     reach: f64,
 }
 
-impl Sight {
+impl ReferenceView {
     fn of(document: &Document, frame: &Frame) -> Option<Self> {
         let camera = document.pointed(frame)?;
         let image_size = frame.image_size;

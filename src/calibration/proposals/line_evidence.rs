@@ -155,7 +155,12 @@ impl LineEvidence {
                 let stands = weigh(snapped, scale, min_confidence).is_none();
                 stands
                     && (refused.is_none()
-                        || is_borne_out(snapped, answer, proposal.asked.base.as_ref(), image_size))
+                        || is_borne_out(
+                            snapped,
+                            answer,
+                            proposal.request.base.as_ref(),
+                            image_size,
+                        ))
             };
             if let Some(snapped) =
                 snapped.and_then(|mut snapped| is_better(&mut snapped).then_some(snapped))
@@ -196,7 +201,7 @@ impl LineEvidence {
         proposal: &mut Proposal,
     ) -> Option<PaintAnswer> {
         let frame = at.document.frames.by_id(&proposal.frame)?;
-        let (answer, base) = (proposal.outcome.as_mut().ok()?, proposal.asked.base?);
+        let (answer, base) = (proposal.outcome.as_mut().ok()?, proposal.request.base?);
         let picture = read_picture(reader, frame, at.folder).ok()?;
         let (ground, field) = (
             ground(at, frame, &picture),
@@ -302,12 +307,12 @@ fn supports_hardly_any(proposals: &[Proposal]) -> bool {
     let checks = proposals
         .iter()
         .filter_map(|proposal| proposal.outcome.as_ref().ok()?.line_check.as_ref());
-    let (mut asked, mut supported) = (0_usize, 0_usize);
+    let (mut request, mut supported) = (0_usize, 0_usize);
     for check in checks.filter(|check| can_say(check)) {
-        asked += 1;
+        request += 1;
         supported += usize::from(check.verdict() == LineVerdict::Supports);
     }
-    asked >= ENOUGH_ANSWERS && (supported as f64) < LEAST_SUPPORTED * asked as f64
+    request >= ENOUGH_ANSWERS && (supported as f64) < LEAST_SUPPORTED * request as f64
 }
 
 /// Updates the confidence of an answer with the paint: how well it supports the answer, and how far

@@ -10,7 +10,7 @@
 //! | [`Project`] | the user's edits, the suggestions of the program in batches, and the view of both |
 //! | [`LineEvidence`] | the check of an answer against the painted lines |
 //! | `AskingOrder` | the order in which the forest is queried for frames |
-//! | `KeyWindow`, [`CarriedProposal`] | key frames of a video; cameras tracked from them to the frames between |
+//! | `KeyWindow`, [`TrackedProposal`] | key frames of a video; cameras tracked from them to the frames between |
 //! | `TrainingSet` | identity of the references that a forest was trained on |
 //! | [`measure`], [`Quality`] | cross-validation of the forest: references left out and queried |
 //! | [`ExpectedWrong`] | the expected number of wrong answers |
@@ -23,11 +23,9 @@
 //! thread of its own.
 
 mod advice;
-mod asked;
 mod bases;
 mod batches;
 mod burnt_in;
-mod carried;
 mod coverage;
 mod expected_wrong;
 mod features;
@@ -44,21 +42,21 @@ mod project;
 mod proposal;
 mod proposing;
 mod quality;
+mod request;
 mod spread;
 mod store;
 mod suggestions;
 mod suspects;
+mod tracked;
 mod training_frames;
 mod training_sample;
 mod training_set;
 mod used_features;
 
 pub use advice::{LabelAdvice, LabelNext, label_advice};
-pub use asked::Asked;
 pub use bases::{BaseMismatch, adopt_bases};
 pub use batches::Look;
 pub use burnt_in::FoundMask;
-pub use carried::{CarriedProposal, offer_tracked_clip};
 pub use coverage::{Coverage, CoverageCell};
 pub use expected_wrong::ExpectedWrong;
 pub use features::{FrameFeatures, FramePictures, Resolution};
@@ -69,13 +67,15 @@ pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn
 pub use line_evidence::LineEvidence;
 pub use order::AskingOrder;
 pub use picture::{FramePicture, PictureError, PictureStream, read_picture};
-pub use project::{Discarded, Offer, Project, RefusedForests};
+pub use project::{Discarded, Project, RefusedForests, SuggestionUpdate};
 pub use proposal::{Answer, NoProposal, Proposal, Timings};
 pub use proposing::propose;
 pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
+pub use request::FrameRequest;
 pub use store::{FeatureStore, WorkFolder};
 pub use suggestions::{BatchId, Finder};
 pub use suspects::{Suspect, find_suspects};
+pub use tracked::{TrackedProposal, suggest_tracked_clip};
 pub use training_frames::TrainingFrames;
 pub use training_sample::{FeatureRays, TrainingSample};
 pub use training_set::TrainingSet;

@@ -11,7 +11,7 @@
 //! undone, the frame is untouched again and shows whatever is suggested for it at that time.
 
 use super::suggestions::{Novelty, Suggestions, TakenOut};
-use super::{Asked, BatchId, Finder};
+use super::{BatchId, Finder, FrameRequest};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::counted;
@@ -21,16 +21,16 @@ use touchline_documents::document::{
 
 /// A result for a frame, to be suggested.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Offer {
+pub struct SuggestionUpdate {
     /// Id of the frame.
     pub(super) id: FrameId,
     /// The frame at the time of the request.
-    pub(super) asked: Asked,
+    pub(super) request: FrameRequest,
     /// The suggestion for it.
     pub(super) suggestion: Suggestion,
 }
 
-impl Offer {
+impl SuggestionUpdate {
     /// The suggestion that `record` writes into the frame at a position. None if there is no such
     /// frame, the user has decided on it, or what was written is no suggestion.
     pub fn from_recorded(
@@ -42,13 +42,13 @@ impl Offer {
             .frames
             .get(position)
             .filter(|frame| frame.is_open())?;
-        let asked = Asked::of(document, frame);
+        let request = FrameRequest::from_frame(document, frame);
         let mut with = Frame::clone(frame);
         record(&mut with);
-        let suggestion = Suggestion::in_frame(&with, asked.base.as_ref())?;
+        let suggestion = Suggestion::in_frame(&with, request.base.as_ref())?;
         Some(Self {
             id: frame.id.clone(),
-            asked,
+            request,
             suggestion,
         })
     }
@@ -274,21 +274,21 @@ impl Project {
         &mut self,
         now: &mut Document,
         batch: BatchId,
-        offers: &[Offer],
+        updates: &[SuggestionUpdate],
     ) -> Option<Edit> {
         let mut changed = Vec::new();
-        for Offer {
+        for SuggestionUpdate {
             id,
-            asked,
+            request,
             suggestion,
-        } in offers
+        } in updates
         {
             // Drop results for a frame if its picture or camera changed since the request.
             if self
                 .edited
                 .frames
                 .by_id(id)
-                .is_none_or(|frame| !asked.is_of(frame))
+                .is_none_or(|frame| !request.is_of(frame))
             {
                 continue;
             }

@@ -1,7 +1,7 @@
 //! A proposed camera as plain data: its frame, the forest that found it, and the camera or the
 //! reason why there is none.
 
-use super::{Asked, Offer, PictureError};
+use super::{FrameRequest, PictureError, SuggestionUpdate};
 use crate::calibrate::paint_evidence;
 use std::time::Duration;
 use thiserror::Error;
@@ -19,7 +19,7 @@ pub struct Proposal {
     /// Id of the frame.
     pub frame: FrameId,
     /// The frame at the time of the request, by which a stale answer is recognised.
-    pub asked: Asked,
+    pub request: FrameRequest,
     /// Generation of the forest: later ones have greater numbers.
     pub generation: u64,
     /// The camera, or why there is none.
@@ -165,10 +165,10 @@ impl Proposal {
         reason: NoProposal,
     ) -> Self {
         let frame = &document.frames[index];
-        let asked = Asked::of(document, frame);
+        let request = FrameRequest::from_frame(document, frame);
         Self {
             frame: frame.id.clone(),
-            asked,
+            request,
             generation,
             outcome: Err(reason),
             timings: Timings::default(),
@@ -219,8 +219,8 @@ impl Proposal {
             }
         };
         Suggestion {
-            revision: self.asked.revision,
-            base: self.asked.base,
+            revision: self.request.revision,
+            base: self.request.base,
             ptz,
             solution: Some(solution),
         }
@@ -229,11 +229,11 @@ impl Proposal {
     /// The suggestion as an offer to a project. None if the camera has no base, because then the
     /// forest was not queried.
     #[must_use]
-    pub fn offer(&self) -> Option<Offer> {
+    pub fn update(&self) -> Option<SuggestionUpdate> {
         let is_answer = !matches!(self.outcome, Err(NoProposal::NoBase { .. }));
-        is_answer.then(|| Offer {
+        is_answer.then(|| SuggestionUpdate {
             id: self.frame.clone(),
-            asked: self.asked.clone(),
+            request: self.request.clone(),
             suggestion: self.suggestion(),
         })
     }

@@ -1,6 +1,6 @@
 //! Queries the forest for a frame.
 
-use super::{Answer, Asked, FrameFeatures, NoProposal, PictureError, Proposal, Timings};
+use super::{Answer, FrameFeatures, FrameRequest, NoProposal, PictureError, Proposal, Timings};
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FramePtz};
@@ -16,7 +16,7 @@ pub fn propose(
     options: &RelocalizeOptions,
 ) -> Proposal {
     let frame = &*document.frames[index];
-    let asked = Asked::of(document, frame);
+    let request = FrameRequest::from_frame(document, frame);
     let mut timings = Timings::default();
     let outcome = found.map_err(NoProposal::from).and_then(|found| {
         timings.features = found.time;
@@ -24,7 +24,7 @@ pub fn propose(
         let forest = model
             .camera(frame.camera.as_str())
             .ok_or_else(|| NoProposal::NoReferences { camera: camera() })?;
-        let base = asked
+        let base = request
             .base
             .ok_or_else(|| NoProposal::NoBase { camera: camera() })?;
         // Match the features in the forest and estimate the pose from the matched rays.
@@ -44,7 +44,7 @@ pub fn propose(
     });
     Proposal {
         frame: frame.id.clone(),
-        asked,
+        request,
         generation,
         outcome,
         timings,

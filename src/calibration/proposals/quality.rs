@@ -51,7 +51,7 @@ pub struct Quality {
     /// Number of groups that could be left out; at most eight of them were.
     pub groups: usize,
     /// The references that were queried, in the document's order.
-    pub asked: Vec<LeftOut>,
+    pub tested: Vec<LeftOut>,
 }
 
 /// What is left out together with a reference.
@@ -92,9 +92,9 @@ impl Quality {
     /// Number of references for which the forest found an answer.
     #[must_use]
     pub fn found(&self) -> usize {
-        self.asked
+        self.tested
             .iter()
-            .filter(|asked| asked.found.is_some())
+            .filter(|tested| tested.found.is_some())
             .count()
     }
 
@@ -103,9 +103,9 @@ impl Quality {
     pub fn median_px(&self) -> Option<f64> {
         median(
             &mut self
-                .asked
+                .tested
                 .iter()
-                .filter_map(|asked| Some(asked.found?.error_px))
+                .filter_map(|tested| Some(tested.found?.error_px))
                 .collect::<Vec<_>>(),
         )
     }
@@ -115,9 +115,9 @@ impl Quality {
     #[must_use]
     pub fn shown(&self) -> Shown {
         let certain = self
-            .asked
+            .tested
             .iter()
-            .filter_map(|asked| asked.found)
+            .filter_map(|tested| tested.found)
             .filter(|found| found.confidence >= CERTAIN);
         let right = certain.clone().filter(|found| found.error_px <= RIGHT_PX);
         Shown {
@@ -129,9 +129,9 @@ impl Quality {
     /// Bounds the confidences of a forest by what was measured on its own references.
     pub fn bound(&self, document: &Document, model: &mut ForestModel) {
         let measured = self
-            .asked
+            .tested
             .first()
-            .and_then(|asked| document.frames.by_id(&asked.frame));
+            .and_then(|tested| document.frames.by_id(&tested.frame));
         for camera in &mut model.cameras {
             if measured.is_some_and(|frame| frame.camera.as_str() == camera.camera) {
                 camera.seen.shown = self.shown();
@@ -141,9 +141,9 @@ impl Quality {
 
     /// The references with wrong answers.
     pub fn wrong(&self) -> impl Iterator<Item = &LeftOut> {
-        self.asked
+        self.tested
             .iter()
-            .filter(|asked| asked.found.is_some_and(|found| found.error_px > WRONG_PX))
+            .filter(|tested| tested.found.is_some_and(|found| found.error_px > WRONG_PX))
     }
 }
 
@@ -151,7 +151,7 @@ impl Quality {
 /// of them that are queried.
 struct Group {
     left_out: BTreeSet<usize>,
-    asked: Vec<usize>,
+    tested: Vec<usize>,
 }
 
 /// The training samples of one camera, collected.
@@ -195,7 +195,7 @@ pub fn measure(
     groups.retain(|group| group.left_out.len() < collected.frames.len());
     let count = groups.len();
     let groups = spread(groups, MOST_GROUPS);
-    let mut asked = Vec::new();
+    let mut tested = Vec::new();
     for (done, group) in groups.iter().enumerate() {
         let so_far = Share {
             done,
@@ -211,14 +211,14 @@ pub fn measure(
         ) {
             Ok(forest) => forest,
             Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
-            Err(Stopped::Asked) => return None,
+            Err(Stopped::Cancelled) => return None,
         };
         let Some(seen) = collected.seen_without(&group.left_out) else {
             continue;
         };
         // Query the forest for the group and compare with the labels.
         let frames: Vec<usize> = group
-            .asked
+            .tested
             .iter()
             .map(|&place| collected.frames[place])
             .collect();
@@ -240,7 +240,7 @@ pub fn measure(
                 confidence: pose.confidence,
             });
             let (pan_deg, tilt_deg) = (sample.ptz.pan.degrees(), sample.ptz.tilt.degrees());
-            asked.push((
+            tested.push((
                 sample.frame,
                 LeftOut {
                     frame: frame.id.clone(),
@@ -252,12 +252,12 @@ pub fn measure(
         }
     }
     // Groups were queried one after the other; return the document's order.
-    asked.sort_by_key(|(index, _)| *index);
-    let asked: Vec<LeftOut> = asked.into_iter().map(|(_, asked)| asked).collect();
-    (!asked.is_empty()).then_some(Quality {
+    tested.sort_by_key(|(index, _)| *index);
+    let tested: Vec<LeftOut> = tested.into_iter().map(|(_, tested)| tested).collect();
+    (!tested.is_empty()).then_some(Quality {
         left_out_by,
         groups: count,
-        asked,
+        tested,
     })
 }
 
@@ -331,7 +331,7 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
                 .filter(|&index| frame(index).clip.as_ref() == clip)
                 .collect();
             Group {
-                asked: subsample(&left_out, MOST_OF_A_SHOT).copied().collect(),
+                tested: subsample(&left_out, MOST_OF_A_SHOT).copied().collect(),
                 left_out,
             }
         };
@@ -353,9 +353,9 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
                 Box::new(|a: usize, b: usize| a.abs_diff(b) <= 1),
             )
         };
-    let of_one = |asked| Group {
-        asked: vec![asked],
-        left_out: all.clone().filter(|&other| near(asked, other)).collect(),
+    let of_one = |tested| Group {
+        tested: vec![tested],
+        left_out: all.clone().filter(|&other| near(tested, other)).collect(),
     };
     (by, all.clone().map(of_one).collect())
 }

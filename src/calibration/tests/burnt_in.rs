@@ -308,11 +308,11 @@ mod drawn {
 
         fn answer(
             &self,
-            asked: &Features,
+            request: &Features,
             (forest, seen): (&Forest, &SeenRange),
         ) -> Result<Pose, NotFound> {
             relocalize(
-                asked,
+                request,
                 forest,
                 seen,
                 &self.base,

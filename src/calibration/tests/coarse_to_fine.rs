@@ -134,7 +134,7 @@ fn the_demo_is_answered_by_coarse_features_and_only_doubts_cost_fine_ones() {
         assert_eq!(proposal.frame, frame.id);
         let answer = proposal.outcome.as_ref().unwrap();
         let camera = truth.pointed(&truth.frames[index]).unwrap();
-        let found = PtzCamera::new(proposal.asked.base.unwrap(), answer.ptz.ptz());
+        let found = PtzCamera::new(proposal.request.base.unwrap(), answer.ptz.ptz());
         let error_px = overlay_error_px(&camera, &found, frame.image_size);
         assert!(error_px < 10.0, "{}: {error_px} px", frame.name());
         let needed_fine = has_features(&pictures, frame, &options.features);

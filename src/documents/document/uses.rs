@@ -114,7 +114,7 @@ impl Frame {
 
     /// Whether its camera was tracked from its neighbours in a clip.
     #[must_use]
-    pub fn is_carried(&self) -> bool {
+    pub fn is_tracked(&self) -> bool {
         self.ptz.is_some() && self.source() == Some(SolutionSource::Tracking)
     }
 

@@ -6,7 +6,7 @@ mod methods;
 mod times;
 
 use super::answers::{
-    AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, describe_difference, difference, frame_table,
+    FoundCamera, FrameAnswer, TALLY_EXPLAINED, Tally, describe_difference, difference, frame_table,
     tally_table,
 };
 use super::forests::{ForestKind, trained_on};
@@ -46,7 +46,7 @@ const COUNTS: [usize; 5] = [5, 10, 20, 40, 87];
 const QUICK_COUNTS: [usize; 2] = [5, 15];
 
 /// The results of each method, by the number of references.
-type ByCount = Vec<(usize, [Vec<AskedFrame>; METHODS.len()])>;
+type ByCount = Vec<(usize, [Vec<FrameAnswer>; METHODS.len()])>;
 
 /// Runs the experiment.
 ///
@@ -144,14 +144,14 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
         .map(|(count, _)| (*count).min(order.len()))
         .collect();
     let asked: Vec<usize> = split.asked.iter().copied().step_by(stride).collect();
-    let one = |&frame: &usize| -> Vec<[AskedFrame; METHODS.len()]> {
+    let one = |&frame: &usize| -> Vec<[FrameAnswer; METHODS.len()]> {
         let known = &set.frames[frame];
         // Match once to all references. Smaller numbers use the first of them.
         let matched = Matched::to(known, &references, set.seed.wrapping_add(frame as u64));
-        let blank = AskedFrame::blank(set, place.repeat, place.split, frame);
+        let blank = FrameAnswer::blank(set, place.repeat, place.split, frame);
         let answered = |camera: Option<PtzCamera>| {
             let found = camera.map(|camera| FoundCamera::of(set, frame, &camera));
-            AskedFrame { found, ..blank }
+            FrameAnswer { found, ..blank }
         };
         let of_count = |(count, forests): (&usize, &[Option<(Forest, SeenRange)>; 2])| {
             let references = &references[..*count];
@@ -181,7 +181,7 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
         };
         counts.iter().zip(&forests).map(of_count).collect()
     };
-    let answers: Vec<Vec<[AskedFrame; METHODS.len()]>> = asked.par_iter().map(one).collect();
+    let answers: Vec<Vec<[FrameAnswer; METHODS.len()]>> = asked.par_iter().map(one).collect();
     for of_frame in answers {
         for ((_, methods), of_count) in by_count.iter_mut().zip(of_frame) {
             for (method, asked) in methods.iter_mut().zip(of_count) {

@@ -1,7 +1,7 @@
 //! The estimators that are compared, and the Cramér–Rao bound.
 
 use super::collected::Errors;
-use crate::setting::Sighting;
+use crate::setting::Correspondence;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::{Angle, Mat3, Vec2, Vec3};
 use touchline_core::solve::{Loss, Observation, refine, solve_two_points};
@@ -11,7 +11,7 @@ const AUTHORS_POINTS: usize = 32;
 const AUTHORS_ROUNDS: usize = 10;
 
 /// The two points that are farthest apart in the picture.
-pub fn farthest_pair(seen: &[Sighting]) -> [Sighting; 2] {
+pub fn farthest_pair(seen: &[Correspondence]) -> [Correspondence; 2] {
     let mut best = (0.0, [0, 0]);
     for (i, one) in seen.iter().enumerate() {
         for (j, two) in seen.iter().enumerate().skip(i + 1) {
@@ -26,7 +26,7 @@ pub fn farthest_pair(seen: &[Sighting]) -> [Sighting; 2] {
 
 /// This program's closed-form solution. Of two focal lengths, the one nearer to 2700 px, about the
 /// middle of the setting's range.
-pub fn two_points(base: &CameraBase, [one, two]: [Sighting; 2]) -> Option<Ptz> {
+pub fn two_points(base: &CameraBase, [one, two]: [Correspondence; 2]) -> Option<Ptz> {
     let found = solve_two_points(base, [one.world, two.world], [one.image, two.image]).ok()?;
     let off = |ptz: &Ptz| (ptz.focal_px / 2700.0).ln().abs();
     found.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
@@ -35,10 +35,15 @@ pub fn two_points(base: &CameraBase, [one, two]: [Sighting; 2]) -> Option<Ptz> {
 /// The closed form of the authors' program, with its two approximations: the cosine of the angle
 /// between two rays is taken as cos Δpan · cos Δtilt, and x depends on pan alone, y on tilt alone
 /// (eq. 2 of the paper).
-pub fn two_points_approximate(base: &CameraBase, sightings: [Sighting; 2]) -> Option<Ptz> {
-    let rays = sightings
-        .map(|sighting| PanTilt::from_direction(base.base_from_world_point(sighting.world)));
-    let pixels = sightings.map(|sighting| sighting.image.offset_from(base.principal_point));
+pub fn two_points_approximate(
+    base: &CameraBase,
+    correspondences: [Correspondence; 2],
+) -> Option<Ptz> {
+    let rays = correspondences.map(|correspondence| {
+        PanTilt::from_direction(base.base_from_world_point(correspondence.world))
+    });
+    let pixels = correspondences
+        .map(|correspondence| correspondence.image.offset_from(base.principal_point));
     let cosine =
         (rays[0].pan - rays[1].pan).radians().cos() * (rays[0].tilt - rays[1].tilt).radians().cos();
     let (a, b, c) = (
@@ -67,26 +72,28 @@ pub fn two_points_approximate(base: &CameraBase, sightings: [Sighting; 2]) -> Op
 }
 
 /// Least-squares refinement over all points with the exact projection.
-pub fn refined(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
+pub fn refined(base: &CameraBase, start: Ptz, seen: &[Correspondence]) -> Ptz {
     let observations: Vec<Observation> = seen
         .iter()
         .enumerate()
-        .map(|(click, sighting)| Observation::of_point(sighting.world, sighting.image, 1.0, click))
+        .map(|(click, correspondence)| {
+            Observation::of_point(correspondence.world, correspondence.image, 1.0, click)
+        })
         .collect();
     refine(base, start, &observations, Loss::Squared, None).ptz
 }
 
 /// The refinement of the authors' program: Gauss–Newton over a sample of the points, with the
 /// approximate projection in which x depends on pan alone and y on tilt alone (eq. 2 of the paper).
-pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
+pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Correspondence]) -> Ptz {
     let stride = (seen.len() / AUTHORS_POINTS).max(1);
     let points: Vec<(PanTilt, Vec2)> = seen
         .iter()
         .step_by(stride)
         .take(AUTHORS_POINTS)
-        .map(|sighting| {
-            let ray = PanTilt::from_direction(base.base_from_world_point(sighting.world));
-            (ray, sighting.image.offset_from(base.principal_point))
+        .map(|correspondence| {
+            let ray = PanTilt::from_direction(base.base_from_world_point(correspondence.world));
+            (ray, correspondence.image.offset_from(base.principal_point))
         })
         .collect();
     let mut ptz = start;
@@ -122,10 +129,10 @@ pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> 
 
 /// The Cramér–Rao bound: the smallest mean errors of an unbiased estimate with normal noise. The
 /// covariance is σ² (JᵀJ)⁻¹ at the true camera.
-pub fn bound(camera: &PtzCamera, seen: &[Sighting], sigma_px: f64) -> Errors {
+pub fn bound(camera: &PtzCamera, seen: &[Correspondence], sigma_px: f64) -> Errors {
     let jacobians = seen
         .iter()
-        .filter_map(|sighting| camera.image_from_world_jacobian(sighting.world).ok());
+        .filter_map(|correspondence| camera.image_from_world_jacobian(correspondence.world).ok());
     let information: Mat3 = jacobians
         .map(|here| here.by_ptz.transpose() * here.by_ptz)
         .sum();
@@ -155,7 +162,7 @@ pub fn bound(camera: &PtzCamera, seen: &[Sighting], sigma_px: f64) -> Errors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::setting::{base, drawn_ptz, rng, sightings};
+    use crate::setting::{base, correspondences, drawn_ptz, rng};
 
     #[test]
     fn without_noise_the_exact_form_is_exact_and_the_authors_is_not() {
@@ -163,7 +170,7 @@ mod tests {
         for index in 0..8 {
             let mut rng = rng(5, [1, index]);
             let camera = PtzCamera::new(base(), drawn_ptz(&mut rng));
-            let seen = sightings(&camera, &mut rng);
+            let seen = correspondences(&camera, &mut rng);
             let pair = farthest_pair(&seen);
             let errors = |ptz: Ptz| Errors::of(&camera, &PtzCamera::new(*camera.base(), ptz));
             let authors = two_points_approximate(camera.base(), pair).unwrap();
@@ -187,13 +194,13 @@ mod tests {
             (0.0, 250.0),
             (150.0, 0.0),
         ];
-        let seen: Vec<Sighting> = offsets
+        let seen: Vec<Correspondence> = offsets
             .iter()
             .map(|(x, y)| {
                 let image = camera.base().principal_point.moved(Vec2::new(*x, *y));
                 let world = camera.base().position_m
                     + camera.world_direction_from_image(image).unwrap() * 80.0;
-                Sighting {
+                Correspondence {
                     image,
                     world,
                     on_field: false,

@@ -13,7 +13,7 @@ mod wrong_base;
 use super::ExperimentOptions;
 use super::paper::FIGURE_B;
 use super::progress::Progress;
-use super::setting::{SIZE, Sighting, base, drawn_ptz, rng, sightings};
+use super::setting::{Correspondence, SIZE, base, correspondences, drawn_ptz, rng};
 use collected::{Collected, Errors, camera_table};
 use methods::{
     bound, farthest_pair, refined, refined_approximate, two_points, two_points_approximate,
@@ -82,10 +82,10 @@ struct Setting<'a> {
 
 /// A random camera and its points, the same for all noise levels.
 impl Setting<'_> {
-    fn camera(&self, index: usize) -> (PtzCamera, Vec<Sighting>) {
+    fn camera(&self, index: usize) -> (PtzCamera, Vec<Correspondence>) {
         let mut rng = rng(self.seed, [1, index as u64]);
         let camera = PtzCamera::new(base(), drawn_ptz(&mut rng));
-        let seen = sightings(&camera, &mut rng);
+        let seen = correspondences(&camera, &mut rng);
         (camera, seen)
     }
 
@@ -93,7 +93,10 @@ impl Setting<'_> {
     fn share_outside(&self) -> f64 {
         let shares = (0..self.cameras).map(|index| {
             let (_, seen) = self.camera(index);
-            seen.iter().filter(|sighting| !sighting.on_field).count() as f64 / seen.len() as f64
+            seen.iter()
+                .filter(|correspondence| !correspondence.on_field)
+                .count() as f64
+                / seen.len() as f64
         });
         shares.sum::<f64>() / self.cameras as f64
     }
@@ -103,7 +106,8 @@ impl Setting<'_> {
     fn collect<const N: usize>(
         &self,
         place: u64,
-        trial: impl Fn(&PtzCamera, &[Sighting], &mut rand_pcg::Pcg64Mcg) -> [Option<Errors>; N] + Sync,
+        trial: impl Fn(&PtzCamera, &[Correspondence], &mut rand_pcg::Pcg64Mcg) -> [Option<Errors>; N]
+        + Sync,
     ) -> [Collected; N] {
         let of_camera = |index: usize| {
             let (camera, seen) = self.camera(index);
@@ -133,9 +137,9 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
     let mut by_noise = Vec::new();
     for (place, sigma_px) in PIXEL_NOISES_PX.into_iter().enumerate() {
         let collected = setting.collect(100 + place as u64, |camera, seen, rng| {
-            let noisy: Vec<Sighting> = seen
+            let noisy: Vec<Correspondence> = seen
                 .iter()
-                .map(|sighting| sighting.noisy(sigma_px, rng))
+                .map(|correspondence| correspondence.noisy(sigma_px, rng))
                 .collect();
             // All methods use the same noisy pixels. The closed forms use the two that are farthest
             // apart.
@@ -331,9 +335,9 @@ mod tests {
             step: &|| {},
         };
         let [refined, bounds] = setting.collect(9, |camera, seen, rng| {
-            let noisy: Vec<Sighting> = seen
+            let noisy: Vec<Correspondence> = seen
                 .iter()
-                .map(|sighting| sighting.noisy(2.0, rng))
+                .map(|correspondence| correspondence.noisy(2.0, rng))
                 .collect();
             let start = two_points(camera.base(), farthest_pair(&noisy)).unwrap();
             let errors = Errors::of(

@@ -3,7 +3,7 @@
 use super::Setting;
 use super::collected::{Collected, Errors, camera_table};
 use super::methods::{farthest_pair, refined, two_points};
-use crate::setting::{Sighting, normals};
+use crate::setting::{Correspondence, normals};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::geometry::{Vec3, rotation};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
@@ -109,7 +109,11 @@ fn measure(
 }
 
 /// Errors of the full refinement with a disturbed base.
-fn with_wrong_base(camera: &PtzCamera, seen: &[Sighting], base: &CameraBase) -> Option<Errors> {
+fn with_wrong_base(
+    camera: &PtzCamera,
+    seen: &[Correspondence],
+    base: &CameraBase,
+) -> Option<Errors> {
     let start = two_points(base, farthest_pair(seen))?;
     Some(Errors::of(
         camera,

@@ -18,10 +18,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, quality: &Quality) {
     ui.add(Label::new(summary(quality)).wrap()).on_hover_text(
         "A forest is trained without these references and tested on them. Errors are those of the worst point of the overlay, px at 1920 px width.",
     );
-    let mut worst: Vec<&LeftOut> = quality.asked.iter().collect();
+    let mut worst: Vec<&LeftOut> = quality.tested.iter().collect();
     worst.sort_by(|a, b| error_px(b).total_cmp(&error_px(a)));
-    for asked in worst.into_iter().take(SHOWN) {
-        row(panel, ui, asked);
+    for tested in worst.into_iter().take(SHOWN) {
+        row(panel, ui, tested);
     }
 }
 
@@ -46,22 +46,22 @@ fn summary(quality: &Quality) -> String {
     format!(
         "Test without {without}: {} of {} references found{median}.{wrong}",
         quality.found(),
-        quality.asked.len()
+        quality.tested.len()
     )
 }
 
 /// The error at the worst point of the overlay, px at 1920 px width; infinite if the forest did not
 /// find the frame.
-fn error_px(asked: &LeftOut) -> f64 {
-    asked.found.map_or(f64::INFINITY, |found| found.error_px)
+fn error_px(tested: &LeftOut) -> f64 {
+    tested.found.map_or(f64::INFINITY, |found| found.error_px)
 }
 
 /// Shows a reference with its error; a click shows the frame.
-fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
-    let Some((place, name)) = place_and_name(panel, &asked.frame) else {
+fn row(panel: &mut Panel<'_>, ui: &mut Ui, tested: &LeftOut) {
+    let Some((place, name)) = place_and_name(panel, &tested.frame) else {
         return;
     };
-    let (says, colour): (String, Color32) = match asked.found {
+    let (says, colour): (String, Color32) = match tested.found {
         Some(found) if found.error_px <= WRONG_PX => {
             (format!("{:.1} px", found.error_px), ui.palette().text)
         }
@@ -89,7 +89,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     };
     let number = write(&says, colour, 90.0);
     let left = write(
-        &format!("{name}  pan {}", whole_degrees(asked.pan_deg)),
+        &format!("{name}  pan {}", whole_degrees(tested.pan_deg)),
         ui.palette().text,
         rect.width() - number.size().x - 16.0,
     );
@@ -101,7 +101,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     ui.painter().galley(number_at, number, colour);
     let left_at = egui::pos2(rect.left() + 4.0, middle(left.size().y));
     ui.painter().galley(left_at, left, ui.palette().text);
-    let confidence = asked
+    let confidence = tested
         .found
         .map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
     let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn the_summary_counts_found_and_wrong_references() {
-        let asked = |error_px: Option<f64>| LeftOut {
+        let tested = |error_px: Option<f64>| LeftOut {
             frame: FrameId::default(),
             pan_deg: 0.0,
             tilt_deg: -9.0,
@@ -129,21 +129,21 @@ mod tests {
                 confidence: 0.9,
             }),
         };
-        let asked = vec![
-            asked(Some(1.0)),
-            asked(None),
-            asked(Some(3.0)),
-            asked(Some(250.0)),
+        let tested = vec![
+            tested(Some(1.0)),
+            tested(None),
+            tested(Some(3.0)),
+            tested(Some(250.0)),
         ];
         let quality = Quality {
             left_out_by: LeftOutBy::Shot,
             groups: 2,
-            asked,
+            tested,
         };
         assert_eq!(
             summary(&quality),
             "Test without other references of the shot: 3 of 4 references found, median error 3.0 px. 1 with more than 20 px."
         );
-        assert_eq!(error_px(&quality.asked[1]), f64::INFINITY);
+        assert_eq!(error_px(&quality.tested[1]), f64::INFINITY);
     }
 }

@@ -23,8 +23,8 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
     if let (Some(camera), Some(frame)) = (&app.current().camera, app.frame()) {
         map.outline(camera, frame.image_size);
     }
-    for asked in quality.into_iter().flat_map(|quality| &quality.asked) {
-        dot(&map, asked);
+    for tested in quality.into_iter().flat_map(|quality| &quality.tested) {
+        dot(&map, tested);
     }
     if let Some(pan_deg) = label_next(panel, coverage) {
         map.pointer(pan_deg);
@@ -39,9 +39,9 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
 
 /// Draws a reference that was left out: filled if found, in another colour if found in a wrong
 /// place, a ring if not found.
-fn dot(map: &CoverageMap<'_>, asked: &LeftOut) {
-    let at = map.at(asked.pan_deg, asked.tilt_deg);
-    match asked.found {
+fn dot(map: &CoverageMap<'_>, tested: &LeftOut) {
+    let at = map.at(tested.pan_deg, tested.tilt_deg);
+    match tested.found {
         Some(found) if found.error_px <= WRONG_PX => {
             map.painter
                 .circle_filled(at, 3.0, map.painter.palette().good)

@@ -294,16 +294,16 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         format!("{} cameras", thousands(status.answered))
     };
     // Cameras that the forest proposed, and those that were tracked from frame to frame.
-    let carried = panel.app.open().map_or(0, |open| open.counts().carried);
+    let tracked = panel.app.open().map_or(0, |open| open.counts().tracked);
     ui.horizontal_wrapped(|ui| {
-        ui.label(match carried {
+        ui.label(match tracked {
             0 => format!("{cameras} proposed."),
-            carried => format!(
+            tracked => format!(
                 "{cameras} proposed, {} carried from frame to frame.",
-                thousands(carried)
+                thousands(tracked)
             ),
         });
-        if status.answered + carried > 0
+        if status.answered + tracked > 0
             && ui
                 .add(Button::new("Review").small())
                 .on_hover_text(panel.app.settings.keys.tooltip(Command::ReviewPanel))

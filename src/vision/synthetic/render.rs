@@ -8,7 +8,7 @@ use super::play::Side;
 use super::props::{Mover, Prop, movers};
 use super::ray::{Ray, RayCaster};
 use super::solid::Touch;
-use super::stadium::{GRASS, Sight, Stadium};
+use super::stadium::{GRASS, RayHit, Stadium};
 use image::{GrayImage, RgbImage};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -84,7 +84,7 @@ impl Stadium {
         let shadows = self.shadows(&props, camera, image_size);
 
         let width = image_size.width as usize;
-        let blank = Sight {
+        let blank = RayHit {
             light: Light::zeros(),
             depth: 0.0,
             surface: 0,
@@ -183,7 +183,7 @@ impl Stadium {
         &self,
         prop: &Placed,
         caster: &RayCaster<'_>,
-        sights: &[Sight],
+        sights: &[RayHit],
         row: &mut [Pixel],
         y: usize,
     ) {
@@ -250,7 +250,7 @@ impl Stadium {
         &self,
         shadow: &Shadow<'_>,
         caster: &RayCaster<'_>,
-        sights: &[Sight],
+        sights: &[RayHit],
         row: &mut [Pixel],
         y: usize,
     ) {
@@ -290,7 +290,7 @@ impl Stadium {
 }
 
 /// Whether a pixel sees another surface than one of its neighbours.
-fn on_edge(sights: &[Sight], width: usize, x: usize, y: usize) -> bool {
+fn on_edge(sights: &[RayHit], width: usize, x: usize, y: usize) -> bool {
     let height = sights.len() / width;
     let here = sights[y * width + x].surface;
     let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
@@ -366,7 +366,7 @@ impl Placed {
     fn seen(
         &self,
         caster: &RayCaster<'_>,
-        sights: &[Sight],
+        sights: &[RayHit],
         width: usize,
         stadium: &Stadium,
     ) -> Option<SeenMover> {

@@ -55,14 +55,14 @@ pub fn stadium(options: &StadiumOptions) -> Stadium {
 
 /// What a ray sees of what stands still.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sight {
+pub(super) struct RayHit {
     pub light: Light,
     pub depth: f64,
     /// Pixels that see different surfaces share an edge, which is then drawn more finely.
     pub surface: u8,
 }
 
-/// [`Sight::surface`] of the grass.
+/// [`RayHit::surface`] of the grass.
 pub(super) const GRASS: u8 = 1;
 const APRON: u8 = 2;
 const SKY: u8 = 3;
@@ -97,7 +97,7 @@ impl Stadium {
     }
 
     /// The ground, stands, boards and sky along a ray.
-    pub(super) fn look(&self, ray: &Ray) -> Sight {
+    pub(super) fn look(&self, ray: &Ray) -> RayHit {
         let ground = self.ground_along(ray);
         if let Some(board) = self
             .boards
@@ -105,7 +105,7 @@ impl Stadium {
             .filter(|b| ground.is_none_or(|g| b.at.depth < g.depth))
         {
             let surface = BOARDS.saturating_add(self.boards.number(&board));
-            return Sight {
+            return RayHit {
                 light: self.boards.colour(&board),
                 depth: board.at.depth,
                 surface,
@@ -122,7 +122,7 @@ impl Stadium {
                 self.lit_ground(&ground, APRON)
             }
             (_, Some(stands)) => self.lit_stands(&stands),
-            _ => Sight {
+            _ => RayHit {
                 light: self.lighting.sky_in(ray.direction),
                 depth: f64::INFINITY,
                 surface: SKY,
@@ -130,21 +130,21 @@ impl Stadium {
         }
     }
 
-    fn lit_ground(&self, hit: &PlaneHit, surface: u8) -> Sight {
+    fn lit_ground(&self, hit: &PlaneHit, surface: u8) -> RayHit {
         let light = self
             .ground
             .albedo(hit)
             .component_mul(&self.lighting.on_ground(hit.point));
-        Sight {
+        RayHit {
             light,
             depth: hit.depth,
             surface,
         }
     }
 
-    fn lit_stands(&self, hit: &BowlHit) -> Sight {
+    fn lit_stands(&self, hit: &BowlHit) -> RayHit {
         let light = self.crowd.colour(hit) * self.lighting.stands;
-        Sight {
+        RayHit {
             light,
             depth: hit.at.depth,
             surface: BOWL + hit.part as u8,

@@ -446,7 +446,7 @@ fn training_can_be_stopped_and_counts_honestly() {
         &TrainOptions::default(),
         &Progress::new(|_| ControlFlow::Break(())),
     );
-    assert_eq!(stopped.unwrap_err(), Stopped::Asked);
+    assert_eq!(stopped.unwrap_err(), Stopped::Cancelled);
     let mut nothing = Samples::new();
     nothing.add_frame([]);
     let error = train(&nothing, &TrainOptions::default(), &Progress::default()).unwrap_err();

@@ -243,8 +243,8 @@ pub(super) fn residual_px(edges: &[ViewGraphEdge], at: &EdgeState) -> f64 {
         let (one, other) = (&at.views[edge.first], &at.views[edge.second]);
         distances.extend(edge.matches.iter().filter_map(|(first, second)| {
             let (here, there) = (
-                one.sight(*first, &at.lens)?,
-                other.sight(*second, &at.lens)?,
+                one.direction(*first, &at.lens)?,
+                other.direction(*second, &at.lens)?,
             );
             let range_px = (one.range_px(*first) * other.range_px(*second)).sqrt();
             Some((here.direction - there.direction).norm() * range_px)

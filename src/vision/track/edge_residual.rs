@@ -16,7 +16,7 @@ pub(super) struct View {
 
 /// The direction in which a frame sees a point, unit, in the common frame, and its derivatives.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sight {
+pub(super) struct PointDirection {
     pub direction: Vec3,
     /// By ln f, including the change of k₁ with the focal length.
     pub by_log_focal: Vec3,
@@ -35,7 +35,7 @@ impl View {
     }
 
     /// Back-projects a pixel to the common frame; `None` beyond the fold of the lens.
-    pub fn sight(&self, at: ImagePoint, lens: &FocalCurve) -> Option<Sight> {
+    pub fn direction(&self, at: ImagePoint, lens: &FocalCurve) -> Option<PointDirection> {
         // Remove the distortion: the ideal point u solves D(u) = d for the distorted point d = (x −
         // pp) / f.
         let radial = lens.radial_at(self.focal_px);
@@ -55,7 +55,7 @@ impl View {
         let across = (Mat3::identity() - unit * unit.transpose()) / length;
         let common_from_cam = self.cam_from_common.transpose();
         let chain: Matrix3x2<f64> = common_from_cam * across.fixed_columns::<2>(0);
-        Some(Sight {
+        Some(PointDirection {
             direction: common_from_cam * unit,
             by_log_focal: chain * by_log_focal,
             by_k1: chain * by_k1,
@@ -111,30 +111,33 @@ impl MatchJacobian {
     /// The residual of the match `at`, one pixel per frame; `None` beyond the fold of a lens.
     pub fn new(views: [&View; 2], lenses: [&FocalCurve; 2], at: [ImagePoint; 2]) -> Option<Self> {
         let [one, other] = views;
-        let (here, there) = (one.sight(at[0], lenses[0])?, other.sight(at[1], lenses[1])?);
+        let (here, there) = (
+            one.direction(at[0], lenses[0])?,
+            other.direction(at[1], lenses[1])?,
+        );
         let ranges_px = [one.range_px(at[0]), other.range_px(at[1])];
         let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
         let value_px = (here.direction - there.direction) * range_px;
         // k₁(f) = value + slope (f − f₀) / 1000.
-        let by_k1 = |view: &View, sight: &Sight, lens: &FocalCurve| {
+        let by_k1 = |view: &View, direction: &PointDirection, lens: &FocalCurve| {
             [
-                sight.by_k1,
-                sight.by_k1 * ((view.focal_px - lens.at_focal_px) / 1000.0),
+                direction.by_k1,
+                direction.by_k1 * ((view.focal_px - lens.at_focal_px) / 1000.0),
             ]
         };
         let (by_here, by_there) = (
             by_k1(one, &here, lenses[0]),
             by_k1(other, &there, lenses[1]),
         );
-        let by_frame = |view: &View, sight: &Sight, own_range_px: f64, weight: f64| {
+        let by_frame = |view: &View, direction: &PointDirection, own_range_px: f64, weight: f64| {
             let [pan_axis, tilt_axis] = view.pan_and_tilt_axes();
             // The factor √(ρ₁ρ₂) depends on f, too: ∂ ln √(ρ₁ρ₂) / ∂ ln f = ½ (f/ρ)², ρ² = f² + r².
             let of_measure = 0.5 * (view.focal_px / own_range_px).powi(2);
             MatchByFrame {
-                turn: by_turn(sight.direction) * weight,
-                pan: pan_axis.cross(&sight.direction) * weight,
-                tilt: tilt_axis.cross(&sight.direction) * weight,
-                log_focal: sight.by_log_focal * weight + value_px * of_measure,
+                turn: by_turn(direction.direction) * weight,
+                pan: pan_axis.cross(&direction.direction) * weight,
+                tilt: tilt_axis.cross(&direction.direction) * weight,
+                log_focal: direction.by_log_focal * weight + value_px * of_measure,
             }
         };
         Some(Self {
@@ -172,15 +175,16 @@ mod tests {
             ..FocalCurve::NONE
         };
         let at = ImagePoint::new(1700.0, 130.0);
-        let here = view(0.3, -0.2, 0.0).sight(at, &lens).unwrap();
-        let numeric = |of: &dyn Fn(f64) -> Sight| (of(1e-6).direction - of(-1e-6).direction) / 2e-6;
+        let here = view(0.3, -0.2, 0.0).direction(at, &lens).unwrap();
+        let numeric =
+            |of: &dyn Fn(f64) -> PointDirection| (of(1e-6).direction - of(-1e-6).direction) / 2e-6;
         let [pan_axis, tilt_axis] = view(0.3, -0.2, 0.0).pan_and_tilt_axes();
-        let by_pan = numeric(&|step| view(0.3 + step, -0.2, 0.0).sight(at, &lens).unwrap());
-        let by_tilt = numeric(&|step| view(0.3, -0.2 + step, 0.0).sight(at, &lens).unwrap());
-        let by_focal = numeric(&|step| view(0.3, -0.2, step).sight(at, &lens).unwrap());
+        let by_pan = numeric(&|step| view(0.3 + step, -0.2, 0.0).direction(at, &lens).unwrap());
+        let by_tilt = numeric(&|step| view(0.3, -0.2 + step, 0.0).direction(at, &lens).unwrap());
+        let by_focal = numeric(&|step| view(0.3, -0.2, step).direction(at, &lens).unwrap());
         let by_k1 = numeric(&|step| {
             view(0.3, -0.2, 0.0)
-                .sight(
+                .direction(
                     at,
                     &FocalCurve {
                         value: lens.value + step,
@@ -203,7 +207,7 @@ mod tests {
                     cam_from_common: turned,
                     ..from
                 }
-                .sight(at, &lens)
+                .direction(at, &lens)
                 .unwrap()
             });
             assert!(

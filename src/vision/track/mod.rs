@@ -37,9 +37,9 @@ mod start;
 mod view_graph_edge;
 
 pub use clip::{
-    AdjustOptions, AdjustedClip, Carried, CarryOptions, CarryStop, ClipCamera, ClipLens,
-    FollowOptions, Jitter, PointFollower, PointTrack, PointTracks, SmoothOptions, Unsmoothed,
-    adjust_clip, carry, smooth,
+    AdjustOptions, AdjustedClip, ClipCamera, ClipLens, FollowOptions, Jitter, PointFollower,
+    PointTrack, PointTracks, PropagateOptions, PropagatedClip, PropagationStop, SmoothOptions,
+    Unsmoothed, adjust_clip, propagate, smooth,
 };
 pub use cuts::{CutFinder, FoundCut, Miniature, find_cuts};
 pub use error::TrackError;

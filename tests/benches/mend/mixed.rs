@@ -23,9 +23,12 @@ pub const CLOSE_UP: Range<usize> = 60..90;
 pub fn mixed_clip(folder: &Path, seed: u64) -> Drawn {
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let scene = stadium(&StadiumOptions::new(field, seed));
+    // The exposure of the hard preset changes from picture to picture, as that of stills does: in a
+    // video these would be cuts.
     let shoot = ShootOptions {
         step_s: 0.04,
-        ..Preset::Hard.shoot()
+        distortion_at_1280: Preset::Hard.shoot().distortion_at_1280,
+        ..Preset::Paper.shoot()
     };
     let main = shoot.main_camera(SIZE);
     let second = CameraBase {

@@ -21,7 +21,7 @@ pub struct FrameCounts {
     /// Suggestions that the paint of their pictures does not support.
     pub off_paint: usize,
     /// Suggestions that were tracked from other frames.
-    pub carried: usize,
+    pub tracked: usize,
     /// Frames with a camera of another program that nobody has decided on.
     pub imported: usize,
     /// Frames on which the forest is trained.
@@ -139,8 +139,8 @@ impl FrameCounts {
             (is_uncertain(frame), &mut self.uncertain),
             (frame.is_suggested_off_paint(), &mut self.off_paint),
             (
-                frame.status == FrameStatus::Suggested && frame.is_carried(),
-                &mut self.carried,
+                frame.status == FrameStatus::Suggested && frame.is_tracked(),
+                &mut self.tracked,
             ),
             (frame.has_imported_camera(), &mut self.imported),
             (frame.is_used_for_training(), &mut self.used_for_training),
@@ -203,7 +203,7 @@ mod tests {
             .to_vec();
         let rest = [
             counts.uncertain,
-            counts.carried,
+            counts.tracked,
             counts.imported,
             counts.used_for_training,
             counts.gold,

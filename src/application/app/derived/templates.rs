@@ -11,7 +11,7 @@ use touchline_documents::document::{Document, FieldSpec};
 enum Reading {
     /// Needed, but not requested yet.
     Wanted,
-    Asked,
+    Requested,
     Done(Result<Box<Template>, FieldError>),
 }
 
@@ -57,7 +57,7 @@ impl Templates {
             .filter(|(_, reading)| matches!(reading, Reading::Wanted));
         wanted
             .map(|(name, reading)| {
-                *reading = Reading::Asked;
+                *reading = Reading::Requested;
                 name.clone()
             })
             .collect()

@@ -17,7 +17,7 @@ use touchline_calibration::calibrate::{
     TrackedClip, TrackedFrame, clip_of_frame, is_doubtful, length_on_lines, record_tracked,
     take_doubtful_stretch, take_length, track_clip,
 };
-use touchline_calibration::proposals::{BatchId, Finder, offer_tracked_clip, read_picture};
+use touchline_calibration::proposals::{BatchId, Finder, read_picture, suggest_tracked_clip};
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_documents::document::{Camera, Document, Frame, Step};
 use touchline_vision::media::ReadFrames;
@@ -210,13 +210,13 @@ impl App {
         let ClipTrackingState { slot, last } = &self.operations.clip_tracking;
         match command {
             Command::Track => self.why_not_track(),
-            Command::DiscardCarried | Command::TakeLength if self.is_read_only() => {
+            Command::DiscardTracked | Command::TakeLength if self.is_read_only() => {
                 Some("The document is read-only.")
             }
             Command::TakeLength if last.as_ref().is_none_or(|last| last.length.is_none()) => {
                 Some("No other length of the field was measured.")
             }
-            Command::DiscardCarried if last.is_none() => Some("No cameras were carried."),
+            Command::DiscardTracked if last.is_none() => Some("No cameras were carried."),
             Command::RefineBaseOnShot => self.why_not_refine_base(),
             Command::StopTracking if !slot.is_running() && !self.is_refining_base() => {
                 Some("No cameras are being carried.")
@@ -277,7 +277,7 @@ impl App {
                     "Carrying cameras was stopped; nothing was changed.",
                 );
             }
-            Command::DiscardCarried => self.discard_tracked(),
+            Command::DiscardTracked => self.discard_tracked(),
             Command::TakeLength => self.take_measured_length(),
             _ => {}
         }
@@ -400,14 +400,14 @@ impl App {
             batch,
             length: None,
         });
-        if let Some(edit) = open.suggest(batch, &offer_tracked_clip(&open.document, &taken)) {
+        if let Some(edit) = open.suggest(batch, &suggest_tracked_clip(&open.document, &taken)) {
             self.journal_edit(edit);
         }
-        self.session.retract(Command::DiscardCarried);
+        self.session.retract(Command::DiscardTracked);
         // Report the result and offer the next commands.
         let mut offers = vec![
             ("Review", Command::ReviewPanel),
-            ("Discard", Command::DiscardCarried),
+            ("Discard", Command::DiscardTracked),
         ];
         if is_again {
             self.session
@@ -500,7 +500,7 @@ impl App {
     pub(in crate::app) fn forget_tracked_batch(&mut self, batch: BatchId) {
         let last = &mut self.operations.clip_tracking.last;
         if last.take_if(|last| last.batch == batch).is_some() {
-            self.session.retract(Command::DiscardCarried);
+            self.session.retract(Command::DiscardTracked);
         }
     }
 }

@@ -12,7 +12,7 @@ use thiserror::Error;
 use touchline_calibration::calibrate::{
     OnPaintError, camera_on_paint, record_found_by_paint, record_snapped,
 };
-use touchline_calibration::proposals::{Finder, Offer, PictureError, read_picture};
+use touchline_calibration::proposals::{Finder, PictureError, SuggestionUpdate, read_picture};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, Frame, FrameId, FrameStatus, Shared};
@@ -298,7 +298,7 @@ impl App {
         }
         let Some(open) = &mut self.open else { return };
         let record = |frame: &mut Frame| record_found_by_paint(frame, base, found);
-        let Some(offer) = Offer::from_recorded(&open.document, position, record) else {
+        let Some(offer) = SuggestionUpdate::from_recorded(&open.document, position, record) else {
             return;
         };
         let batch = open.project.open_batch(Finder::Command {

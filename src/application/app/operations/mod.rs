@@ -152,7 +152,7 @@ impl App {
                 self.why_not_camera_search(command)
             }
             C::Track
-            | C::DiscardCarried
+            | C::DiscardTracked
             | C::StopTracking
             | C::TakeLength
             | C::RefineBaseOnShot => self.why_not_clip_tracking(command),
@@ -178,7 +178,7 @@ impl App {
                 self.camera_search_command(command);
             }
             C::Track
-            | C::DiscardCarried
+            | C::DiscardTracked
             | C::StopTracking
             | C::TakeLength
             | C::RefineBaseOnShot => {

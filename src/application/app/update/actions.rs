@@ -166,7 +166,7 @@ impl App {
     pub(super) fn take_from_trainer(&mut self, action: TrainerReport) {
         match action {
             TrainerReport::Proposals(proposals) => self.take_proposals(&proposals),
-            TrainerReport::Carried(carried) => self.take_carried(&carried),
+            TrainerReport::Tracked(tracked) => self.take_tracked(&tracked),
             TrainerReport::Status(status) => self.trainer_reported(*status),
             TrainerReport::Features(used) => self.session.trainer.features = Some(*used),
             TrainerReport::Broken { message } => {

@@ -373,7 +373,7 @@ impl App {
             | C::TryFirstCamera
             | C::TryOtherCamera
             | C::Track
-            | C::DiscardCarried
+            | C::DiscardTracked
             | C::StopTracking
             | C::MendCameras
             | C::StopMending

@@ -7,7 +7,7 @@
 use super::App;
 use crate::app::GoldWork;
 use crate::app::Tool;
-use crate::app::reclick::{Asked, Reclick};
+use crate::app::reclick::{Reclick, ReclickTarget};
 use crate::app::session::{Level, Mode, PictureView};
 use crate::app::{Action, Command};
 use std::sync::LazyLock;
@@ -136,7 +136,7 @@ impl App {
     /// Shows the frame of the next landmark, or ends the round if there is none.
     fn show_asked(&mut self) {
         match self.round().map(|round| round.asked().cloned()) {
-            Some(Some(Asked { frame, .. })) if frame != self.session.frame => {
+            Some(Some(ReclickTarget { frame, .. })) if frame != self.session.frame => {
                 self.session.frame = frame;
                 self.session.points.hover = None;
                 self.session.picture.view = PictureView::Fit;
@@ -237,7 +237,7 @@ impl App {
 
     /// Removes the click of a landmark in this round. This is an undo if the click is the last step
     /// in the history, otherwise a new step.
-    fn take_back_again(&mut self, asked: &Asked, round: u32) {
+    fn take_back_again(&mut self, asked: &ReclickTarget, round: u32) {
         let step = self.step_at(self.step_again(asked), asked.frame);
         let Some(open) = &mut self.open else { return };
         if open.history.next_undo() == Some(&step) {
@@ -264,7 +264,7 @@ impl App {
     }
 
     /// The name of the step that clicks a landmark again. Undo recognises the step by it.
-    fn step_again(&self, asked: &Asked) -> String {
+    fn step_again(&self, asked: &ReclickTarget) -> String {
         let target = Target::Landmark(asked.landmark.clone());
         format!("Click {} again", self.label(&target))
     }

@@ -5,7 +5,7 @@ use crate::app::effect::Effect;
 use crate::app::session::Level;
 use crate::app::trainer::TrainerOrder;
 use touchline_calibration::calibrate::follow_all_bases;
-use touchline_calibration::proposals::{BatchId, CarriedProposal, Discarded, NoProposal, Proposal};
+use touchline_calibration::proposals::{BatchId, Discarded, NoProposal, Proposal, TrackedProposal};
 use touchline_core::geometry::counted;
 use touchline_documents::document::Frame;
 
@@ -41,15 +41,15 @@ impl App {
     }
 
     /// Takes in cameras that were tracked from the forest's proposals, in the same way.
-    pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) {
+    pub(super) fn take_tracked(&mut self, tracked: &[TrackedProposal]) {
         let is_known = self.trainer_knows_document();
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else {
             return;
         };
-        let Some(newest) = carried.iter().map(|carried| carried.generation).max() else {
+        let Some(newest) = tracked.iter().map(|tracked| tracked.generation).max() else {
             return;
         };
-        let Some(edit) = open.take_carried(carried, newest) else {
+        let Some(edit) = open.take_tracked(tracked, newest) else {
             return;
         };
         if is_known {

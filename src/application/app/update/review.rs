@@ -161,13 +161,13 @@ impl App {
         if is_stretch {
             self.session.frames_selected.clear();
         }
-        let waits = |frame: &Frame| is_suggested(frame) && frame.is_carried();
+        let waits = |frame: &Frame| is_suggested(frame) && frame.is_tracked();
         if self
             .open
             .as_ref()
             .is_some_and(|open| !open.document.frames.iter().any(|frame| waits(frame)))
         {
-            self.session.retract(Command::DiscardCarried);
+            self.session.retract(Command::DiscardTracked);
         }
         let undo = self.settings.keys.shown(Command::Undo);
         self.session.notify(

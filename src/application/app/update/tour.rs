@@ -4,7 +4,7 @@ use super::App;
 use crate::app::Command;
 use crate::app::action::{Action, EditAction, PointerAction};
 use crate::app::session::{Level, Mode, is_to_do};
-use crate::app::tour::{Sight, Tour};
+use crate::app::tour::{Tour, TourView};
 
 impl App {
     /// Starts the tour on the open demo match; otherwise opens the user's copy of it first.
@@ -72,7 +72,7 @@ impl App {
         };
         self.session.dialog = None;
         self.go_to(frame);
-        self.session.tour = self.tour_sight().map(Tour::begin);
+        self.session.tour = self.tour_view().map(Tour::begin);
     }
 
     /// Informs the tour of an action, before it is carried out.
@@ -92,15 +92,15 @@ impl App {
         if self.session.tour.is_none() || self.session.mode != Mode::Idle {
             return;
         }
-        if let (Some(seen), Some(tour)) = (self.tour_sight(), &mut self.session.tour) {
+        if let (Some(seen), Some(tour)) = (self.tour_view(), &mut self.session.tour) {
             tour.look(seen);
         }
     }
 
     /// The state of the document as the tour sees it.
-    fn tour_sight(&self) -> Option<Sight> {
+    fn tour_view(&self) -> Option<TourView> {
         let open = self.open.as_ref()?;
-        Some(Sight::of(
+        Some(TourView::of(
             &open.document,
             self.frame(),
             self.current.solved().is_some(),

@@ -67,13 +67,13 @@ impl App {
 
     /// Informs the trainer that the document now shows some of its answers. The trainer must have
     /// had the document before; since nothing else changed, the document itself need not be sent.
-    pub(super) fn tell_shown_answers(&mut self, edit: &Edit, generation: u64, is_carried: bool) {
+    pub(super) fn tell_shown_answers(&mut self, edit: &Edit, generation: u64, is_tracked: bool) {
         let key = |change: &Change| match change {
             Change::Frame { id, revision, .. } => Some(AnswerKey {
                 frame: id.clone(),
                 revision: *revision,
                 generation,
-                is_carried,
+                is_tracked,
             }),
             _ => None,
         };

@@ -6,7 +6,7 @@
 
 use crate::app::AnswerKey;
 use std::collections::BTreeMap;
-use touchline_calibration::proposals::{Asked, NoProposal, Proposal, RefusedForests};
+use touchline_calibration::proposals::{FrameRequest, NoProposal, Proposal, RefusedForests};
 use touchline_documents::document::{Document, Frame, FrameId, SolutionSource};
 use touchline_vision::relocalize::{CERTAIN, ForestModel};
 
@@ -36,7 +36,7 @@ pub(super) struct Asking {
 #[derive(Debug)]
 struct Entry {
     /// The state of the frame when the forest was queried.
-    asked: Asked,
+    request: FrameRequest,
     by: Asking,
     answer: CachedAnswer,
     /// Whether the document has shown the answer.
@@ -67,8 +67,8 @@ impl AnswerCache {
             let held = is_by_forest(frame);
             let lost = entry.recorded && !held && frame.is_open();
             entry.recorded |= held;
-            let is_edited = frame.is_open() && entry.asked.revision != frame.revision;
-            !lost && !is_edited && entry.asked.is_still(document, frame)
+            let is_edited = frame.is_open() && entry.request.revision != frame.revision;
+            !lost && !is_edited && entry.request.is_still(document, frame)
         });
         for frame in &document.frames {
             // Proposals that the document already had when it was opened count as answers of
@@ -85,7 +85,7 @@ impl AnswerCache {
                 self.entries
                     .entry(frame.id.clone())
                     .or_insert_with(|| Entry {
-                        asked: Asked::of(document, frame),
+                        request: FrameRequest::from_frame(document, frame),
                         by: Asking {
                             generation: 0,
                             snapping: frame.is_snapped_proposal(),
@@ -140,9 +140,9 @@ impl AnswerCache {
             }
             Err(_) => CachedAnswer::Never,
         };
-        let asked = proposal.asked.clone();
+        let request = proposal.request.clone();
         let entry = Entry {
-            asked,
+            request,
             by,
             answer,
             recorded: false,
@@ -153,7 +153,7 @@ impl AnswerCache {
     /// Records that the document shows an answer.
     pub(super) fn note_shown(&mut self, key: &AnswerKey) {
         let is_it = |entry: &&mut Entry| {
-            entry.asked.revision == key.revision && entry.by.generation == key.generation
+            entry.request.revision == key.revision && entry.by.generation == key.generation
         };
         if let Some(entry) = self.entries.get_mut(&key.frame).filter(is_it) {
             entry.recorded = true;

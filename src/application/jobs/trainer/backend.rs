@@ -15,8 +15,8 @@ use touchline_calibration::pipelines::{
     ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines,
 };
 use touchline_calibration::proposals::{
-    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal,
-    Quality, Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
+    FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality, Suspect,
+    TrackedProposal, TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
 };
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, Fields};
@@ -62,7 +62,7 @@ pub(super) trait Backend {
         window: &KeyWindow,
         generation: u64,
         progress: &Progress<'_, usize>,
-    ) -> Option<Vec<CarriedProposal>>;
+    ) -> Option<Vec<TrackedProposal>>;
 
     /// Measures the accuracy of a forest that is trained on these frames, and finds those that
     /// contradict others. `None` if `progress` ended it.
@@ -244,7 +244,7 @@ impl Backend for ForestBackend {
         window: &KeyWindow,
         generation: u64,
         progress: &Progress<'_, usize>,
-    ) -> Option<Vec<CarriedProposal>> {
+    ) -> Option<Vec<TrackedProposal>> {
         let at = document.at(&self.folder);
         let first = window
             .keys
@@ -277,11 +277,11 @@ impl Backend for ForestBackend {
             &of_clip,
         ) {
             Ok(clip) => {
-                let carried = clip.frames.iter();
+                let tracked = clip.frames.iter();
                 Some(
-                    carried
+                    tracked
                         .filter_map(|tracked| {
-                            CarriedProposal::of(document, &clip, tracked, generation)
+                            TrackedProposal::of(document, &clip, tracked, generation)
                         })
                         .collect(),
                 )

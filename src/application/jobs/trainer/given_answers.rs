@@ -44,7 +44,7 @@ impl GivenAnswers {
     /// Records in `document` the answer that the application shows, if it is the stored one.
     pub(super) fn show(&mut self, key: &AnswerKey, document: &mut Document) {
         let is_meant = |given: &GivenAnswer| {
-            given.generation == key.generation && given.answered.is_carried() == key.is_carried
+            given.generation == key.generation && given.answered.is_tracked() == key.is_tracked
         };
         if !self.0.get(&key.frame).is_some_and(is_meant) {
             return;
@@ -71,7 +71,7 @@ impl GivenAnswer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_calibration::proposals::{Answer, CarriedProposal};
+    use touchline_calibration::proposals::{Answer, TrackedProposal};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{FieldSpec, FrameStatus};
 
@@ -83,13 +83,13 @@ mod tests {
         document
     }
 
-    fn key(document: &Document, position: usize, generation: u64, is_carried: bool) -> AnswerKey {
+    fn key(document: &Document, position: usize, generation: u64, is_tracked: bool) -> AnswerKey {
         let frame = &document.frames[position];
         AnswerKey {
             frame: frame.id.clone(),
             revision: frame.revision,
             generation,
-            is_carried,
+            is_tracked,
         }
     }
 
@@ -99,7 +99,7 @@ mod tests {
             (document(), document(), GivenAnswers::default());
         answered.frames[0].ptz = Some(Answer::at_pan(1.0, 0.9).ptz);
         answered.frames[0].status = FrameStatus::Suggested;
-        CarriedProposal::at_pan(&document(), 1, 2.0, 3).record(&mut answered.frames[1]);
+        TrackedProposal::at_pan(&document(), 1, 2.0, 3).record(&mut answered.frames[1]);
         for frame in &answered.frames {
             given.give(frame, 3);
         }

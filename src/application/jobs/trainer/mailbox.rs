@@ -5,7 +5,7 @@ use crate::app::{AnswerKey, Doing, TrainerOrder, TrainerStatus};
 use crate::jobs::worker::Mailbox;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use touchline_calibration::proposals::{CarriedProposal, Proposal, RefusedForests, UsedFeatures};
+use touchline_calibration::proposals::{Proposal, RefusedForests, TrackedProposal, UsedFeatures};
 use touchline_documents::document::{Document, FrameId};
 
 /// Minimum time between two reports of mere progress.
@@ -75,12 +75,12 @@ impl Orders {
 /// The trainer's side of the mailbox. Any thread of the trainer may report.
 pub(super) struct TrainerMailbox {
     mailbox: Arc<Mailbox<Orders, TrainerReport>>,
-    told: Mutex<Told>,
+    told: Mutex<LastReport>,
 }
 
 /// The last reported status and its time.
 #[derive(Default)]
-struct Told {
+struct LastReport {
     /// The status without the estimated remaining time.
     status: TrainerStatus,
     at: Option<Instant>,
@@ -139,7 +139,7 @@ impl TrainerMailbox {
             .begun
             .filter(|(doing, _)| is_part_of(*doing, status.doing))
             .unwrap_or((status.doing, now));
-        *told = Told {
+        *told = LastReport {
             status: status.clone(),
             at: Some(now),
             begun: Some(begun),
@@ -162,8 +162,8 @@ impl TrainerMailbox {
     }
 
     /// Reports propagated cameras; blocks until there is room.
-    pub(super) fn carry(&self, carried: Vec<CarriedProposal>) {
-        self.mailbox.report(TrainerReport::Carried(carried));
+    pub(super) fn carry(&self, tracked: Vec<TrackedProposal>) {
+        self.mailbox.report(TrainerReport::Tracked(tracked));
     }
 
     /// Reports proposals of one forest; blocks until there is room.

@@ -15,8 +15,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 use touchline_calibration::pipelines::LearnForestError;
 use touchline_calibration::proposals::{
-    Answer, Asked, CarriedProposal, KeyWindow, LearnError, LeftOutBy, NoProposal, Proposal,
-    Quality, RefusedForests, Suspect, Timings, TrainingSet, UsedFeatures,
+    Answer, FrameRequest, KeyWindow, LearnError, LeftOutBy, NoProposal, Proposal, Quality,
+    RefusedForests, Suspect, Timings, TrackedProposal, TrainingSet, UsedFeatures,
 };
 use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{ImageSize, Vec3};
@@ -154,13 +154,13 @@ impl Backend for StandIn {
         window: &KeyWindow,
         generation: u64,
         progress: &Progress<'_, usize>,
-    ) -> Option<Vec<CarriedProposal>> {
+    ) -> Option<Vec<TrackedProposal>> {
         match self.begin(Begun::Carry(window.keys.clone())) {
             Let::Well => {
                 let all = window.clip.frames.iter().filter_map(|frame| frame.place);
                 Some(
                     all.map(|place| {
-                        CarriedProposal::at_pan(document, place, place as f64, generation)
+                        TrackedProposal::at_pan(document, place, place as f64, generation)
                     })
                     .collect(),
                 )
@@ -185,7 +185,7 @@ impl Backend for StandIn {
                 let quality = Quality {
                     left_out_by: LeftOutBy::Shot,
                     groups: 1,
-                    asked: Vec::new(),
+                    tested: Vec::new(),
                 };
                 let suspects = vec![Suspect {
                     frame: document.frames[0].id.clone(),
@@ -233,10 +233,10 @@ impl Backend for StandIn {
 fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64) -> Proposal {
     let answer = Answer::at_pan(frame as f64, confidence);
     let frame = &document.frames[frame];
-    let asked = Asked::of(document, frame);
+    let request = FrameRequest::from_frame(document, frame);
     Proposal {
         frame: frame.id.clone(),
-        asked,
+        request,
         generation,
         outcome: Ok(answer),
         timings: Timings::default(),
@@ -251,7 +251,7 @@ struct Controller {
     woken: Receiver<()>,
     status: TrainerStatus,
     proposals: Vec<Proposal>,
-    carried: Vec<CarriedProposal>,
+    tracked: Vec<TrackedProposal>,
     features: Vec<FrameId>,
 }
 
@@ -277,7 +277,7 @@ impl Controller {
         )
         .unwrap();
         let (status, proposals) = (TrainerStatus::default(), Vec::new());
-        let (carried, features) = (Vec::new(), Vec::new());
+        let (tracked, features) = (Vec::new(), Vec::new());
         Self {
             trainer: Some(trainer),
             begun,
@@ -285,7 +285,7 @@ impl Controller {
             woken,
             status,
             proposals,
-            carried,
+            tracked,
             features,
         }
     }
@@ -309,7 +309,7 @@ impl Controller {
             match report {
                 TrainerReport::Status(status) => self.status = *status,
                 TrainerReport::Proposals(proposals) => self.proposals.extend(proposals),
-                TrainerReport::Carried(carried) => self.carried.extend(carried),
+                TrainerReport::Tracked(tracked) => self.tracked.extend(tracked),
                 TrainerReport::Features(used) => self.features.push(used.frame),
                 TrainerReport::Broken { message } => panic!("{message}"),
             }
@@ -531,15 +531,15 @@ fn of_a_video_the_forest_answers_key_frames_and_the_rest_is_carried() {
     controller.expect(&keys, Let::Well);
     controller.until_idle();
     // Tracking also adjusts key frames that the forest answered, but not the user's reference.
-    assert_eq!(controller.carried.len(), 60);
+    assert_eq!(controller.tracked.len(), 60);
     controller.nothing_begun();
 
     // A document that shows all cameras, and a shown frame near the other end, cause no more work.
     for proposal in controller.proposals.drain(..) {
         proposal.record(all.frames.by_id_mut(&proposal.frame).unwrap());
     }
-    for carried in controller.carried.drain(..) {
-        carried.record(all.frames.by_id_mut(&carried.frame).unwrap());
+    for tracked in controller.tracked.drain(..) {
+        tracked.record(all.frames.by_id_mut(&tracked.frame).unwrap());
     }
     controller.document(&all);
     controller.tell(TrainerOrder::Frame(all.frames[40].id.clone()));
@@ -553,11 +553,11 @@ fn of_a_video_the_forest_answers_key_frames_and_the_rest_is_carried() {
     controller.expect(&Begun::Learn(vec![0, 30]), Let::Well);
     controller.expect(&Begun::Measure, Let::Well);
     controller.expect(&keys, Let::Well);
-    while controller.carried.is_empty() {
+    while controller.tracked.is_empty() {
         controller.woken.recv().unwrap();
         controller.poll();
     }
-    assert_eq!(controller.carried.len(), 59);
+    assert_eq!(controller.tracked.len(), 59);
 }
 
 #[test]
@@ -575,7 +575,7 @@ fn frames_that_no_camera_is_carried_to_are_asked_for() {
         controller.expect(&Begun::Propose(left.collect()), Let::Well);
     }
     controller.until_idle();
-    assert_eq!(controller.carried, []);
+    assert_eq!(controller.tracked, []);
     assert!(
         controller
             .status
@@ -839,9 +839,9 @@ fn a_forest_whose_answers_were_discarded_is_not_asked_for_them_again() {
     controller.until_idle();
     let key = |proposal: &Proposal| AnswerKey {
         frame: proposal.frame.clone(),
-        revision: proposal.asked.revision,
+        revision: proposal.request.revision,
         generation: proposal.generation,
-        is_carried: false,
+        is_tracked: false,
     };
     controller.tell(TrainerOrder::Shown(
         controller.proposals.iter().map(key).collect(),

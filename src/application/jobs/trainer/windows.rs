@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_calibration::calibrate::is_anchor;
-use touchline_calibration::proposals::{CarriedProposal, KeyWindow};
+use touchline_calibration::proposals::{KeyWindow, TrackedProposal};
 use touchline_core::camera::Ptz;
 use touchline_documents::document::{Document, Frame, FrameId, FramePtz, FrameStatus, Shared};
 
@@ -20,7 +20,7 @@ pub(super) struct Windows {
     /// For each frame of the document: whether it lies between key frames.
     between: Vec<bool>,
     /// The known cameras of the last propagation, by the first frame of the window.
-    carried: BTreeMap<FrameId, Vec<Known>>,
+    tracked: BTreeMap<FrameId, Vec<Known>>,
     /// Frames that received a propagated camera, and whether the document has shown it.
     given: BTreeMap<FrameId, bool>,
     /// Key frames of those as the forest answered them. Propagation starts from the answers, not
@@ -57,7 +57,7 @@ impl Windows {
         let mut lost = Vec::new();
         self.given.retain(|id, recorded| {
             let frame = document.frames.by_id(id);
-            let is_held = frame.is_some_and(|frame| frame.is_carried());
+            let is_held = frame.is_some_and(|frame| frame.is_tracked());
             let is_lost = *recorded && !is_held && frame.is_some_and(|frame| frame.is_open());
             if is_lost {
                 lost.push(id.clone());
@@ -75,7 +75,7 @@ impl Windows {
                     .any(|place| id_of(place).is_some_and(|id| lost.contains(id)))
                     && let Some(first) = window.keys.first().and_then(id_of)
                 {
-                    self.carried.remove(first);
+                    self.tracked.remove(first);
                 }
             }
         }
@@ -87,7 +87,7 @@ impl Windows {
         for (id, answered) in &self.answered {
             if let Some(frame) = document.frames.by_id_mut(id)
                 && frame.is_open()
-                && frame.is_carried()
+                && frame.is_tracked()
                 && frame.revision == answered.revision
             {
                 *frame = answered.clone();
@@ -165,7 +165,7 @@ impl Windows {
         let is_asked = !window.keys.iter().any(|place| wanted(*place));
         is_asked
             && !known.is_empty()
-            && match self.carried.get(&first.id) {
+            && match self.tracked.get(&first.id) {
                 Some(before) => *before != known,
                 None => window.between.iter().any(|place| wanted(*place)),
             }
@@ -177,34 +177,34 @@ impl Windows {
         &mut self,
         window: &KeyWindow,
         document: &Document,
-        carried: Vec<CarriedProposal>,
-    ) -> Vec<CarriedProposal> {
+        tracked: Vec<TrackedProposal>,
+    ) -> Vec<TrackedProposal> {
         if let Some(first) = window
             .keys
             .first()
             .and_then(|place| document.frames.get(*place))
         {
-            self.carried
+            self.tracked
                 .insert(first.id.clone(), known(window, document));
         }
         // Cameras from an earlier propagation are replaced; those that the user tracked stay.
-        let is_news = |carried: &CarriedProposal| {
-            let frame = document.frames.by_id(&carried.frame);
+        let is_news = |tracked: &TrackedProposal| {
+            let frame = document.frames.by_id(&tracked.frame);
             frame.is_some_and(|frame| {
-                frame.is_open() && (!frame.is_carried() || self.has_given(&frame.id))
+                frame.is_open() && (!frame.is_tracked() || self.has_given(&frame.id))
             })
         };
-        let news: Vec<CarriedProposal> = carried.into_iter().filter(is_news).collect();
+        let news: Vec<TrackedProposal> = tracked.into_iter().filter(is_news).collect();
         let keys: Vec<&Shared<Frame>> = window
             .keys
             .iter()
             .filter_map(|place| document.frames.get(*place))
             .collect();
-        for carried in &news {
-            self.given.entry(carried.frame.clone()).or_insert(false);
+        for tracked in &news {
+            self.given.entry(tracked.frame.clone()).or_insert(false);
             if let Some(key) = keys
                 .iter()
-                .find(|key| key.id == carried.frame && !key.is_carried())
+                .find(|key| key.id == tracked.frame && !key.is_tracked())
             {
                 self.answered.insert(key.id.clone(), (*key).clone());
             }

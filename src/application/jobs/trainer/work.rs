@@ -18,7 +18,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
-    AskingOrder, CarriedProposal, Coverage, KeyWindow, NoProposal, Proposal, Quality,
+    AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrackedProposal,
     TrainingFrames, TrainingSet,
 };
 use touchline_core::progress::{Progress, Share};
@@ -58,7 +58,7 @@ pub(super) struct Work<C> {
     windows: Windows,
     /// Frames between key frames to which cameras have been propagated since the last time that
     /// none was due. For the progress display.
-    carried: usize,
+    tracked: usize,
     queue: Queue,
     /// The frame for which features were shown last, and the generation of that forest.
     shown: Option<(FrameId, u64)>,
@@ -122,7 +122,7 @@ impl<C: Backend> Work<C> {
             answer_cache: AnswerCache::default(),
             given_answers: GivenAnswers::default(),
             windows: Windows::default(),
-            carried: 0,
+            tracked: 0,
             queue: Queue::default(),
             shown: None,
             measured: 0,
@@ -207,7 +207,7 @@ impl<C: Backend> Work<C> {
     /// lacks.
     fn note_shown(&mut self, keys: Vec<AnswerKey>) {
         for key in keys {
-            if key.is_carried {
+            if key.is_tracked {
                 self.windows.note_shown(&key.frame);
             } else {
                 self.answer_cache.note_shown(&key);
@@ -272,7 +272,7 @@ impl<C: Backend> Work<C> {
             if let Some(window) = self.due_window() {
                 return Step::Carry(Box::new(window));
             }
-            self.carried = 0;
+            self.tracked = 0;
             if let Some(frames) = self.take_from_queue(|queue| &mut queue.between) {
                 return Step::Propose(frames);
             }
@@ -438,11 +438,11 @@ impl<C: Backend> Work<C> {
             self.orders.edition,
             Until::Done,
         );
-        let (document, asked) = (&self.document, self.asking());
+        let (document, request) = (&self.document, self.asking());
         let Asking {
             generation,
             snapping,
-        } = asked;
+        } = request;
         let backend = &mut self.backend;
         let proposed = catch_unwind(AssertUnwindSafe(|| {
             let asking = Progress::new(|more| {
@@ -472,7 +472,7 @@ impl<C: Backend> Work<C> {
             self.gathered_since = Instant::now();
         }
         for proposal in &proposals {
-            self.answer_cache.enter(proposal, asked);
+            self.answer_cache.enter(proposal, request);
             // Propagation starts from these cameras, before the application has sent a document
             // that shows them.
             if let Some(frame) = self
@@ -482,7 +482,7 @@ impl<C: Backend> Work<C> {
                 .filter(|frame| frame.is_open())
             {
                 proposal.record(frame);
-                self.given_answers.give(frame, asked.generation);
+                self.given_answers.give(frame, request.generation);
             }
         }
         self.gathered.extend(proposals);
@@ -521,45 +521,45 @@ impl<C: Backend> Work<C> {
             Until::Done,
         );
         let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
-        let before = self.carried;
+        let before = self.tracked;
         let share = |done: usize| Share {
             done: before + done.min(window.between.len()),
             of: before + waiting,
         };
         let carrying = Progress::new(|done| watch.tell(Doing::Carrying(share(done))));
-        let carried = catch_unwind(AssertUnwindSafe(|| {
+        let tracked = catch_unwind(AssertUnwindSafe(|| {
             backend.carry(document, window, generation, &carrying)
         }));
-        let carried = match carried {
+        let tracked = match tracked {
             // Ended early: the window stays due.
             Ok(None) => return,
-            Ok(Some(carried)) => carried,
+            Ok(Some(tracked)) => tracked,
             Err(panic) => {
                 self.status.trouble = Some(broke_down("carrying cameras", panic.as_ref()));
                 Vec::new()
             }
         };
-        self.carried += window.between.len();
-        let is_refused = |carried: &CarriedProposal| {
+        self.tracked += window.between.len();
+        let is_refused = |tracked: &TrackedProposal| {
             self.answer_cache
-                .is_refused(&carried.frame, self.generation)
+                .is_refused(&tracked.frame, self.generation)
         };
-        let carried = carried
+        let tracked = tracked
             .into_iter()
-            .filter(|carried| !is_refused(carried))
+            .filter(|tracked| !is_refused(tracked))
             .collect();
-        let news = self.windows.enter(window, &self.document, carried);
+        let news = self.windows.enter(window, &self.document, tracked);
         // Key frames keep the forest's answer in this copy of the document; propagation starts from
         // that.
-        for carried in &news {
+        for tracked in &news {
             let is_key = |place: usize| window.keys.contains(&place);
             if let Some(place) = self
                 .document
                 .frames
-                .position_of(&carried.frame)
+                .position_of(&tracked.frame)
                 .filter(|place| !is_key(*place))
             {
-                carried.record(&mut self.document.frames[place]);
+                tracked.record(&mut self.document.frames[place]);
                 self.given_answers
                     .give(&self.document.frames[place], self.generation);
             }

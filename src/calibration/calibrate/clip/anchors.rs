@@ -42,7 +42,7 @@ fn confidence_of(frame: &Frame) -> Option<f64> {
     // covariance is large, and the points and the paint of the clip correct it.
     let unstated = (solution.source == Some(SolutionSource::Import)).then_some(CERTAIN);
     let confidence = solution.confidence.or(unstated)?;
-    (confidence >= CERTAIN && !frame.is_carried()).then_some(confidence)
+    (confidence >= CERTAIN && !frame.is_tracked()).then_some(confidence)
 }
 
 fn is_persons(frame: &Frame) -> bool {

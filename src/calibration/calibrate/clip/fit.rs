@@ -23,7 +23,7 @@ use touchline_core::progress::Progress;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::paint::{GroundPicture, LineCheck, check_lines};
 use touchline_vision::track::{
-    AdjustedClip, Carried, ClipCamera, PointTracks, PosePrior, PriorSource, adjust_clip,
+    AdjustedClip, ClipCamera, PointTracks, PosePrior, PriorSource, PropagatedClip, adjust_clip,
 };
 
 /// Maximum number of rounds of line search and adjustment.
@@ -42,7 +42,7 @@ pub(super) struct ClipFit<'a> {
     pub camera: &'a ClipCamera,
     pub field: &'a FieldModel,
     pub tracks: &'a PointTracks,
-    pub carried: &'a Carried,
+    pub propagated: &'a PropagatedClip,
     /// The cameras that the document already has, as pose priors.
     pub known: &'a [PosePrior],
     pub pictures: ClipPictures<'a>,
@@ -57,11 +57,11 @@ pub(super) struct FittedClip {
     /// Number of frames that were aligned to their painted lines.
     pub painted: usize,
     /// Verdicts of the paint on the adjusted cameras.
-    pub judged: Judged,
+    pub judged: PaintVerdicts,
 }
 
 /// Verdicts of the painted lines on the cameras of the last adjustment.
-pub(super) struct Judged {
+pub(super) struct PaintVerdicts {
     /// The verdict on each frame's adjusted camera.
     pub paint: Vec<PaintVerdict>,
     /// Frames whose earlier camera explains the paint better than the adjusted one.
@@ -154,7 +154,7 @@ impl ClipFit<'_> {
         adjust_clip(
             self.camera,
             self.tracks,
-            self.carried,
+            self.propagated,
             &anchors,
             &self.options.adjust,
         )
@@ -204,10 +204,10 @@ impl ClipFit<'_> {
         reader: &mut dyn ReadFrames,
         evidence: &ClipEvidence,
         progress: &Progress<'_, ClipProgress>,
-    ) -> Result<Judged, TrackClipError> {
+    ) -> Result<PaintVerdicts, TrackClipError> {
         let paint = vec![PaintVerdict::Silent; adjusted.frames.len()];
         let unexplained = vec![0.0; paint.len()];
-        let mut judged = Judged {
+        let mut judged = PaintVerdicts {
             paint,
             kept: BTreeSet::new(),
             unexplained,
@@ -267,7 +267,7 @@ impl ClipFit<'_> {
         reader: &mut dyn ReadFrames,
         evidence: &ClipEvidence,
         (frame, ptz): (usize, Ptz),
-        judged: &mut Judged,
+        judged: &mut PaintVerdicts,
     ) -> Result<PaintVerdict, TrackClipError> {
         // An earlier camera is compared only where it differs from the adjusted one.
         let earlier = self

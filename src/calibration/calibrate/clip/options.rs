@@ -1,6 +1,6 @@
 //! Options and progress of tracking a clip.
 
-use touchline_vision::track::{AdjustOptions, CarryOptions, FollowOptions};
+use touchline_vision::track::{AdjustOptions, FollowOptions, PropagateOptions};
 
 /// Options of tracking a clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -8,7 +8,7 @@ pub struct TrackClipOptions {
     /// How points are tracked.
     pub follow: FollowOptions,
     /// Where propagation stops.
-    pub carry: CarryOptions,
+    pub propagate: PropagateOptions,
     /// Options of the joint adjustment.
     pub adjust: AdjustOptions,
     /// Every n-th frame is aligned to its painted lines; 0 turns this off. Default: 5.
@@ -25,7 +25,7 @@ impl Default for TrackClipOptions {
     fn default() -> Self {
         Self {
             follow: FollowOptions::default(),
-            carry: CarryOptions::default(),
+            propagate: PropagateOptions::default(),
             adjust: AdjustOptions::default(),
             paint_every: 5,
             smooth: false,

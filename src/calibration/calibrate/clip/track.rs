@@ -8,7 +8,7 @@ use super::certainty::{
 };
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
-use super::fit::{ClipFit, FittedClip, Judged};
+use super::fit::{ClipFit, FittedClip, PaintVerdicts};
 use super::frames::{ClipFrame, ClipFrames};
 use super::options::{ClipProgress, TrackClipOptions};
 use super::pictures::ClipPictures;
@@ -22,8 +22,8 @@ use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{DocumentAt, FieldSize, FrameStatus};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::track::{
-    AdjustedClip, Carried, CarryStop, ClipCamera, ClipLens, Jitter, PosePrior, SmoothOptions,
-    Unsmoothed, carry, smooth,
+    AdjustedClip, ClipCamera, ClipLens, Jitter, PosePrior, PropagatedClip, PropagationStop,
+    SmoothOptions, Unsmoothed, propagate, smooth,
 };
 
 /// Above this share of paint on no line, the assumed length of the field is suspect. With the right
@@ -154,14 +154,14 @@ pub fn track_clip(
     let tracks = pictures.follow_points(reader, options.follow, evidence, progress)?;
     evidence.with_camera(&camera);
     let anchors: Vec<PosePrior> = known.iter().map(|(anchor, _)| *anchor).collect();
-    let carried = carry(&camera, &tracks, &anchors, &options.carry);
+    let propagated = propagate(&camera, &tracks, &anchors, &options.propagate);
     let spec = document.field_of_camera(&clip.camera);
     let is_size_fitted = *spec.size() == FieldSize::Fitted;
     let fit = ClipFit {
         camera: &camera,
         field,
         tracks: &tracks,
-        carried: &carried,
+        propagated: &propagated,
         known: &anchors,
         pictures,
         is_size_fitted,
@@ -172,7 +172,7 @@ pub fn track_clip(
         painted,
         judged,
     } = fit.adjust_to_paint(reader, evidence, progress)?;
-    let Judged {
+    let PaintVerdicts {
         paint,
         kept,
         unexplained,
@@ -215,7 +215,7 @@ pub fn track_clip(
         references: Vec::new(),
         missed: Vec::new(),
         kept: 0,
-        stops: stops(clip, &carried),
+        stops: stops(clip, &propagated),
         sigma_px: adjusted.sigma_px,
         widened: adjusted.widened,
         painted,
@@ -274,7 +274,7 @@ pub fn track_clip(
         // The confidence is a product of three factors: of the best prior, of this camera's
         // overlay, and of the field's length. Where the paint agrees, a disagreement between the
         // two directions of propagation is settled.
-        let apart_px = carried.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
+        let apart_px = propagated.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
         // A wrong length shows as unexplained paint, because its lines lie beside their paint.
         // Frames without such paint are not affected.
         let of_frame = unseen
@@ -341,13 +341,13 @@ fn known_lenses(
     clip.frames.iter().map(lens_of).collect()
 }
 
-fn stops(clip: &ClipFrames, carried: &Carried) -> Vec<ClipStop> {
-    let stop = |stop: &CarryStop| ClipStop {
+fn stops(clip: &ClipFrames, propagated: &PropagatedClip) -> Vec<ClipStop> {
+    let stop = |stop: &PropagationStop| ClipStop {
         picture: clip.frames[stop.frame].source.to_string(),
         seen: stop.seen,
         agreeing: stop.agreeing,
     };
-    carried.stops.iter().map(stop).collect()
+    propagated.stops.iter().map(stop).collect()
 }
 
 /// The smoothed cameras. Each run of reached frames without a gap is smoothed as one motion.

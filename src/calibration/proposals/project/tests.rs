@@ -3,7 +3,7 @@
 use super::super::suggestions::KEPT_BASES;
 use super::*;
 use crate::proposals::Proposal;
-use crate::proposals::{Answer, Asked, Timings};
+use crate::proposals::{Answer, FrameRequest, Timings};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use touchline_core::camera::{BaseAngles, Ptz};
@@ -45,10 +45,10 @@ fn proposal(document: &Document, position: usize, pan_deg: Option<f64>) -> Propo
         .into(),
     );
     let frame = &document.frames[position];
-    let asked = Asked::of(document, frame);
+    let request = FrameRequest::from_frame(document, frame);
     Proposal {
         frame: frame.id.clone(),
-        asked,
+        request,
         generation: 1,
         outcome,
         timings: Timings::default(),
@@ -106,28 +106,28 @@ impl Desk {
     }
 
     fn suggest(&mut self, proposals: &[Proposal]) {
-        let offers: Vec<_> = proposals.iter().filter_map(Proposal::offer).collect();
+        let updates: Vec<_> = proposals.iter().filter_map(Proposal::update).collect();
         let Some(generation) = proposals.first().map(|proposal| proposal.generation) else {
             return;
         };
         let batch = self.project.batch_of_finder(Finder::Forest { generation });
         self.journal
-            .extend(self.project.suggest(&mut self.now, batch, &offers));
+            .extend(self.project.suggest(&mut self.now, batch, &updates));
     }
 
     /// Tracks cameras to frames: their positions and pans.
     fn carry(&mut self, cameras: &[(usize, f64)]) -> BatchId {
-        let offer = |(position, pan_deg): &(usize, f64)| {
+        let update = |(position, pan_deg): &(usize, f64)| {
             let record =
                 |frame: &mut Frame| suggest_camera(frame, *pan_deg, SolutionSource::Tracking);
-            Offer::from_recorded(&self.now, *position, record)
+            SuggestionUpdate::from_recorded(&self.now, *position, record)
         };
-        let offers: Vec<_> = cameras.iter().filter_map(offer).collect();
+        let updates: Vec<_> = cameras.iter().filter_map(update).collect();
         let batch = self.project.open_batch(Finder::Command {
             name: "Carry".to_owned(),
         });
         self.journal
-            .extend(self.project.suggest(&mut self.now, batch, &offers));
+            .extend(self.project.suggest(&mut self.now, batch, &updates));
         batch
     }
 
@@ -244,7 +244,7 @@ fn accepting_is_one_step_and_taking_it_back_shows_what_is_suggested_by_then() {
         (FrameStatus::Reference, 1)
     );
     let meanwhile = Proposal {
-        asked: Asked::of(&desk.start, &desk.start.frames[0]),
+        request: FrameRequest::from_frame(&desk.start, &desk.start.frames[0]),
         ..proposal(&desk.now, 0, Some(2.0))
     };
     desk.suggest(&[meanwhile]);
@@ -301,7 +301,7 @@ fn an_answer_for_an_earlier_revision_does_not_replace_a_later_one() {
     desk.suggest(&[early]);
     assert_eq!(desk.pans(), [Some(2.0)]);
     let mut other = proposal(&desk.now, 0, Some(3.0));
-    other.asked.sha256 = Some("another picture".to_owned());
+    other.request.sha256 = Some("another picture".to_owned());
     desk.suggest(&[other]);
     assert_eq!(desk.pans(), [Some(2.0)], "it is of another picture");
     let journalled = desk.journal.len();

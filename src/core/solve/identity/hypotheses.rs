@@ -25,7 +25,7 @@ pub(super) struct Hypothesis {
 }
 
 /// A hypothesis with the camera that fits it best.
-pub(super) struct Judged {
+pub(super) struct ScoredHypothesis {
     hypothesis: Hypothesis,
     ptz: Ptz,
     rms_px: f64,
@@ -34,7 +34,7 @@ pub(super) struct Judged {
     pub surprise: f64,
 }
 
-impl Judged {
+impl ScoredHypothesis {
     /// The cost that ranks hypotheses. Each rename costs 4 (2 σ), so that of equally good
     /// explanations the one that changes least wins.
     pub fn penalty(&self) -> f64 {
@@ -94,11 +94,11 @@ impl Search<'_> {
         equations.saturating_sub(3).max(1)
     }
 
-    pub fn judged(&self, hypothesis: Hypothesis) -> Option<Judged> {
+    pub fn judged(&self, hypothesis: Hypothesis) -> Option<ScoredHypothesis> {
         let best =
             best_fit(self.base, &hypothesis.clicks, &self.context).filter(|best| best.plausible)?;
         let surprise = self.context.motion.surprise(&best.ptz, &self.slack);
-        Some(Judged {
+        Some(ScoredHypothesis {
             ptz: best.ptz,
             rms_px: best.rms_px,
             chi_squared: best.chi_squared,

@@ -42,7 +42,7 @@ mod hypotheses;
 use super::{Evidence, FrameSolution, IdentityFinding, Loss, Observation, SolveContext};
 use crate::camera::CameraBase;
 use crate::field::FieldModel;
-use hypotheses::{Hypothesis, Judged, Search};
+use hypotheses::{Hypothesis, ScoredHypothesis, Search};
 
 /// Renaming must lower χ² by this amount, and to this fraction.
 const MIN_GAIN: f64 = 25.0;
@@ -116,7 +116,7 @@ pub fn check_identity(
     let as_named = solution.chi_squared + surprise;
     let expected = search.redundancy() as f64
         * (solution.expected_chi_squared / solution.redundancy as f64).max(1.0);
-    let convinces = |judged: &Judged| {
+    let convinces = |judged: &ScoredHypothesis| {
         let renamed = judged.chi_squared + judged.surprise;
         let renamed_misfit = (judged.chi_squared / expected).sqrt();
         renamed + MIN_GAIN < as_named

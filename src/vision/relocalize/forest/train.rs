@@ -28,7 +28,7 @@ pub struct TrainProgress {
 pub enum Stopped {
     /// `progress` cancelled it.
     #[error("training was stopped")]
-    Asked,
+    Cancelled,
     /// There are no samples.
     #[error("{frames} references give no features to learn from")]
     NoSamples {
@@ -105,7 +105,9 @@ pub fn train_without(
             Some(flatten(&grown))
         })
         .collect();
-    trees.map(|trees| Forest { trees }).ok_or(Stopped::Asked)
+    trees
+        .map(|trees| Forest { trees })
+        .ok_or(Stopped::Cancelled)
 }
 
 /// The samples of the `frames` drawn for a tree.

@@ -5,7 +5,7 @@ use super::super::pose_prior::{PosePrior, PriorSource, by_focal_px, moved, offse
 use super::super::pose_problem::{AdjustedFrame, PoseProblem, PoseState, Seen};
 use super::camera::ClipCamera;
 use super::smooth::smoothed_offsets;
-use super::{Carried, PointTracks};
+use super::{PointTracks, PropagatedClip};
 use touchline_core::camera::{PanTilt, Ptz};
 use touchline_core::geometry::{Mat3, Vec3, median};
 use touchline_core::solve::{Loss, Stopping, minimise};
@@ -60,21 +60,21 @@ pub struct AdjustedClip {
 pub fn adjust_clip(
     camera: &ClipCamera,
     tracks: &PointTracks,
-    carried: &Carried,
+    propagated: &PropagatedClip,
     priors: &[PosePrior],
     options: &AdjustOptions,
 ) -> Option<AdjustedClip> {
     // One row of unknowns per reached frame; frames that were not reached take no part.
     let mut row_of = vec![None; tracks.frames];
     let (mut start, mut frame_of) = (Vec::new(), Vec::new());
-    for (frame, ptz) in carried.ptz.iter().enumerate() {
+    for (frame, ptz) in propagated.ptz.iter().enumerate() {
         if let Some(ptz) = ptz {
             row_of[frame] = Some(start.len());
             start.push(camera.with_known_focal(frame, *ptz));
             frame_of.push(frame);
         }
     }
-    let points = seen(tracks, &carried.moving, &row_of);
+    let points = seen(tracks, &propagated.moving, &row_of);
     let priors: Vec<PosePrior> = priors
         .iter()
         .filter(|prior| prior.is_informative())
@@ -461,7 +461,7 @@ mod tests {
             frames: 6,
             tracks: tracks.collect(),
         };
-        let carried = Carried {
+        let propagated = PropagatedClip {
             ptz: ptz.iter().copied().map(Some).collect(),
             moving: vec![false; tracks.tracks.len()],
             apart_px: vec![None; 6],
@@ -475,7 +475,7 @@ mod tests {
         let adjusted = adjust_clip(
             &ClipCamera::new(base),
             &tracks,
-            &carried,
+            &propagated,
             &priors,
             &AdjustOptions::default(),
         )

@@ -49,18 +49,18 @@
 
 mod adjust;
 mod camera;
-mod carry;
 #[cfg(feature = "opencv")]
 mod flow;
 mod follow;
 mod jitter;
 mod point_tracks;
+mod propagate;
 mod smooth;
 
 pub use adjust::{AdjustOptions, AdjustedClip, adjust_clip};
 pub use camera::{ClipCamera, ClipLens};
-pub use carry::{Carried, CarryOptions, CarryStop, carry};
 pub use follow::{FollowOptions, PointFollower};
 pub use jitter::Jitter;
 pub use point_tracks::{PointTrack, PointTracks};
+pub use propagate::{PropagateOptions, PropagatedClip, PropagationStop, propagate};
 pub use smooth::{SmoothOptions, Unsmoothed, smooth};

@@ -22,7 +22,7 @@ use touchline_core::solve::{
 /// The conditions under which propagation goes on to the next frame. Lengths are in px at 1920 px
 /// width.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CarryOptions {
+pub struct PropagateOptions {
     /// Maximum distance of a tracked point from the projection of its direction; a point farther
     /// off is an outlier. Default: 3.
     pub agrees_px: f64,
@@ -35,7 +35,7 @@ pub struct CarryOptions {
     pub min_spread: f64,
 }
 
-impl Default for CarryOptions {
+impl Default for PropagateOptions {
     fn default() -> Self {
         Self {
             agrees_px: 3.0,
@@ -48,7 +48,7 @@ impl Default for CarryOptions {
 
 /// Why propagation stopped before a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CarryStop {
+pub struct PropagationStop {
     /// The frame that could not be reached, as an index into the clip.
     pub frame: usize,
     /// Its neighbour, the last frame that was reached.
@@ -61,7 +61,7 @@ pub struct CarryStop {
 
 /// The cameras of a clip's frames after propagation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Carried {
+pub struct PropagatedClip {
     /// The camera of each frame; `None` for a frame that was not reached.
     pub ptz: Vec<Option<Ptz>>,
     /// The distance between the camera propagated from the known frame before and the one from the
@@ -69,7 +69,7 @@ pub struct Carried {
     /// one side reached the frame.
     pub apart_px: Vec<Option<f64>>,
     /// Where propagation stopped and no other known frame helped, in frame order.
-    pub stops: Vec<CarryStop>,
+    pub stops: Vec<PropagationStop>,
     /// For each track whether its point moves in the scene; such tracks are outliers.
     pub moving: Vec<bool>,
 }
@@ -90,12 +90,12 @@ const SCALES_PX: [f64; 4] = [24.0, 6.0, 2.0, 1.0];
 ///
 /// If several priors name one frame, the first of them is its known camera.
 #[must_use]
-pub fn carry(
+pub fn propagate(
     camera: &ClipCamera,
     tracks: &PointTracks,
     priors: &[PosePrior],
-    options: &CarryOptions,
-) -> Carried {
+    options: &PropagateOptions,
+) -> PropagatedClip {
     let frames = tracks.frames;
     let mut march = March {
         camera,
@@ -120,16 +120,16 @@ pub fn carry(
     for (place, &(frame, ptz)) in known.iter().enumerate() {
         let next = known.get(place + 1).map_or(frames, |next| next.0 + 1);
         let before = place.checked_sub(1).map_or(0, |before| known[before].0);
-        for (to, at) in march.carried(frame, ptz, frame + 1..next) {
+        for (to, at) in march.propagated(frame, ptz, frame + 1..next) {
             forth[to] = Some((frame, at));
         }
-        for (to, at) in march.carried(frame, ptz, (before..frame).rev()) {
+        for (to, at) in march.propagated(frame, ptz, (before..frame).rev()) {
             back[to] = Some((frame, at));
         }
     }
     // Where both directions reached a frame, the nearer known frame wins, because drift grows with
     // the number of steps.
-    let mut carried = Carried {
+    let mut propagated = PropagatedClip {
         ptz: vec![None; frames],
         apart_px: vec![None; frames],
         stops: Vec::new(),
@@ -138,7 +138,7 @@ pub fn carry(
     for frame in 0..frames {
         let nearer = match (forth[frame], back[frame]) {
             (Some(forth), Some(back)) => {
-                carried.apart_px[frame] = Some(march.apart_px(frame, forth.1, back.1));
+                propagated.apart_px[frame] = Some(march.apart_px(frame, forth.1, back.1));
                 if frame - forth.0 <= back.0 - frame {
                     Some(forth.1)
                 } else {
@@ -147,18 +147,20 @@ pub fn carry(
             }
             (one, other) => one.or(other).map(|(_, ptz)| ptz),
         };
-        carried.ptz[frame] = nearer;
+        propagated.ptz[frame] = nearer;
     }
     // Known frames keep their cameras. A stop is worth reporting only if no other known frame
     // reached that frame.
     for (frame, ptz) in known {
-        carried.ptz[frame] = Some(ptz);
+        propagated.ptz[frame] = Some(ptz);
     }
-    march.stops.retain(|stop| carried.ptz[stop.frame].is_none());
+    march
+        .stops
+        .retain(|stop| propagated.ptz[stop.frame].is_none());
     march.stops.sort_by_key(|stop| (stop.frame, stop.from));
-    carried.stops = march.stops;
-    carried.moving = march.moving;
-    carried
+    propagated.stops = march.stops;
+    propagated.moving = march.moving;
+    propagated
 }
 
 struct March<'a> {
@@ -168,10 +170,10 @@ struct March<'a> {
     by_frame: Vec<Vec<(usize, usize)>>,
     /// Image px per px at 1920 px width.
     px: f64,
-    options: &'a CarryOptions,
+    options: &'a PropagateOptions,
     /// Tracks found to move in the scene, in any run so far.
     moving: Vec<bool>,
-    stops: Vec<CarryStop>,
+    stops: Vec<PropagationStop>,
 }
 
 /// The estimate of a point's direction so far.
@@ -191,7 +193,7 @@ impl March<'_> {
     ///
     /// Directions are estimated anew, because they depend on the camera at the start. Points that
     /// were found to move stay excluded in later runs.
-    fn carried(
+    fn propagated(
         &mut self,
         from: usize,
         ptz: Ptz,
@@ -209,7 +211,7 @@ impl March<'_> {
                     last = (frame, ptz);
                 }
                 Err((seen, agreeing)) => {
-                    self.stops.push(CarryStop {
+                    self.stops.push(PropagationStop {
                         frame,
                         from: last.0,
                         seen,
@@ -236,14 +238,14 @@ impl March<'_> {
         from: Ptz,
     ) -> Result<Ptz, (usize, usize)> {
         // Correspondences: points whose direction is known and that are not known to move.
-        let known: Vec<(usize, Sighting)> = self.by_frame[frame]
+        let known: Vec<(usize, Correspondence)> = self.by_frame[frame]
             .iter()
             .filter(|(track, _)| directions[*track].sum != Vec3::zeros() && !self.moving[*track])
             .map(|&seen| {
                 let direction = directions[seen.0].sum.normalize();
                 (
                     seen.0,
-                    Sighting {
+                    Correspondence {
                         direction,
                         image: self.point(seen),
                         sigma_px: self.px,
@@ -253,13 +255,16 @@ impl March<'_> {
             .collect();
         // Separate points that moved in the image since they were first seen from those that did
         // not; see `turned_camera`.
-        let moved_px = |(track, sighting): &(usize, Sighting)| {
-            sighting.image.distance_px(directions[*track].first) / self.px
+        let moved_px = |(track, correspondence): &(usize, Correspondence)| {
+            correspondence.image.distance_px(directions[*track].first) / self.px
         };
-        let sightings: Vec<Sighting> = known.iter().map(|(_, sighting)| *sighting).collect();
+        let correspondences: Vec<Correspondence> = known
+            .iter()
+            .map(|(_, correspondence)| *correspondence)
+            .collect();
         let (moving, still): (Vec<_>, Vec<_>) =
             known.iter().partition(|it| moved_px(it) > MOVED_PX);
-        let [moving, still] = [moving, still].map(|some: Vec<(usize, Sighting)>| {
+        let [moving, still] = [moving, still].map(|some: Vec<(usize, Correspondence)>| {
             some.into_iter().map(|(_, it)| it).collect::<Vec<_>>()
         });
         // Image motion decides whether the camera rotates. A rotating camera is fitted to the
@@ -268,31 +273,32 @@ impl March<'_> {
         let from = self.camera.with_known_focal(frame, from);
         let turned = self.turned_camera(frame, from, &moving, &still);
         let is_turning = turned.is_some();
-        let ptz = turned.unwrap_or_else(|| self.fitted(frame, from, &sightings));
+        let ptz = turned.unwrap_or_else(|| self.fitted(frame, from, &correspondences));
         let camera = self.camera.at_origin(frame, ptz);
         // Accept the frame only if the inliers are many, a large share, and spread over the
         // picture: a few points in a corner do not determine the focal length.
-        let agrees = |sighting: &Sighting| self.agrees(&camera, sighting);
-        let agreeing: Vec<ImagePoint> = sightings
+        let agrees = |correspondence: &Correspondence| self.agrees(&camera, correspondence);
+        let agreeing: Vec<ImagePoint> = correspondences
             .iter()
             .filter(|it| agrees(it))
             .map(|it| it.image)
             .collect();
-        let enough =
-            (self.options.min_share * sightings.len() as f64).max(self.options.min_points as f64);
+        let enough = (self.options.min_share * correspondences.len() as f64)
+            .max(self.options.min_points as f64);
         if (agreeing.len() as f64) < enough || !self.spread(&agreeing) || !ptz.is_finite() {
-            return Err((sightings.len(), agreeing.len()));
+            return Err((correspondences.len(), agreeing.len()));
         }
         // Count a strike against each outlier. While the camera rotates, a point that stands still
         // in the image and fits worse than 1 px (at 1920) is of a graphic, even within `agrees_px`.
-        let stands = |it: &(usize, Sighting)| is_turning && moved_px(it) <= MOVED_PX;
-        let off_px = |sighting: &Sighting| {
-            sighting
+        let stands = |it: &(usize, Correspondence)| is_turning && moved_px(it) <= MOVED_PX;
+        let off_px = |correspondence: &Correspondence| {
+            correspondence
                 .value(&camera)
                 .map_or(f64::INFINITY, |off| off.norm() / self.px)
         };
-        let disagrees =
-            |it: &&(usize, Sighting)| !agrees(&it.1) || stands(it) && off_px(&it.1) > MOVED_PX;
+        let disagrees = |it: &&(usize, Correspondence)| {
+            !agrees(&it.1) || stands(it) && off_px(&it.1) > MOVED_PX
+        };
         let wrong: Vec<usize> = known
             .iter()
             .filter(disagrees)
@@ -319,8 +325,8 @@ impl March<'_> {
         &self,
         frame: usize,
         from: Ptz,
-        moving: &[Sighting],
-        still: &[Sighting],
+        moving: &[Correspondence],
+        still: &[Correspondence],
     ) -> Option<Ptz> {
         if moving.len() < self.options.min_points {
             return None;
@@ -329,19 +335,22 @@ impl March<'_> {
         let camera = self.camera.at_origin(frame, ptz);
         let agreeing = moving
             .iter()
-            .filter(|sighting| self.agrees(&camera, sighting));
+            .filter(|correspondence| self.agrees(&camera, correspondence));
         (self.parts_of_picture(agreeing) > self.parts_of_picture(still.iter())).then_some(ptz)
     }
 
     /// Whether a camera projects a direction to within `agrees_px` of its observation.
-    fn agrees(&self, camera: &PtzCamera, sighting: &Sighting) -> bool {
-        sighting
+    fn agrees(&self, camera: &PtzCamera, correspondence: &Correspondence) -> bool {
+        correspondence
             .value(camera)
             .is_some_and(|off| off.norm() <= self.options.agrees_px * self.px)
     }
 
     /// The number of cells of a 12 × 7 grid over the picture that contain an observation.
-    fn parts_of_picture<'s>(&self, sightings: impl Iterator<Item = &'s Sighting>) -> usize {
+    fn parts_of_picture<'s>(
+        &self,
+        correspondences: impl Iterator<Item = &'s Correspondence>,
+    ) -> usize {
         const COLUMNS: f64 = 12.0;
         const ROWS: f64 = 7.0;
         let (width, height) = (
@@ -355,8 +364,8 @@ impl March<'_> {
                 (at.y / height * ROWS) as i32,
             )
         };
-        sightings
-            .map(|sighting| part(sighting.image))
+        correspondences
+            .map(|correspondence| part(correspondence.image))
             .collect::<BTreeSet<_>>()
             .len()
     }
@@ -367,8 +376,8 @@ impl March<'_> {
     /// (graduated non-convexity; Blake and Zisserman: "Visual Reconstruction", 1987). If the focal
     /// length is known, [`KnownFocal`] holds it in the fit; its tiny remainder is removed after
     /// each scale.
-    fn fitted(&self, frame: usize, from: Ptz, sightings: &[Sighting]) -> Ptz {
-        let start = self.turned(frame, from, sightings);
+    fn fitted(&self, frame: usize, from: Ptz, correspondences: &[Correspondence]) -> Ptz {
+        let start = self.turned(frame, from, correspondences);
         let (base, known_focal) = (
             self.camera.base_at(frame).at_origin(),
             self.camera.focal_px_at(frame).map(KnownFocal),
@@ -377,7 +386,7 @@ impl March<'_> {
             let problem = OneFrame {
                 base: &base,
                 known_focal,
-                sightings,
+                correspondences,
                 loss: Loss::Cauchy { c: scale_px },
             };
             let until = Stopping {
@@ -392,11 +401,11 @@ impl March<'_> {
 
     /// A start for a frame's camera: the last one, panned and tilted by the median motion of the
     /// points.
-    fn turned(&self, frame: usize, from: Ptz, sightings: &[Sighting]) -> Ptz {
+    fn turned(&self, frame: usize, from: Ptz, correspondences: &[Correspondence]) -> Ptz {
         let camera = self.camera.at_origin(frame, from);
-        let off: Vec<Vec2> = sightings
+        let off: Vec<Vec2> = correspondences
             .iter()
-            .filter_map(|sighting| sighting.value(&camera))
+            .filter_map(|correspondence| correspondence.value(&camera))
             .collect();
         let along = |axis: usize| {
             median(&mut off.iter().map(|by| by[axis]).collect::<Vec<_>>()).unwrap_or(0.0)
@@ -471,7 +480,7 @@ struct OneFrame<'a> {
     /// The base with its position at the origin, so that the camera projects directions.
     base: &'a CameraBase,
     known_focal: Option<KnownFocal>,
-    sightings: &'a [Sighting],
+    correspondences: &'a [Correspondence],
     loss: Loss,
 }
 
@@ -485,8 +494,8 @@ impl Problem for OneFrame<'_> {
         if let Some(known) = &self.known_focal {
             equations.add(known, &camera, Loss::Squared);
         }
-        for sighting in self.sightings {
-            equations.add(sighting, &camera, self.loss);
+        for correspondence in self.correspondences {
+            equations.add(correspondence, &camera, self.loss);
         }
         equations
     }
@@ -527,14 +536,14 @@ impl Residual<1, 0, 3> for KnownFocal {
 
 /// A correspondence: a known direction, and where a frame shows it.
 #[derive(Clone, Copy)]
-struct Sighting {
+struct Correspondence {
     /// Unit, `base`.
     direction: Vec3,
     image: ImagePoint,
     sigma_px: f64,
 }
 
-impl Residual<2, 0, 3> for Sighting {
+impl Residual<2, 0, 3> for Correspondence {
     /// The camera at the origin; pan, tilt and focal length are its parameters.
     type State = PtzCamera;
 
@@ -657,13 +666,13 @@ mod tests {
             &Mat3::identity(),
             PriorSource::Person,
         );
-        let carried = carry(
+        let propagated = propagate(
             &ClipCamera::new(base()),
             &tracks,
             &[known],
-            &CarryOptions::default(),
+            &PropagateOptions::default(),
         );
-        assert_eq!(carried.stops, [], "every frame is reached");
+        assert_eq!(propagated.stops, [], "every frame is reached");
         let off = |(frame, ptz): (usize, &Option<Ptz>)| {
             ptz.unwrap()
                 .pan
@@ -671,7 +680,12 @@ mod tests {
                 .degrees()
                 .abs()
         };
-        carried.ptz.iter().enumerate().map(off).fold(0.0, f64::max)
+        propagated
+            .ptz
+            .iter()
+            .enumerate()
+            .map(off)
+            .fold(0.0, f64::max)
     }
 
     #[test]
@@ -740,19 +754,21 @@ mod tests {
         let covariance =
             Mat3::from_diagonal(&Vec3::new(sigma, sigma, 1.0).map(|sigma| sigma * sigma));
         let known = PosePrior::from_covariance(0, truth[0], &covariance, PriorSource::Person);
-        let carried = carry(&camera, &tracks, &[known], &CarryOptions::default());
+        let propagated = propagate(&camera, &tracks, &[known], &PropagateOptions::default());
         let adjusted = adjust_clip(
             &camera,
             &tracks,
-            &carried,
+            &propagated,
             &[known],
             &AdjustOptions::default(),
         )
         .unwrap();
         for (frame, truth) in truth.iter().enumerate() {
-            let (carried, adjusted) =
-                (carried.ptz[frame].unwrap(), adjusted.frames[frame].unwrap());
-            for ptz in [carried, adjusted.ptz] {
+            let (propagated, adjusted) = (
+                propagated.ptz[frame].unwrap(),
+                adjusted.frames[frame].unwrap(),
+            );
+            for ptz in [propagated, adjusted.ptz] {
                 assert_eq!(ptz.focal_px, truth.focal_px, "frame {frame}");
                 let off_deg = (ptz.pan - truth.pan)
                     .degrees()

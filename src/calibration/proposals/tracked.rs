@@ -1,22 +1,22 @@
 //! Cameras that are tracked to a frame from neighbours with a camera from the forest or the user.
 
-use super::{Asked, Offer};
+use super::{FrameRequest, SuggestionUpdate};
 use crate::calibrate::{TrackedClip, TrackedFrame, record_tracked_frame};
 use touchline_documents::document::{Document, Frame, FrameId, Suggestion};
 
 /// A camera that was tracked to a frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CarriedProposal {
+pub struct TrackedProposal {
     /// Id of the frame.
     pub frame: FrameId,
     /// The frame at the time of the request, by which a stale answer is recognised.
-    pub asked: Asked,
+    pub request: FrameRequest,
     /// Generation of the forest that answered for its neighbours.
     pub generation: u64,
     suggestion: Suggestion,
 }
 
-impl CarriedProposal {
+impl TrackedProposal {
     /// The proposal for a tracked frame; none if the document has no such frame or the user has
     /// decided on it.
     pub fn of(
@@ -25,14 +25,14 @@ impl CarriedProposal {
         tracked: &TrackedFrame,
         generation: u64,
     ) -> Option<Self> {
-        let Offer {
+        let SuggestionUpdate {
             id,
-            asked,
+            request,
             suggestion,
-        } = offer_tracked(document, clip, tracked)?;
+        } = suggest_tracked(document, clip, tracked)?;
         Some(Self {
             frame: id,
-            asked,
+            request,
             generation,
             suggestion,
         })
@@ -40,10 +40,10 @@ impl CarriedProposal {
 
     /// The suggestion as an offer to a project.
     #[must_use]
-    pub fn offer(&self) -> Offer {
-        Offer {
+    pub fn update(&self) -> SuggestionUpdate {
+        SuggestionUpdate {
             id: self.frame.clone(),
-            asked: self.asked.clone(),
+            request: self.request.clone(),
             suggestion: self.suggestion.clone(),
         }
     }
@@ -56,27 +56,31 @@ impl CarriedProposal {
 
 /// The cameras of a tracked clip, as offers for the frames on which the user has not decided.
 #[must_use]
-pub fn offer_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<Offer> {
+pub fn suggest_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<SuggestionUpdate> {
     clip.frames
         .iter()
-        .filter_map(|tracked| offer_tracked(document, clip, tracked))
+        .filter_map(|tracked| suggest_tracked(document, clip, tracked))
         .collect()
 }
 
 /// The camera of one tracked frame as an offer; none if the user has decided on the frame.
-fn offer_tracked(document: &Document, clip: &TrackedClip, tracked: &TrackedFrame) -> Option<Offer> {
-    Offer::from_recorded(document, tracked.place, |frame| {
+fn suggest_tracked(
+    document: &Document,
+    clip: &TrackedClip,
+    tracked: &TrackedFrame,
+) -> Option<SuggestionUpdate> {
+    SuggestionUpdate::from_recorded(document, tracked.place, |frame| {
         record_tracked_frame(frame, clip, tracked);
     })
 }
 
 #[cfg(any(test, feature = "testing"))]
-impl CarriedProposal {
+impl TrackedProposal {
     /// A camera at this pan for a test.
     pub fn at_pan(document: &Document, place: usize, pan_deg: f64, generation: u64) -> Self {
         use touchline_documents::document::{FramePtz, Solution, SolutionSource};
         let frame = &document.frames[place];
-        let asked = Asked::of(document, frame);
+        let request = FrameRequest::from_frame(document, frame);
         let solution = Solution {
             source: Some(SolutionSource::Tracking),
             confidence: Some(0.95),
@@ -88,13 +92,13 @@ impl CarriedProposal {
         ));
         let suggestion = Suggestion {
             revision: frame.revision,
-            base: asked.base,
+            base: request.base,
             ptz,
             solution: Some(solution),
         };
         Self {
             frame: frame.id.clone(),
-            asked,
+            request,
             generation,
             suggestion,
         }

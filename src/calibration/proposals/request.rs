@@ -5,7 +5,7 @@ use touchline_documents::document::{Camera, CameraId, Document, Frame};
 
 /// The state of a frame at the time of a request.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct FrameRequest {
     /// Revision of the frame.
     pub revision: u64,
     /// Name of its picture.
@@ -18,10 +18,10 @@ pub struct Asked {
     pub base: Option<CameraBase>,
 }
 
-impl Asked {
+impl FrameRequest {
     /// The present state of a frame.
     #[must_use]
-    pub fn of(document: &Document, frame: &Frame) -> Self {
+    pub fn from_frame(document: &Document, frame: &Frame) -> Self {
         Self {
             revision: frame.revision,
             picture: frame.name(),
