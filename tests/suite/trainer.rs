@@ -71,7 +71,7 @@ fn it_learns_proposes_and_goes_on_where_it_was() {
     assert!(
         status
             .quality
-            .is_some_and(|quality| quality.asked.len() == 5)
+            .is_some_and(|quality| quality.tested.len() == 5)
     );
     assert_eq!(status.coverage.len(), 1);
     assert_eq!(proposals.len(), 5);
@@ -79,7 +79,7 @@ fn it_learns_proposes_and_goes_on_where_it_was() {
     for proposal in &proposals {
         assert!(
             proposal
-                .asked
+                .request
                 .is_still(&document, document.frames.by_id(&proposal.frame).unwrap())
         );
         if let Ok(answer) = &proposal.outcome {
