@@ -17,7 +17,7 @@ use touchline::document::{
 };
 use touchline::field::{FieldModel, Landmark, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-use touchline::proposals::{Answer, Asked, Proposal, Timings};
+use touchline::proposals::{Answer, FrameRequest, Proposal, Timings};
 use touchline::render::{Layer, Offscreen, View};
 use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::Colour;
@@ -280,7 +280,7 @@ impl Window {
         };
         let proposal = Proposal {
             frame: document.frames[frame].id.clone(),
-            asked: Asked::of(document, &document.frames[frame]),
+            request: FrameRequest::from_frame(document, &document.frames[frame]),
             generation: 1,
             outcome: Ok(answer),
             timings: Timings::default(),

@@ -66,7 +66,7 @@ fn status(document: &Document) -> TrainerStatus {
         quality: Some(Arc::new(Quality {
             left_out_by: LeftOutBy::Shot,
             groups: 3,
-            asked: vec![asked(0, Some(1.4)), asked(3, Some(64.0)), asked(5, None)],
+            tested: vec![asked(0, Some(1.4)), asked(3, Some(64.0)), asked(5, None)],
         })),
         suspects: Vec::new().into(),
         coverage: vec![Coverage {
