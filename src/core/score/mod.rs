@@ -3,7 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | rotation, pan, tilt, focal length, position | [`camera_error`] |
-//! | the field seen from above: the part in the picture, the whole | [`iou_part`], [`iou_whole`] |
+//! | the field seen from above: the part in the picture, its segments, the whole | [`iou_part`], [`iou_segments`], [`iou_whole`] |
 //! | the same for a homography of the ground | [`PlaneView`] |
 //! | pixels in which a picture shows the field | [`field_grid`] |
 //! | landmarks, px in the picture, m on the ground | [`landmark_errors`], [`ground_error_m`] |
@@ -36,7 +36,7 @@ pub use field_grid::field_grid;
 pub use ground::seen_field;
 pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
 pub use marking_match::{AnnotatedLine, MarkingMatch, NamedMatch, annotated_lines};
-pub use overlap::{iou_part, iou_whole};
+pub use overlap::{iou_part, iou_segments, iou_whole};
 pub use plane::PlaneView;
 pub use statistics::Summary;
 pub use view::FieldView;

@@ -45,6 +45,58 @@ pub fn iou_whole(field: &FieldModel, truth: &PtzCamera, estimate: &PtzCamera) ->
         .unwrap_or(0.0)
 }
 
+/// The number of segments along and across the field of [`iou_segments`].
+const SEGMENTS: [u8; 2] = [6, 4];
+
+/// Mean `IoU` of the segments of the field that the picture shows, 0 to 1. None where the true
+/// camera shows none.
+///
+/// The field is divided into 6 × 4 equal segments. The part of each that the picture shows is
+/// projected into the picture by the true camera and back by the estimated one, as for
+/// [`iou_whole`], and compared with itself. Each segment counts alike, so that a camera that is
+/// right in the middle of its view and wrong at an end does not hide that.
+#[must_use]
+pub fn iou_segments(
+    field: &FieldModel,
+    truth: &PtzCamera,
+    estimate: &PtzCamera,
+    size: ImageSize,
+) -> Option<f64> {
+    let seen = seen_field(field, truth, size);
+    let mut scores: Vec<f64> = Vec::new();
+    for segment in segments(field) {
+        let shown = shared(&[segment], &seen);
+        if area(&shown) < LEAST_SEGMENT_M2 {
+            continue;
+        }
+        let carry_ring = |ring: &Ring| ring.iter().map(|at| carry(truth, estimate, *at)).collect();
+        let carried: Option<Vec<Ring>> = shown.iter().map(carry_ring).collect();
+        let score = carried.and_then(|carried| intersection_over_union(&shown, &carried));
+        scores.push(score.unwrap_or(0.0));
+    }
+    let count = scores.len();
+    (count > 0).then(|| scores.iter().sum::<f64>() / count as f64)
+}
+
+/// Of a segment less than this is a sliver at the border of the picture, whose overlap says nothing,
+/// m².
+const LEAST_SEGMENT_M2: f64 = 1.0;
+
+/// The segments of a field, by their corners.
+fn segments(field: &FieldModel) -> impl Iterator<Item = Ring> {
+    let [corner, _, opposite, _] = field_corners(field);
+    let [along, across] = SEGMENTS;
+    let at = move |x: u8, y: u8| {
+        let share = Vec2::new(
+            f64::from(x) / f64::from(along),
+            f64::from(y) / f64::from(across),
+        );
+        corner + (opposite - corner).component_mul(&share)
+    };
+    let segment = move |x: u8, y: u8| vec![at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
+    (0..along).flat_map(move |x| (0..across).map(move |y| segment(x, y)))
+}
+
 /// The ground point that the estimate sees at the pixel of a ground point under the truth: a
 /// homography of the plane z = 0. None beyond the estimate's horizon.
 fn carry(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec2> {
@@ -118,6 +170,21 @@ mod tests {
         assert!((iou_whole(&soccer(), &truth, &estimate) - 95.0 / 115.0).abs() < 1e-12);
         // A focal length a quarter too long shrinks the field by that: (4/5)².
         assert!((iou_whole(&soccer(), &truth, &from_above(0.0, 0.0, 4000.0)) - 0.64).abs() < 1e-12);
+    }
+
+    #[test]
+    fn segments_say_how_far_the_seen_ground_moves() {
+        // A view of 40 m × 22.5 m around the middle, moved by 2 m. The four segments beside the
+        // middle are 17.5 m × 17 m; of each, 17.5 m × 11.25 m are seen, of the next ones 2.5 m. So
+        // the overlaps are 15.5/19.5 and 0.5/4.5.
+        let (truth, estimate) = (from_above(0.0, 0.0, 3200.0), from_above(2.0, 0.0, 3200.0));
+        let found = iou_segments(&soccer(), &truth, &estimate, SIZE).unwrap();
+        let expected = (4.0 * 15.5 / 19.5 + 4.0 * 0.5 / 4.5) / 8.0;
+        assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        let itself = iou_segments(&soccer(), &truth, &truth, SIZE).unwrap();
+        assert!((itself - 1.0).abs() < 1e-9);
+        let away = from_above(0.0, 500.0, 3200.0);
+        assert_eq!(iou_segments(&soccer(), &away, &truth, SIZE), None);
     }
 
     #[test]

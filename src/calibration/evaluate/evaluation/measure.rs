@@ -6,6 +6,8 @@
 pub enum Measure {
     /// Intersection over union of the part of the field that the picture shows.
     IouPart,
+    /// Mean intersection over union of the field's segments that the picture shows.
+    IouSegments,
     /// Intersection over union of the whole field.
     IouWhole,
     /// The angle between the rotations.
@@ -44,8 +46,9 @@ pub enum Measure {
 
 impl Measure {
     /// All measures, in the order of tables.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::IouPart,
+        Self::IouSegments,
         Self::IouWhole,
         Self::Rotation,
         Self::Pan,
@@ -70,6 +73,7 @@ impl Measure {
     pub const fn key(self) -> &'static str {
         match self {
             Self::IouPart => "iou_part",
+            Self::IouSegments => "iou_segments",
             Self::IouWhole => "iou_whole",
             Self::Rotation => "rotation_deg",
             Self::Pan => "pan_deg",
@@ -95,6 +99,7 @@ impl Measure {
     pub const fn label(self) -> &'static str {
         match self {
             Self::IouPart => "IoU_part",
+            Self::IouSegments => "IoU_segments",
             Self::IouWhole => "IoU_whole",
             Self::Rotation => "rotation error (°)",
             Self::Pan => "pan error (°)",
@@ -120,7 +125,12 @@ impl Measure {
     pub const fn more_is_better(self) -> bool {
         matches!(
             self,
-            Self::IouPart | Self::IouWhole | Self::Jaccard5 | Self::Jaccard10 | Self::Jaccard20
+            Self::IouPart
+                | Self::IouSegments
+                | Self::IouWhole
+                | Self::Jaccard5
+                | Self::Jaccard10
+                | Self::Jaccard20
         )
     }
 }

@@ -9,7 +9,7 @@ use touchline_core::field::{FieldElement, FieldModel};
 use touchline_core::geometry::{ImageSize, Vec3, mean, median};
 use touchline_core::score::{
     AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m,
-    iou_part, iou_whole, landmark_errors, squared_sigmas,
+    iou_part, iou_segments, iou_whole, landmark_errors, squared_sigmas,
 };
 use touchline_core::solve::{Observation, ObservationError};
 use touchline_documents::document::{Frame, Target};
@@ -108,6 +108,10 @@ fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, s
     scores.set(
         Measure::IouPart,
         iou_part(truth.field, truth.camera, estimate.camera, size),
+    );
+    scores.set(
+        Measure::IouSegments,
+        iou_segments(truth.field, truth.camera, estimate.camera, size),
     );
     scores.set(
         Measure::IouWhole,
