@@ -57,6 +57,8 @@ mod names;
 mod plane;
 mod priors;
 mod starts;
+#[cfg(test)]
+mod tests;
 mod uncertainty;
 
 pub use error::FromLinesError;

@@ -175,3 +175,42 @@ impl Residual<1, OF_BASE, 3> for FocalPrior {
         Loss::Squared
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::builtin;
+    use crate::solve::base::parameters::Shared;
+    use crate::solve::check_derivatives;
+    use crate::solve::fixtures::base;
+    use crate::solve::refine;
+
+    #[test]
+    fn each_prior_changes_with_the_parameters_as_its_jacobian_says() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let priors = PicturePriors::default();
+        let shared = Shared::new(&base(), field.crown());
+        let place = priors.place(&field);
+        check_derivatives(&place, |step, _| shared.stepped(step)).unwrap();
+        let ptz = Ptz::from_degrees(4.0, -12.0, 1900.0);
+        let focal = priors.focal(960);
+        check_derivatives(&focal, |_, step| refine::stepped(&ptz, step)).unwrap();
+        let value = Residual::<1, OF_BASE, 3>::value(&focal, &ptz).unwrap()[0];
+        assert!((focal.cost(1900.0) - (value / focal.sigma_log).powi(2)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_unusual_place_costs_more_and_none_is_forbidden() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let place = PicturePriors::default().place(&field);
+        let costs = [
+            [0.0, -65.0, 15.5],
+            [20.0, -80.0, 20.0],
+            [0.0, 65.0, 15.5],
+            [-95.0, 0.0, 12.0],
+        ]
+        .map(|position| place.cost(Vec3::from(position)));
+        assert_eq!(costs[0], 0.0);
+        assert!(costs.is_sorted() && costs[3] < 20.0, "{costs:?}");
+    }
+}
