@@ -4,7 +4,7 @@
 //! length are its own parameters; position, lean, lens, crown and principal point are the shared
 //! ones. So residuals, derivatives and the covariance are those of [`crate::solve::base`].
 
-use super::priors::{FocalPrior, PicturePriors, PlacePrior};
+use super::priors::{FocalPrior, PlacePrior};
 use super::starts::Start;
 use super::{FromLinesOptions, LinePicture};
 use crate::camera::{CameraBase, Ptz, PtzCamera, SharedCovariance};
@@ -15,7 +15,7 @@ use crate::solve::base::base_click::BaseClick;
 use crate::solve::base::bundle::frame_equations;
 use crate::solve::base::parameters::{OF_BASE, Shared, free_parameters};
 use crate::solve::base::shared_prior::SharedPrior;
-use crate::solve::base::{BaseModel, CrownModel, LensModel};
+use crate::solve::base::{BaseModel, LensModel};
 use crate::solve::least_squares::{
     BlockEquations, BorderedEquations, BorderedStep, Equations as _, Problem, Stopping, minimise,
 };
@@ -63,11 +63,10 @@ pub(super) fn starting_state(
         distortion: usual.usual_lens(picture.image_size.width),
         ..start.base
     };
-    let height_m = if options.fits_crown {
-        usual.crown_m.0
-    } else {
-        picture.field.crown_m
-    };
+    let height_m = options
+        .crown(picture.field)
+        .fixed_m()
+        .unwrap_or(usual.crown_m.0);
     let crown = Crown {
         height_m,
         ..picture.field.crown()
@@ -85,14 +84,13 @@ impl PictureFit {
         picture: &LinePicture<'_>,
         observations: &[Observation],
         near: &PictureState,
-        crown: CrownModel,
-        priors: &PicturePriors,
+        options: &FromLinesOptions,
         loss: Loss,
     ) -> Self {
-        let on_field = picture.field.crown();
+        let (on_field, priors) = (picture.field.crown(), &options.priors);
         let model = BaseModel {
             lens: LensModel::K1FocalK2,
-            crown,
+            crown: options.crown(picture.field),
             principal_point: Some(picture.image_size.centre()),
         };
         let along = (-near.shared.base.position_m.xy())
@@ -117,7 +115,7 @@ impl PictureFit {
     }
 
     /// The minimum near a state.
-    pub fn minimum(&self, start: PictureState, max_iterations: usize) -> Fitted {
+    pub fn minimum(&self, start: &PictureState, max_iterations: usize) -> Fitted {
         /// A step in (m, rad, log f) shorter than this is the last, and one that lowers the cost by
         /// less than this fraction.
         const SHORT_STEP: f64 = 1e-5;
@@ -127,7 +125,7 @@ impl PictureFit {
             short_step: SHORT_STEP,
             small_gain: SMALL_GAIN,
         };
-        let found = minimise(self, start, until);
+        let found = minimise(self, *start, until);
         Fitted {
             cost: found.equations.cost(),
             state: found.state,
@@ -142,9 +140,9 @@ impl PictureFit {
         let (information, _) = self.equations(at).reduced(0.0)?;
         let mut covariance = information.cholesky()?.inverse();
         // Fixed parameters are exact and have no correlations.
-        for held in (0..OF_BASE).filter(|&parameter| !self.free[parameter]) {
-            covariance.row_mut(held).fill(0.0);
-            covariance.column_mut(held).fill(0.0);
+        for fixed in (0..OF_BASE).filter(|&parameter| !self.free[parameter]) {
+            covariance.row_mut(fixed).fill(0.0);
+            covariance.column_mut(fixed).fill(0.0);
         }
         Some(covariance)
     }

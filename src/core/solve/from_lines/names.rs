@@ -25,9 +25,6 @@ const NEAR_SIGMAS: f64 = 4.0;
 /// Names may be mirrored where more than this share of the lines is far off.
 const MANY_SHARE: f64 = 1.0 / 3.0;
 
-/// The mirrored sets of names that are tried.
-pub(super) const MIRRORS: [Symmetry; 2] = [Symmetry::MirrorX, Symmetry::MirrorY];
-
 /// Another name for a drawn line.
 #[derive(Clone, Debug)]
 pub(super) struct NewName {

@@ -40,7 +40,7 @@ pub(super) fn camera_from_ground_lines(
     let half_width_px = 0.5 * f64::from(size.width);
     let unit_m = ground
         .iter()
-        .flat_map(|(_, line)| line.segment())
+        .filter_map(|(_, line)| line.segment())
         .flatten()
         .map(|end| end.xy().norm())
         .fold(1.0, f64::max);

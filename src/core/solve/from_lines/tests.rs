@@ -1,11 +1,12 @@
 //! Cameras from lines that were drawn exactly, and from lines that give none.
 
+use super::drawn_line::DrawnLine;
 use super::*;
 use crate::camera::{BaseAngles, FocalCurve};
-use crate::field::{Symmetry, builtin};
-use crate::geometry::{Angle, ImagePoint, Vec2};
+use crate::field::{Curve, Symmetry, builtin};
+use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
 use crate::markings::{MarkingOptions, project_lines};
-use crate::solve::ObservedShape;
+use crate::solve::{IdentityKind, ObservedShape};
 
 const SIZE: ImageSize = ImageSize::new(960, 540);
 
@@ -38,7 +39,7 @@ fn looking_at(position_m: [f64; 3], at_m: [f64; 2], focal_px: f64) -> PtzCamera 
 
 /// What an exact annotator draws: the ends of every straight line that the picture shows for some
 /// length, and points along every round one.
-fn drawn_exactly(field: &FieldModel, camera: &PtzCamera) -> Vec<Observation> {
+fn exact_lines(field: &FieldModel, camera: &PtzCamera) -> Vec<Observation> {
     const SHORTEST_PX: f64 = 25.0;
     let options = MarkingOptions {
         margin_px: 0.0,
@@ -66,7 +67,7 @@ fn drawn_exactly(field: &FieldModel, camera: &PtzCamera) -> Vec<Observation> {
     drawn
 }
 
-fn solved(
+fn solve(
     field: &FieldModel,
     observations: &[Observation],
 ) -> Result<CameraFromLines, FromLinesError> {
@@ -133,7 +134,7 @@ fn cameras_all_around_the_field_come_back_from_their_lines() {
         ("penalty area, low", [48.0, -46.0, 5.0], [42.0, 0.0], 1200.0),
     ] {
         let truth = looking_at(position_m, at_m, focal_px);
-        let found = solved(&field, &drawn_exactly(&field, &truth)).unwrap();
+        let found = solve(&field, &exact_lines(&field, &truth)).unwrap();
         let error_px = overlay_error_px(&field, &truth, &found.camera());
         assert!(error_px < 1.5, "{what}: {error_px} px, {found:?}");
         let sigmas = [
@@ -154,7 +155,7 @@ fn a_narrow_view_leaves_the_distance_open_and_says_so() {
     let wide = looking_at([0.0, -66.0, 16.0], [36.0, 8.0], 1800.0);
     let narrow = looking_at([0.0, -66.0, 16.0], [41.0, 16.0], 9000.0);
     let [wide, narrow] = [wide, narrow].map(|truth| {
-        let found = solved(&field, &drawn_exactly(&field, &truth)).unwrap();
+        let found = solve(&field, &exact_lines(&field, &truth)).unwrap();
         assert!(position_sigmas(&truth, &found) < 3.0, "{found:?}");
         found.base.sigma.position_m.norm()
     });
@@ -165,13 +166,13 @@ fn a_narrow_view_leaves_the_distance_open_and_says_so() {
 fn the_circle_and_the_halfway_line_give_a_camera() {
     let field = soccer();
     let truth = looking_at([3.0, -68.0, 17.0], [1.0, 1.0], 2000.0);
-    let mut drawn = drawn_exactly(&field, &truth);
+    let mut drawn = exact_lines(&field, &truth);
     drawn.retain(|observation| {
         let name = observation.element.and_then(|element| element.name(&field));
         matches!(name, Some("centre_circle" | "halfway_line"))
     });
     assert!(crossings::find_crossings(&DrawnLine::group(&drawn), &drawn).is_empty());
-    let found = solved(&field, &drawn).unwrap();
+    let found = solve(&field, &drawn).unwrap();
     assert!(
         overlay_error_px(&field, &truth, &found.camera()) < 1.5,
         "{found:?}"
@@ -184,7 +185,7 @@ fn the_circle_and_the_halfway_line_give_a_camera() {
 fn a_line_with_the_name_of_another_one_is_named() {
     let field = soccer();
     let truth = looking_at([2.0, -66.0, 16.0], [-36.0, 5.0], 2000.0);
-    let drawn = drawn_exactly(&field, &truth);
+    let drawn = exact_lines(&field, &truth);
     let other_end = |observation: &Observation| {
         let name = observation.element.and_then(|element| element.name(&field));
         if name == Some("penalty_arc_left") {
@@ -194,7 +195,7 @@ fn a_line_with_the_name_of_another_one_is_named() {
         *observation
     };
     let wrong: Vec<Observation> = drawn.iter().map(other_end).collect();
-    let found = solved(&field, &wrong).unwrap();
+    let found = solve(&field, &wrong).unwrap();
     assert!(
         overlay_error_px(&field, &truth, &found.camera()) < 1.5,
         "{found:?}"
@@ -211,9 +212,9 @@ fn a_line_with_the_name_of_another_one_is_named() {
 fn left_and_right_exchanged_are_named_as_mirrored() {
     let field = soccer();
     let truth = looking_at([2.0, -66.0, 16.0], [-36.0, 5.0], 2000.0);
-    let drawn = drawn_exactly(&field, &truth);
+    let drawn = exact_lines(&field, &truth);
     let mirrored = names::mirror(&field, &drawn, Symmetry::MirrorX).unwrap();
-    let found = solved(&field, &mirrored).unwrap();
+    let found = solve(&field, &mirrored).unwrap();
     assert!(
         overlay_error_px(&field, &truth, &found.camera()) < 1.5,
         "{found:?}"
@@ -249,7 +250,7 @@ fn too_little_is_named_in_one_line() {
             ("penalty_area_left_front", [700.0, 200.0]),
         ],
     );
-    let error = solved(&field, &three).unwrap_err();
+    let error = solve(&field, &three).unwrap_err();
     assert!(
         error
             .to_string()
@@ -258,7 +259,7 @@ fn too_little_is_named_in_one_line() {
     );
     // Points that coincide count once, and each point of a circle one.
     let mut circle = vec![("centre_circle", [500.0, 200.0]); 3];
-    let equations = |points: &[(&str, [f64; 2])]| match solved(&field, &on_lines(&field, points)) {
+    let equations = |points: &[(&str, [f64; 2])]| match solve(&field, &on_lines(&field, points)) {
         Err(FromLinesError::TooFewLines { equations, .. }) => Some(equations),
         _ => None,
     };
@@ -278,11 +279,11 @@ fn too_little_is_named_in_one_line() {
     .flat_map(|(name, y)| [(name, [50.0, y]), (name, [900.0, y + 10.0])])
     .collect();
     assert_eq!(
-        solved(&field, &on_lines(&field, &parallel)).unwrap_err(),
+        solve(&field, &on_lines(&field, &parallel)).unwrap_err(),
         FromLinesError::Parallel { lines: 4 }
     );
     assert!(matches!(
-        solved(&field, &[]),
+        solve(&field, &[]),
         Err(FromLinesError::TooFewLines { equations: 0, .. })
     ));
 }
@@ -291,11 +292,11 @@ fn too_little_is_named_in_one_line() {
 fn a_point_that_is_no_number_is_named() {
     let field = soccer();
     let truth = looking_at([2.0, -66.0, 16.0], [-36.0, 5.0], 2000.0);
-    let good = drawn_exactly(&field, &truth);
+    let good = exact_lines(&field, &truth);
     let spoilt = |spoil: &dyn Fn(&mut Observation)| {
         let mut drawn = good.clone();
         spoil(&mut drawn[5]);
-        solved(&field, &drawn)
+        solve(&field, &drawn)
     };
     let not_finite = Err(FromLinesError::NotFinite { click: 5 });
     assert_eq!(spoilt(&|click| click.image.x = f64::NAN), not_finite);
@@ -310,13 +311,13 @@ fn lines_of_no_field_are_refused() {
     let field = soccer();
     let truth = looking_at([2.0, -66.0, 16.0], [-36.0, 5.0], 2000.0);
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(5);
-    let mut scattered = drawn_exactly(&field, &truth);
+    let mut scattered = exact_lines(&field, &truth);
     for observation in &mut scattered {
         let [x, y] = [SIZE.width, SIZE.height].map(|side| random.random::<f64>() * f64::from(side));
         observation.image = ImagePoint::new(x, y);
     }
     assert!(matches!(
-        solved(&field, &scattered),
+        solve(&field, &scattered),
         Err(FromLinesError::NoFit { .. })
     ));
 }
@@ -340,7 +341,7 @@ fn landmarks_count_among_the_lines() {
         Observation::of_landmark(&field, name, image, SIZE, click).unwrap()
     };
     let clicked: Vec<Observation> = names.into_iter().enumerate().map(landmark).collect();
-    let found = solved(&field, &clicked).unwrap();
+    let found = solve(&field, &clicked).unwrap();
     assert!(
         overlay_error_px(&field, &truth, &found.camera()) < 10.0,
         "{found:?}"

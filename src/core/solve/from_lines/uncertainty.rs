@@ -10,12 +10,12 @@
 //! together, states tens of metres for the position and little for the overlay.
 
 use super::fit::{PictureFit, PictureState};
+use super::hypotheses::FINAL_LOSS;
 use super::priors::FocalPrior;
-use super::{CameraFromLines, FINAL_LOSS, FromLinesError, FromLinesOptions, LinePicture};
+use super::{CameraFromLines, FromLinesError, FromLinesOptions, LinePicture};
 use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use crate::field::{Curve, FieldModel};
 use crate::geometry::{Angle, Vec2};
-use crate::solve::base::CrownModel;
 use crate::solve::{Loss, Observation, ObservedShape, PtzPrior, Uncertainty};
 use nalgebra::SMatrix;
 
@@ -130,19 +130,11 @@ pub(super) fn state_uncertainty(
     let weighted: Vec<Observation> = weighted.collect();
 
     // The crown counts as unknown within its prior even where the fit takes the field's.
-    let crown = if picture.field.may_be_crowned() {
-        CrownModel::Free
-    } else {
-        CrownModel::Fixed(picture.field.crown_m)
+    let stated = FromLinesOptions {
+        fits_crown: picture.field.may_be_crowned(),
+        ..*options
     };
-    let fit = PictureFit::new(
-        picture,
-        &weighted,
-        state,
-        crown,
-        &options.priors,
-        Loss::Squared,
-    );
+    let fit = PictureFit::new(picture, &weighted, state, &stated, Loss::Squared);
     let covariance = fit.covariance(state).ok_or(FromLinesError::NoFit {
         median_px: f64::INFINITY,
     })?;
