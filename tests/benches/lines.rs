@@ -111,7 +111,7 @@ struct Row {
 }
 
 fn real(options: &FromLinesOptions, worst: usize) {
-    let folder = PathBuf::from(std::env::var_os("TOUCHLINE_DATA").expect("TOUCHLINE_DATA"));
+    let folder = PathBuf::from(std::env::var_os("TOUCHLINE_DATA").unwrap());
     let reading = ImportOptions {
         size: Some(SIZE),
         skip_unmapped: true,
@@ -388,7 +388,7 @@ fn errors(field: &FieldModel, truth: &PtzCamera, found: &CameraFromLines) -> (f6
         let off = image.offset_from(shown);
         largest_px = largest_px.max(off.norm());
         let covariance = found.uncertainty.overlay_at_world(&camera, at);
-        let inverse = covariance.and_then(|covariance| covariance.try_inverse());
+        let inverse = covariance.and_then(nalgebra::Matrix2::try_inverse);
         within.extend(inverse.map(|inverse| off.dot(&(inverse * off)) < WITHIN_68));
     }
     (largest_px, within)

@@ -161,3 +161,80 @@ fn is_inside(point: ImagePoint, size: ImageSize) -> bool {
     (border_px..width - border_px).contains(&point.x)
         && (border_px..height - border_px).contains(&point.y)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::builtin;
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    fn observations(points: &[(&str, [f64; 2])]) -> Vec<Observation> {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let observation = |(click, (name, at)): (usize, &(&str, [f64; 2]))| {
+            Observation::of_line(&field, name, ImagePoint::from(*at), SIZE, click).unwrap()
+        };
+        points.iter().enumerate().map(observation).collect()
+    }
+
+    #[test]
+    fn lines_cross_where_those_of_the_field_meet_on_the_ground_and_above_it() {
+        let drawn = observations(&[
+            ("touchline_far", [100.0, 100.0]),
+            ("touchline_far", [500.0, 100.0]),
+            ("goal_line_right", [600.0, 120.0]),
+            ("goal_line_right", [700.0, 220.0]),
+            // Parallel to the touchline on the field: no crossing.
+            ("penalty_area_right_far", [300.0, 200.0]),
+            ("penalty_area_right_far", [680.0, 200.0]),
+            ("crossbar_right", [720.0, 150.0]),
+            ("crossbar_right", [820.0, 160.0]),
+            ("post_near_right", [820.0, 160.0]),
+            ("post_near_right", [820.0, 260.0]),
+        ]);
+        let found = find_crossings(&DrawnLine::group(&drawn), &drawn);
+        let at = |x: f64, y: f64, z: f64| {
+            let there =
+                |crossing: &&Crossing| (crossing.in_world - Vec3::new(x, y, z)).norm() < 1e-6;
+            found.iter().find(there).map(|crossing| crossing.image)
+        };
+        // Touchline and goal line cross beyond both: y = 100 at x = 580.
+        let corner = at(52.5, 34.0, 0.0).unwrap();
+        assert!(
+            corner.distance_px(ImagePoint::new(580.0, 100.0)) < 1e-6,
+            "{corner:?}"
+        );
+        let top = at(52.5, -3.66, 2.44).unwrap();
+        assert!(
+            top.distance_px(ImagePoint::new(820.0, 160.0)) < 1e-6,
+            "{top:?}"
+        );
+        // The near post stands on the goal line; the crossbar passes above the touchline.
+        assert!(at(52.5, -3.66, 0.0).is_some());
+        assert_eq!(found.len(), 4, "{found:?}");
+        assert!(found.is_sorted_by_key(|crossing| crossing.sigmas));
+    }
+
+    #[test]
+    fn an_end_on_another_line_is_the_end_of_the_fields_line_and_one_at_the_border_is_not() {
+        let drawn = observations(&[
+            ("goal_line_right", [600.0, 120.0]),
+            ("goal_line_right", [700.0, 220.0]),
+            // Ends two px before the goal line; the other end is at the picture's border.
+            ("penalty_area_right_far", [1.0, 180.0]),
+            ("penalty_area_right_far", [657.0, 180.0]),
+            // Ends far from the goal line.
+            ("goal_area_right_far", [400.0, 210.0]),
+            ("goal_area_right_far", [600.0, 210.0]),
+        ]);
+        let ends = find_ends(&DrawnLine::group(&drawn), SIZE);
+        let [end] = ends.as_slice() else {
+            panic!("{ends:?}");
+        };
+        assert_eq!(end.image, ImagePoint::new(657.0, 180.0));
+        let expected = Vec3::new(52.5, 20.16, 0.0);
+        let off_m = end.shape.point().unwrap() - expected;
+        assert!(off_m.norm() < 1e-9, "{end:?}");
+        assert!((end.sigma_px / drawn[0].sigma_px - END_SIGMAS).abs() < 1e-12);
+    }
+}

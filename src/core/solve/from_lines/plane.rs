@@ -109,3 +109,55 @@ fn split(pose: &PlanePose, principal_point: ImagePoint) -> (CameraBase, Ptz) {
     };
     (base, ptz)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::PtzCamera;
+    use crate::field::builtin;
+    use crate::solve::Observation;
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    #[test]
+    fn exact_points_on_four_lines_give_the_camera_and_parallel_ones_none() {
+        let field = builtin("soccer")
+            .unwrap()
+            .model(&std::collections::BTreeMap::new(), 0.0)
+            .unwrap();
+        let base = CameraBase::new(
+            Vec3::new(5.0, -70.0, 21.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
+        let truth = PtzCamera::new(base, Ptz::from_degrees(31.0, -14.0, 1400.0));
+        let on_lines = |names: &[&str]| {
+            let mut observations = Vec::new();
+            for name in names {
+                let curve = field.line(name).unwrap().curve;
+                for share in [0.3, 0.8] {
+                    let pixel = truth.image_from_world(curve.point_at(share)).unwrap();
+                    let click = observations.len();
+                    observations
+                        .push(Observation::of_line(&field, name, pixel, SIZE, click).unwrap());
+                }
+            }
+            camera_from_ground_lines(&DrawnLine::group(&observations), SIZE)
+        };
+        let area = ["near", "far", "front"].map(|side| format!("penalty_area_right_{side}"));
+        let [near, far, front] = area.each_ref().map(String::as_str);
+        let (found, ptz) = on_lines(&[near, far, front, "goal_line_right"]).unwrap();
+        assert!(
+            (found.position_m - base.position_m).norm() < 1e-3,
+            "{found:?}"
+        );
+        assert!((ptz.focal_px - 1400.0).abs() < 0.01, "{ptz:?}");
+        assert!(
+            (ptz.pan - truth.ptz().pan).abs().degrees() < 1e-3,
+            "{ptz:?}"
+        );
+        let parallel = [near, far, "touchline_far", "goal_area_right_near"];
+        assert_eq!(on_lines(&parallel), None);
+        assert_eq!(on_lines(&[near, far, front]), None);
+    }
+}
