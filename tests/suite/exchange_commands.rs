@@ -469,7 +469,7 @@ fn pictures_of_unknown_cameras_get_one_each_from_their_lines() {
     );
     assert_eq!(ran.code, 1, "one picture has no camera: {}", ran.stderr);
     for wanted in [
-        "little: 1 lines with distinct points give 2 equations, 7 are needed",
+        "little.jpg: 2 equations from 1 line, 7 are needed: draw more lines",
         "3 frames with a camera of their own, 1 without one",
     ] {
         assert!(ran.stderr.contains(wanted), "{}", ran.stderr);

@@ -72,7 +72,7 @@ impl<const SHARED: usize> Problem for Bundle<SHARED> {
 
 /// Only the frames whose clicks determine their own parameters; the others carry no information
 /// about the base.
-pub(in crate::solve) fn determined<const SHARED: usize>(
+pub(in crate::solve) fn keep_determined<const SHARED: usize>(
     mut equations: BorderedEquations<SHARED, 3>,
 ) -> BorderedEquations<SHARED, 3> {
     equations
@@ -153,7 +153,7 @@ impl<const SHARED: usize> Bundle<SHARED> {
     /// landmarks displaced in all frames (see [`Scatter`]). Infinite if singular.
     pub fn covariance(&self, at: &BundleState, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
         let equations = self.equations(at);
-        let inverse = determined(equations.clone())
+        let inverse = keep_determined(equations.clone())
             .reduced(0.0)
             .and_then(|(matrix, _)| matrix.try_inverse());
         let Some(inverse) = inverse else {

@@ -1,5 +1,6 @@
 //! Why lines give no camera, with the numbers.
 
+use crate::geometry::counted;
 use thiserror::Error;
 
 /// Why the lines of one picture give no camera. Clicks are indices into the picture's
@@ -15,8 +16,9 @@ pub enum FromLinesError {
     },
     /// Too few equations for position, rotation and focal length.
     #[error(
-        "{lines} lines with distinct points give {equations} equations, {needed} are needed: draw more lines (two \
-         points on a straight one count two, on a circle each point counts one, at most five)"
+        "{equations} equations from {}, {needed} are needed: draw more lines (a straight one with \
+         two points gives two, a circle one for each point, at most five)",
+        counted(*.lines, "line")
     )]
     TooFewLines {
         /// Lines, and landmarks, that have points.
@@ -28,7 +30,8 @@ pub enum FromLinesError {
     },
     /// The lines leave the camera free to move along them.
     #[error(
-        "all {lines} lines are parallel on the field: draw one that crosses them, or points on the circle"
+        "all {lines} lines are parallel on the field: draw one that crosses them, or points on the \
+         circle"
     )]
     Parallel {
         /// How many lines there are.
@@ -36,8 +39,8 @@ pub enum FromLinesError {
     },
     /// No camera explains half of the lines.
     #[error(
-        "no camera explains the lines: the best one leaves half of the points more than {median_px:.0} px off. Check \
-         the names of the lines, and the field"
+        "no camera explains the lines: the best one leaves half of the points more than \
+         {median_px:.0} px off. Check the names of the lines, and the field"
     )]
     NoFit {
         /// Median distance of the points, px.

@@ -19,15 +19,21 @@
 //!
 //! # Steps
 //!
-//! | step | file | proof against |
-//! |---|---|---|
-//! | 1. Points grouped by line, straight lines fitted, equations counted | `drawn_line.rs`, `equations.rs` | coinciding points, lines of one point, parallel lines |
-//! | 2. Crossings as landmarks for starts; drawn ends on another line as observations of the field line's end | `crossings.rs` | lines that cross at a shallow angle |
-//! | 3. Starts: the homography of the ground lines; two crossings at 124 places around the field; points of two lines where nothing crosses | `starts.rs`, `plane.rs` | any place of the camera, single wrong names |
-//! | 4. The best eight that differ are fitted with a wide loss, the best three with a narrow one; the lowest cost wins | `hypotheses.rs`, `fit.rs` | wrong minima, wrong names |
-//! | 5. Priors of place, focal length, lens, roll, principal point | `priors.rs` | views that leave distance and focal length open |
-//! | 6. Lines far from where they are named; mirrored names | `names.rs`, `renaming.rs` | names that are exchanged |
-//! | 7. Covariance with the scatter of this picture | `uncertainty.rs` | careless drawing |
+//! 1. Points are grouped by line, straight lines are fitted, equations counted (`drawn_line.rs`,
+//!    `equations.rs`). Proof against coinciding points, lines of one point, parallel lines.
+//! 2. Crossings are landmarks for starts; a drawn end on another line is an observation of the
+//!    field line's end (`crossings.rs`). Proof against lines that cross at a shallow angle.
+//! 3. Starts: the homography of the ground lines, two crossings at 124 places around the field,
+//!    points of two lines where nothing crosses (`starts.rs`, `plane.rs`). Proof against unusual
+//!    places and single wrong names.
+//! 4. The best eight that differ are fitted with a wide loss, the best three with a narrow one; the
+//!    lowest cost wins (`hypotheses.rs`, `fit.rs`). Proof against wrong minima and wrong names.
+//! 5. Priors of place, focal length, lens, roll and principal point (`priors.rs`) decide in views
+//!    that leave distance and focal length open.
+//! 6. Lines far from where they are named get other names, or all of them those of the mirrored
+//!    field (`names.rs`, `renaming.rs`).
+//! 7. The covariance follows from the scatter of this picture (`uncertainty.rs`). Proof against
+//!    careless drawing.
 //!
 //! # What it is not proof against
 //!

@@ -1,10 +1,10 @@
 //! Where the fit of a picture starts: cameras in closed form at plausible places around the field.
 //!
-//! | what the picture shows | starts |
-//! |---|---|
-//! | four or more straight lines on the ground | the camera of their homography (`plane.rs`) |
-//! | two or more crossings of drawn lines, or landmarks | at every place, the two-point cameras of the pairs that determine it best |
-//! | else | at every other place, the same for a drawn point of each of two lines, at several points of the field's lines |
+//! * Four or more straight lines on the ground: the camera of their homography (`plane.rs`).
+//! * Two or more crossings of drawn lines, or landmarks: at every place, the two-point cameras of
+//!   the pairs that determine it best.
+//! * Else: at every other place, the same for a drawn point of each of two lines, at several points
+//!   of the field's lines.
 //!
 //! The places are the whole bowl: the main stand densely, the other side, the ends and the corners
 //! sparsely. With the right place a two-point camera fits all lines; with one that is off by ten

@@ -254,7 +254,7 @@ fn too_little_is_named_in_one_line() {
     assert!(
         error
             .to_string()
-            .starts_with("3 lines with distinct points give 6 equations, 7 are needed: draw more"),
+            .starts_with("6 equations from 3 lines, 7 are needed: draw more lines"),
         "{error}"
     );
     // Points that coincide count once, and each point of a circle one.
