@@ -37,6 +37,15 @@ pub enum FromLinesError {
         /// How many lines there are.
         lines: usize,
     },
+    /// No place around the field shows the lines.
+    #[error(
+        "no place around the field shows these lines: check their names, and the field; draw one \
+         more line"
+    )]
+    NoStart,
+    /// The points do not determine all parameters.
+    #[error("these lines leave the camera undetermined: draw one more line, away from the others")]
+    Undetermined,
     /// No camera explains half of the lines.
     #[error(
         "no camera explains the lines: the best one leaves half of the points more than \

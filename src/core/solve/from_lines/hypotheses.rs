@@ -65,9 +65,7 @@ pub(super) fn fit_picture(
             best = Some(found);
         }
     }
-    let found = best.ok_or(FromLinesError::NoFit {
-        median_px: f64::INFINITY,
-    })?;
+    let found = best.ok_or(FromLinesError::NoStart)?;
     let (from, to) = (picture.field.crown(), found.state.shared.crown);
     let on_fitted_ground = observations.into_iter().map(|observation| Observation {
         shape: observation.shape.recrowned(from, to),

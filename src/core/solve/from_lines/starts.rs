@@ -3,8 +3,8 @@
 //! * Four or more straight lines on the ground: the camera of their homography (`plane.rs`).
 //! * Two or more crossings of drawn lines, or landmarks: at every place, the two-point cameras of
 //!   the pairs that determine it best.
-//! * Else: at every other place, the same for a drawn point of each of two lines, at several points
-//!   of the field's lines.
+//! * Else: at every other place, the same for a drawn point of each of two lines, or of one line and
+//!   the one crossing, at several points of the field's lines.
 //!
 //! The places are the whole bowl: the main stand densely, the other side, the ends and the corners
 //! sparsely. With the right place a two-point camera fits all lines; with one that is off by ten
@@ -75,7 +75,7 @@ pub(super) fn find_starts(
     let mut pairs = best_pairs(crossings);
     let mut places = bowl(scale_of(picture.field));
     if pairs.is_empty() {
-        pairs = pairs_along_lines(lines);
+        pairs = pairs_along_lines(lines, crossings.first());
         places = places.into_iter().step_by(2).collect();
     }
     for position_m in places {
@@ -123,27 +123,29 @@ fn best_pairs(crossings: &[Crossing]) -> Vec<[Crossing; 2]> {
 }
 
 /// Pairs of a drawn point of one line with one of another, each at several points of its line of
-/// the field: one of the pairs is nearly right.
-fn pairs_along_lines(lines: &[DrawnLine]) -> Vec<[Crossing; 2]> {
+/// the field: one of the pairs is nearly right. A crossing, if there is one, stands for the first.
+fn pairs_along_lines(lines: &[DrawnLine], crossing: Option<&Crossing>) -> Vec<[Crossing; 2]> {
     // The two lines with the most points; a circle, which bounds the camera from all sides, has
     // many.
     let mut by_points: Vec<&DrawnLine> = lines.iter().collect();
     by_points.sort_by_key(|line| std::cmp::Reverse(line.points.len()));
-    let [one, two, ..] = by_points.as_slice() else {
+    let known: Vec<Crossing> = match (crossing, by_points.get(1)) {
+        (Some(crossing), _) => vec![*crossing],
+        (None, Some(two)) => candidates(two, two.points.len() - 1).collect(),
+        (None, None) => Vec::new(),
+    };
+    let Some(one) = by_points.first() else {
         return Vec::new();
     };
-    let mut pairs = Vec::new();
-    for first in candidates(one, 0) {
-        let last = two.points.len().saturating_sub(1);
-        pairs.extend(candidates(two, last).map(|second| [first, second]));
-    }
-    pairs
+    candidates(one, 0)
+        .flat_map(|first| known.iter().map(move |second| [first, *second]))
+        .collect()
 }
 
 /// A drawn point of a line at evenly spaced points of the line of the field.
 fn candidates(line: &DrawnLine, index: usize) -> impl Iterator<Item = Crossing> {
     const ALONG_SEGMENT: u32 = 7;
-    const ALONG_ARC: u32 = 12;
+    const ALONG_ARC: u32 = 16;
     let nominal = *line.curve.nominal();
     let count = match nominal {
         Curve::Segment { .. } => ALONG_SEGMENT,

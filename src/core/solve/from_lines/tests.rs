@@ -228,6 +228,26 @@ fn left_and_right_exchanged_are_named_as_mirrored() {
     assert_eq!(identity.renames.len(), exchanged.count());
 }
 
+#[test]
+fn a_circle_and_one_landmark_give_a_camera() {
+    let field = soccer();
+    let truth = looking_at([3.0, -68.0, 17.0], [1.0, 1.0], 2000.0);
+    let mut drawn = exact_lines(&field, &truth);
+    drawn.retain(|observation| observation.element == field.line_element("centre_circle"));
+    let image = truth.image_from_world(Vec3::zeros()).unwrap();
+    let mark = Observation::of_landmark(&field, "centre_mark", image, SIZE, drawn.len());
+    drawn.push(mark.unwrap());
+    let found = solve(&field, &drawn).unwrap();
+    let off_px = found.camera().image_from_world(Vec3::zeros()).unwrap();
+    assert!(off_px.distance_px(image) < 1.0, "{found:?}");
+    for click in &drawn {
+        assert!(
+            click.distance_px(&found.camera()).unwrap() < 1.0,
+            "{found:?}"
+        );
+    }
+}
+
 /// Observations at pixels of named lines.
 fn on_lines(field: &FieldModel, points: &[(&str, [f64; 2])]) -> Vec<Observation> {
     let observation = |(click, (name, at)): (usize, &(&str, [f64; 2]))| {

@@ -135,9 +135,7 @@ pub(super) fn state_uncertainty(
         ..*options
     };
     let fit = PictureFit::new(picture, &weighted, state, &stated, Loss::Squared);
-    let covariance = fit.covariance(state).ok_or(FromLinesError::NoFit {
-        median_px: f64::INFINITY,
-    })?;
+    let covariance = fit.covariance(state).ok_or(FromLinesError::Undetermined)?;
 
     // Return to the pan gauge: the rotation that it takes out of the base is added to the pan.
     let (base, added) = state.shared.base.in_pan_gauge();
@@ -152,9 +150,7 @@ pub(super) fn state_uncertainty(
     let camera = PtzCamera::new(base, ptz);
     let focal = options.priors.focal(picture.image_size.width);
     let uncertainty = Uncertainty::of(&camera, &weighted, Some(&prior_of_focal(&focal, ptz)))
-        .map_err(|_| FromLinesError::NoFit {
-            median_px: f64::INFINITY,
-        })?;
+        .map_err(|_| FromLinesError::Undetermined)?;
     Ok(CameraFromLines {
         base,
         ptz,
