@@ -4,12 +4,14 @@ use super::Outcome;
 use super::attached_labels::{attach_to_video, open_video, recognize};
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, zoom_of};
-use super::messages::Messages;
+use super::messages::{Messages, count_steps};
 use super::new::{parameter, read_field};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
+use touchline_calibration::calibrate::give_own_cameras;
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, counted};
+use touchline_documents::document::Document;
 use touchline_documents::exchange::{
     Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document,
 };
@@ -60,6 +62,38 @@ pub struct ImportArgs {
     /// The width of the camera's sensor, mm.
     #[arg(long)]
     sensor_mm: Option<f64>,
+    /// Each picture is of a camera of its own: position, rotation, lens and focal length are found
+    /// from its lines.
+    #[arg(long)]
+    each_own_camera: bool,
+}
+
+/// Frames without a camera that are named; of further ones the number is.
+const MOST_NAMED: usize = 10;
+
+/// Gives each frame a camera of its own, and names those whose lines give none. Returns how many
+/// these are.
+fn find_own_cameras(
+    document: &mut Document,
+    folder: &Path,
+    messages: Messages,
+) -> anyhow::Result<usize> {
+    let bar = messages.progress(document.frames.len(), "Solving");
+    let found = give_own_cameras(document, folder, &count_steps(&bar))?.unwrap_or_default();
+    bar.finish_and_clear();
+    for (index, error) in found.failed.iter().take(MOST_NAMED) {
+        messages.frame_failed(&document.frames[*index].name(), &error.to_string());
+    }
+    let others = found.failed.len().saturating_sub(MOST_NAMED);
+    if others > 0 {
+        messages.note(&format!("and {} more", counted(others, "frame")));
+    }
+    messages.note(&format!(
+        "{} with a camera of their own, {} without one",
+        counted(found.solved.len(), "frame"),
+        found.failed.len()
+    ));
+    Ok(found.failed.len())
 }
 
 /// The meaning of labels: one of the program's maps by name, or a JSON file.
@@ -81,6 +115,8 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
 }
 
 /// Converts the files and writes the document.
+///
+/// [`Outcome::SomeFailed`] if a picture's lines give no camera, where each has its own.
 ///
 /// # Errors
 /// The files cannot be read or are damaged, or the document cannot be written.
@@ -126,7 +162,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         }
         format => import_document(&args.path, format, &options)?,
     };
-    let (document, notes) = match video {
+    let (mut document, notes) = match video {
         Some(video) => {
             let attached = attach_to_video(video, &imported, options.field)?;
             (attached.document, attached.notes)
@@ -136,6 +172,11 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     for note in &notes {
         messages.note(note);
     }
+    let failed = if args.each_own_camera {
+        find_own_cameras(&mut document, &imported.folder, messages)?
+    } else {
+        0
+    };
     let (frames, cameras) = (document.frames.len(), document.cameras.len());
     args.output.write(document, &imported.folder)?;
     messages.note(&format!(
@@ -143,5 +184,9 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         counted(frames, "frame"),
         counted(cameras, "camera")
     ));
-    Ok(Outcome::Done)
+    Ok(if failed > 0 {
+        Outcome::SomeFailed
+    } else {
+        Outcome::Done
+    })
 }

@@ -448,3 +448,33 @@ fn the_lens_of_every_frame_travels_without_its_rotation() {
         ran.stderr
     );
 }
+
+#[test]
+fn pictures_of_unknown_cameras_get_one_each_from_their_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = document(folder.path());
+    touchline(
+        folder.path(),
+        "export doc.json --format soccernet-lines --projected -o lines",
+    );
+    // A picture with a single line: no camera.
+    fs::write(
+        folder.path().join("lines/little.json"),
+        r#"{"Middle line": [{"x": 0.4, "y": 0.2}, {"x": 0.5, "y": 0.9}]}"#,
+    )
+    .unwrap();
+    let ran = touchline(
+        folder.path(),
+        "import lines --format soccernet-lines --size 1280x720 --each-own-camera -o own.json",
+    );
+    assert_eq!(ran.code, 1, "one picture has no camera: {}", ran.stderr);
+    for wanted in [
+        "little.jpg: 2 equations from 1 line, 7 are needed: draw more lines",
+        "3 frames with a camera of their own, 1 without one",
+    ] {
+        assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
+    }
+    let (_, found, _) = read(&folder.path().join("own.json")).unwrap();
+    let worst = apart_px(&truth, &found);
+    assert!(worst < 6.0, "{worst} px");
+}

@@ -14,6 +14,9 @@ const BETTER: f64 = 4.0;
 const BETTER_BY: f64 = 16.0;
 /// Minimum number of surplus equations: with fewer, another camera may fit by chance.
 const MIN_REDUNDANCY: usize = 2;
+/// A document of more cameras than this has a camera for each picture, of as many matches: no frame
+/// is mistaken for another camera's there, and to compare all with all would take hours.
+const MOST_CAMERAS: usize = 40;
 
 /// A camera of the document that fits a frame's clicks, while the frame's own does not.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +58,10 @@ pub fn better_camera(
     solved: &FrameSolution,
     fields: &[Arc<FieldModel>],
 ) -> Option<BetterCamera> {
-    if solved.redundancy < MIN_REDUNDANCY || !solved.residuals_are_evidence() {
+    if solved.redundancy < MIN_REDUNDANCY
+        || !solved.residuals_are_evidence()
+        || document.cameras.len() > MOST_CAMERAS
+    {
         return None;
     }
     // The own camera must fit badly: a misfit is the root of χ² over its expectation, and with few

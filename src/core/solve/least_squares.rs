@@ -221,7 +221,7 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
         shared_step: &SVector<f64, SHARED>,
     ) -> Option<SVector<f64, OWN>> {
         let right = self.own_gradient + self.cross.transpose() * shared_step;
-        Some(-(damped(&self.own, damping).try_inverse()? * right))
+        Some(-(add_damping(&self.own, damping).try_inverse()? * right))
     }
 }
 
@@ -235,7 +235,7 @@ impl<const OWN: usize> Equations for BlockEquations<0, OWN> {
 
     #[inline]
     fn step(&self, damping: f64) -> Option<Self::Step> {
-        Some(-(damped(&self.own, damping).try_inverse()? * self.own_gradient))
+        Some(-(add_damping(&self.own, damping).try_inverse()? * self.own_gradient))
     }
 
     #[inline]
@@ -277,9 +277,9 @@ impl<const SHARED: usize, const OWN: usize> BorderedEquations<SHARED, OWN> {
 
         // Damp before the elimination: damping the Schur complement instead would not be the damped
         // step of the whole system.
-        matrix = damped(&matrix, damping);
+        matrix = add_damping(&matrix, damping);
         for block in &self.blocks {
-            let gain = block.cross * damped(&block.own, damping).try_inverse()?;
+            let gain = block.cross * add_damping(&block.own, damping).try_inverse()?;
             matrix -= gain * block.cross.transpose();
             gradient -= gain * block.own_gradient;
         }
@@ -321,7 +321,7 @@ impl<const SHARED: usize, const OWN: usize> Equations for BorderedEquations<SHAR
     }
 }
 
-fn damped<const N: usize>(matrix: &SMatrix<f64, N, N>, damping: f64) -> SMatrix<f64, N, N> {
+fn add_damping<const N: usize>(matrix: &SMatrix<f64, N, N>, damping: f64) -> SMatrix<f64, N, N> {
     let mut matrix = *matrix;
     for i in 0..N {
         matrix[(i, i)] *= 1.0 + damping;
@@ -474,7 +474,7 @@ mod tests {
             matrix[(2 + index, 2 + index)] = block.own[0];
             gradient[2 + index] = block.own_gradient[0];
         }
-        let whole = -(damped(&matrix, damping).try_inverse().unwrap() * gradient);
+        let whole = -(add_damping(&matrix, damping).try_inverse().unwrap() * gradient);
         assert!((step.shared - whole.fixed_rows::<2>(0)).norm() < 1e-12);
         for (index, own) in step.own.iter().enumerate() {
             assert!((own[0] - whole[2 + index]).abs() < 1e-12);

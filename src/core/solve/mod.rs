@@ -18,6 +18,7 @@ mod error;
 #[cfg(test)]
 mod fixtures;
 mod frame;
+pub mod from_lines;
 mod graduated;
 mod identity;
 mod identity_finding;

@@ -82,7 +82,7 @@ type PoseStep = SVector<f64, 7>;
 
 impl ShownGround {
     /// The point in `cam`; none where the camera does not see it.
-    fn seen(&self, pose: &PlanePose) -> Option<Vec3> {
+    fn in_cam(&self, pose: &PlanePose) -> Option<Vec3> {
         let seen = pose.cam_from_world * (self.ground_m - pose.position_m);
         (seen.z > 0.0).then_some(seen)
     }
@@ -100,12 +100,12 @@ impl Residual<2, 0, 7> for ShownGround {
     }
 
     fn value(&self, pose: &PlanePose) -> Option<Vector2<f64>> {
-        let seen = self.seen(pose)?;
+        let seen = self.in_cam(pose)?;
         Some(seen.xy() * (pose.focal_px / seen.z) - self.offset_px)
     }
 
     fn linearised(&self, pose: &PlanePose) -> Option<Linearised<2, 0, 7>> {
-        let seen = self.seen(pose)?;
+        let seen = self.in_cam(pose)?;
         // Derivatives at the point q in `cam`. A left rotation by ω moves q by ω × q = −[q]ₓ ω; a
         // shift of the position by d moves it by −R d; in log f the image offset is its own
         // derivative.

@@ -178,7 +178,7 @@ pub(super) fn cameras_with_clicks(frames: &[FrameClicks], ptz: &[Option<Ptz>]) -
 }
 
 /// The start's shared parameters, restricted to those that the model has: its lens and its crown.
-pub(super) fn starting(
+pub(in crate::solve) fn starting(
     field: &FieldModel,
     start: &CameraBase,
     image_width_px: u32,
@@ -231,11 +231,11 @@ fn per_1920(image_width_px: u32) -> f64 {
 
 /// With fewer frames the principal point and the direction to the field cannot be separated from
 /// the position.
-pub(super) const PLACING_FRAMES: usize = 12;
+pub(in crate::solve) const PLACING_FRAMES: usize = 12;
 
 /// Where a camera usually looks: the direction and focal length that its priors refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct UsualView {
+pub(in crate::solve) struct UsualView {
     /// From the camera to the middle of the field, seen from above: unit, `world` x and y.
     /// Operators level the head along and across this direction, wherever a single frame looks.
     pub along: Vec2,
@@ -281,7 +281,7 @@ impl BasePriors {
     ///
     /// Pitch and roll refer to the direction from the camera to the field, along and across which
     /// heads are levelled, not to the field's axes.
-    pub(super) fn of_model(
+    pub(in crate::solve) fn of_model(
         &self,
         model: &BaseModel,
         image_width_px: u32,

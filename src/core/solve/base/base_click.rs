@@ -12,7 +12,7 @@ use nalgebra::SMatrix;
 
 /// A click whose shape depends on the crown and the size of the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct BaseClick {
+pub(in crate::solve) struct BaseClick {
     /// The click, with its shape on flat ground.
     flat: Observation,
     /// The shape on flat ground if one of the fitted lengths is one metre larger; none where that
@@ -22,7 +22,7 @@ pub(super) struct BaseClick {
 
 /// The parameters of one frame: the shared ones, and its camera.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FrameView {
+pub(in crate::solve) struct FrameView {
     shared: Shared,
     camera: PtzCamera,
 }

@@ -18,7 +18,7 @@ use crate::solve::residual::Residual;
 use nalgebra::SMatrix;
 
 /// A bundle adjustment with `SHARED` shared parameters.
-pub(super) struct Bundle<const SHARED: usize> {
+pub(in crate::solve) struct Bundle<const SHARED: usize> {
     /// The clicks of each frame.
     pub frames: Vec<Vec<BaseClick>>,
     pub priors: Vec<SharedPrior>,
@@ -30,7 +30,7 @@ pub(super) struct Bundle<const SHARED: usize> {
 
 /// The values of all parameters.
 #[derive(Clone, Debug)]
-pub(super) struct BundleState {
+pub(in crate::solve) struct BundleState {
     pub shared: Shared,
     /// Pan, tilt, focal length of each frame.
     pub ptz: Vec<Ptz>,
@@ -72,7 +72,7 @@ impl<const SHARED: usize> Problem for Bundle<SHARED> {
 
 /// Only the frames whose clicks determine their own parameters; the others carry no information
 /// about the base.
-pub(super) fn determined<const SHARED: usize>(
+pub(in crate::solve) fn keep_determined<const SHARED: usize>(
     mut equations: BorderedEquations<SHARED, 3>,
 ) -> BorderedEquations<SHARED, 3> {
     equations
@@ -82,7 +82,7 @@ pub(super) fn determined<const SHARED: usize>(
 }
 
 /// The normal equations of one frame's clicks.
-pub(super) fn frame_equations<const SHARED: usize>(
+pub(in crate::solve) fn frame_equations<const SHARED: usize>(
     shared: &Shared,
     ptz: Ptz,
     clicks: &[BaseClick],
@@ -153,7 +153,7 @@ impl<const SHARED: usize> Bundle<SHARED> {
     /// landmarks displaced in all frames (see [`Scatter`]). Infinite if singular.
     pub fn covariance(&self, at: &BundleState, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
         let equations = self.equations(at);
-        let inverse = determined(equations.clone())
+        let inverse = keep_determined(equations.clone())
             .reduced(0.0)
             .and_then(|(matrix, _)| matrix.try_inverse());
         let Some(inverse) = inverse else {

@@ -4,7 +4,7 @@
 //! parameters that a real camera does not have exactly. Each of them is uncertain by its prior, and
 //! its error propagates to all adjusted parameters.
 
-use super::bundle::{Bundle, BundleState, determined};
+use super::bundle::{Bundle, BundleState, keep_determined};
 use super::parameters::{OF_BASE, PRINCIPAL_POINT, free_parameters};
 use super::shared_prior::SharedPrior;
 use super::{BaseModel, CrownModel, LensModel, Prescribed};
@@ -63,7 +63,7 @@ impl Adjusted<'_> {
 
         // The principal point as a considered parameter: H of the parameters that are free, and the
         // coupling B of the principal point with them.
-        let mut equations = determined(bundle.equations(self.state));
+        let mut equations = keep_determined(bundle.equations(self.state));
         let held = equations
             .reduced(0.0)
             .and_then(|(matrix, _)| matrix.try_inverse());

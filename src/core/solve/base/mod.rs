@@ -50,9 +50,9 @@
 //! `tests/benches/base.md`: simulated cameras with all parameters drawn from their priors
 //! (`base_coverage`), twelve measured broadcast lenses (`lenses`), clicked matches.
 
-mod adjust;
-mod base_click;
-mod bundle;
+pub(super) mod adjust;
+pub(super) mod base_click;
+pub(super) mod bundle;
 mod change;
 mod disputes;
 mod estimate;
@@ -61,11 +61,11 @@ mod held;
 mod model;
 mod model_choice;
 mod one_more;
-mod parameters;
+pub(super) mod parameters;
 mod progress;
 mod scatter;
 mod shared_place;
-mod shared_prior;
+pub(super) mod shared_prior;
 mod start;
 
 pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};

@@ -10,23 +10,23 @@ use nalgebra::SVector;
 /// The index of each parameter, after the position (m) at 0: rotation about world x and y (rad),
 /// k₁, its slope per 1000 px, height of the crown (m), principal point (px), and the increase of
 /// the field's lengths over the assumed ones (m).
-pub(super) const ROTATION: usize = 3;
-pub(super) const K1: usize = 5;
-pub(super) const SLOPE: usize = 6;
-pub(super) const CROWN: usize = 7;
-pub(super) const PRINCIPAL_POINT: usize = 8;
-pub(super) const SIZE: usize = 10;
+pub(in crate::solve) const ROTATION: usize = 3;
+pub(in crate::solve) const K1: usize = 5;
+pub(in crate::solve) const SLOPE: usize = 6;
+pub(in crate::solve) const CROWN: usize = 7;
+pub(in crate::solve) const PRINCIPAL_POINT: usize = 8;
+pub(in crate::solve) const SIZE: usize = 10;
 
 /// The maximum number of fitted lengths of the field.
-pub(super) const SIZES: usize = 2;
+pub(in crate::solve) const SIZES: usize = 2;
 
 /// The number of shared parameters on a field of known size, and on one whose size is fitted.
-pub(super) const OF_BASE: usize = SIZE;
-pub(super) const OF_BASE_AND_SIZE: usize = SIZE + SIZES;
+pub(in crate::solve) const OF_BASE: usize = SIZE;
+pub(in crate::solve) const OF_BASE_AND_SIZE: usize = SIZE + SIZES;
 
 /// The parameters that all frames of a camera share.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Shared {
+pub(in crate::solve) struct Shared {
     pub base: CameraBase,
     pub crown: Crown,
     /// The differences of the field's lengths from those of the clicks' field, m.
@@ -80,7 +80,7 @@ impl Shared {
 }
 
 /// Which parameters a model leaves free; the field's size is not among them.
-pub(super) fn free_parameters<const SHARED: usize>(model: &BaseModel) -> [bool; SHARED] {
+pub(in crate::solve) fn free_parameters<const SHARED: usize>(model: &BaseModel) -> [bool; SHARED] {
     let mut free = [false; SHARED];
     free[..K1].fill(true);
     free[K1] = model.lens != LensModel::Pinhole;

@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// A Gaussian prior of one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SharedPrior {
+pub(in crate::solve) struct SharedPrior {
     pub of: Expected,
     /// 1-σ, in the number's unit.
     pub sigma: f64,
@@ -18,7 +18,7 @@ pub(super) struct SharedPrior {
 
 /// Which number a prior is about, and its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Expected {
+pub(in crate::solve) enum Expected {
     /// The base's downward axis has no lean along the direction to the field (unit, `world` x and
     /// y), rad.
     Pitch(Vec2),
@@ -149,7 +149,7 @@ impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
 
 /// Priors that a base equals another one, within a 1-σ of its position (m) and of its rotation
 /// about world x and y.
-pub(super) fn near(
+pub(in crate::solve) fn near(
     base: &CameraBase,
     sigma_m: f64,
     sigma_turn: Angle,

@@ -54,12 +54,14 @@ impl IdentityFinding {
                 (WarningCode::WrongLine, message)
             }
             IdentityKind::WrongName => {
-                let labels = self
+                // The points of one line have one label.
+                let mut labels: Vec<&str> = self
                     .renames
                     .iter()
                     .map(|rename| rename.label.as_str())
-                    .collect::<Vec<_>>()
-                    .join(", ");
+                    .collect();
+                labels.dedup();
+                let labels = labels.join(", ");
                 let fit = if clicks.len() == 1 { "fits" } else { "fit" };
                 let message = if contradicted {
                     format!(

@@ -1,0 +1,298 @@
+//! A camera of its own for each frame that shows one: pictures of unknown cameras, each with its
+//! lines.
+//!
+//! Labels of this kind (`SoccerNet`'s) come as one picture for each camera. A base from many frames
+//! is of no use there; each frame's lines give position, rotation, lens and focal length together
+//! ([`camera_from_lines`]). The document then has a camera for each such frame.
+
+use super::observations;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::path::Path;
+use thiserror::Error;
+use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::progress::Progress;
+use touchline_core::solve::from_lines::{
+    CameraFromLines, FromLinesError, FromLinesOptions, LinePicture, camera_from_lines,
+};
+use touchline_core::solve::{Observation, ObservationError};
+use touchline_documents::document::{
+    BetterName, Camera, CameraId, Document, Fields, Frame, FrameStatus, Solution, SolutionSource,
+    SolutionWarning,
+};
+
+/// Why a frame has no camera of its own.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum OwnCameraError {
+    /// A click names a landmark or line that the field does not have.
+    #[error(transparent)]
+    Observation(#[from] ObservationError),
+    /// The lines give no camera.
+    #[error(transparent)]
+    FromLines(#[from] FromLinesError),
+}
+
+/// What became of the frames without a base.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OwnCameras {
+    /// Indices of the frames that have a camera of their own now.
+    pub solved: Vec<usize>,
+    /// Indices of those whose clicks give none, with the reason.
+    pub failed: Vec<(usize, OwnCameraError)>,
+}
+
+/// Frames that are solved before their cameras are written; limits the memory.
+const AT_ONCE: usize = 4096;
+
+/// Gives each frame a camera of its own that has clicks, no camera pose, and whose camera has no
+/// base. Frames of the same camera are taken as pictures of different ones. `folder` is the
+/// document's; `progress` counts these frames, from any thread. None if it cancels this, and the
+/// document has not changed then.
+///
+/// # Errors
+/// A field of the document is not valid.
+pub fn give_own_cameras(
+    document: &mut Document,
+    folder: &Path,
+    progress: &Progress<'_, ()>,
+) -> Result<Option<OwnCameras>, FieldError> {
+    let fields = Fields::of(document.at(folder))?;
+    let given = document.clone();
+    let with_base: BTreeSet<&CameraId> = given
+        .cameras
+        .iter()
+        .filter(|camera| camera.base().is_some())
+        .map(|camera| &camera.id)
+        .collect();
+    let open: Vec<usize> = (0..given.frames.len())
+        .filter(|&index| {
+            let frame = &given.frames[index];
+            frame.ptz.is_none() && !frame.clicks.is_empty() && !with_base.contains(&frame.camera)
+        })
+        .collect();
+
+    let solve = |&index: &usize| {
+        let frame = &given.frames[index];
+        let solved = solve_alone(frame, fields.of_frame(&given, frame));
+        progress.report(()).is_continue().then_some((index, solved))
+    };
+    let mut names = FreeNames::of(&given);
+    let mut result = OwnCameras::default();
+    for some in open.chunks(AT_ONCE) {
+        let Some(solved) = some.par_iter().map(solve).collect::<Option<Vec<_>>>() else {
+            *document = given;
+            return Ok(None);
+        };
+        for (index, solved) in solved {
+            match solved {
+                Ok(found) => {
+                    record(document, index, &found, &mut names);
+                    result.solved.push(index);
+                }
+                Err(error) => result.failed.push((index, error)),
+            }
+        }
+    }
+    drop_unused(document, &with_base);
+    Ok(Some(result))
+}
+
+/// A camera of a frame's lines, with the root mean square distance of its points, px.
+struct Found {
+    camera: CameraFromLines,
+    rms_px: f64,
+}
+
+fn solve_alone(frame: &Frame, field: &FieldModel) -> Result<Found, OwnCameraError> {
+    let clicks = observations(frame, field)?;
+    let picture = LinePicture {
+        field,
+        observations: &clicks,
+        image_size: frame.image_size,
+    };
+    let found = camera_from_lines(&picture, &FromLinesOptions::default())?;
+    let camera = found.camera();
+    let distances_px = clicks
+        .iter()
+        .filter(|click| !click.check)
+        .filter_map(|click: &Observation| click.distance_px(&camera));
+    let squares: Vec<f64> = distances_px.map(|off_px| off_px * off_px).collect();
+    let rms_px = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
+    Ok(Found {
+        camera: found,
+        rms_px,
+    })
+}
+
+/// Writes a frame's own camera into the document.
+fn record(document: &mut Document, index: usize, found: &Found, names: &mut FreeNames) {
+    let Found { camera, rms_px } = found;
+    let frame = &mut document.frames[index];
+    let id = names.take(&frame.camera);
+    let mut own = Camera::new(id.clone(), frame.image_size);
+    if let Some(before) = document
+        .cameras
+        .iter()
+        .find(|camera| camera.id == frame.camera)
+    {
+        own = Camera {
+            id: id.clone(),
+            ..(**before).clone()
+        };
+    }
+    own.set_base(&camera.base);
+    document.cameras.push(own.into());
+
+    let pointed = camera.camera();
+    let known = &camera.uncertainty;
+    frame.camera = id;
+    frame.point(camera.ptz, pointed.lens());
+    if frame.status == FrameStatus::New {
+        frame.status = FrameStatus::Suggested;
+    }
+    frame.solution = Some(Solution {
+        source: Some(SolutionSource::Clicks),
+        rms_px: Some(*rms_px),
+        covariance: Some(known.ptz_covariance_deg()),
+        own_covariance: Some(known.own_covariance_deg()),
+        worst_corner_sigma_px: Some(known.worst_corner_sigma_px(&pointed, frame.image_size)),
+        warnings: camera
+            .identity
+            .iter()
+            .map(|finding| {
+                let warning = finding.warning();
+                SolutionWarning {
+                    clicks: warning.clicks,
+                    renames: BetterName::all(finding).collect(),
+                    ..SolutionWarning::new(warning.code.as_str(), warning.message)
+                }
+            })
+            .collect(),
+        ..Solution::default()
+    });
+}
+
+/// Drops cameras without a base that no frame is of any more.
+fn drop_unused(document: &mut Document, with_base: &BTreeSet<&CameraId>) {
+    let used: BTreeSet<CameraId> = document
+        .frames
+        .iter()
+        .map(|frame| frame.camera.clone())
+        .collect();
+    document
+        .cameras
+        .retain(|camera| used.contains(&camera.id) || with_base.contains(&camera.id));
+}
+
+/// Names for further cameras: that of a frame's camera with the next free number.
+struct FreeNames {
+    taken: BTreeSet<CameraId>,
+    next: usize,
+}
+
+impl FreeNames {
+    fn of(document: &Document) -> Self {
+        let taken = document.cameras.iter().map(|camera| camera.id.clone());
+        Self {
+            taken: taken.collect(),
+            next: 1,
+        }
+    }
+
+    fn take(&mut self, like: &CameraId) -> CameraId {
+        loop {
+            let id = CameraId::from(format!("{like}-{}", self.next).as_str());
+            self.next += 1;
+            if self.taken.insert(id.clone()) {
+                return id;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::score::annotated_lines;
+    use touchline_documents::document::{Click, FieldSpec, Target};
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    /// Two pictures of different cameras with their lines, and one with a single line.
+    fn three_pictures() -> (Document, Vec<PtzCamera>) {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let level = BaseAngles::default().base_from_world();
+        let cameras = [
+            ([2.0, -66.0, 16.0], (-28.0, -12.0, 2000.0)),
+            ([-4.0, -80.0, 22.0], (24.0, -14.0, 2600.0)),
+        ]
+        .map(|(position_m, (pan_deg, tilt_deg, focal_px))| {
+            let base = CameraBase::new(Vec3::from(position_m), level, SIZE.centre());
+            PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+        });
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document
+            .cameras
+            .push(Camera::new("main".into(), SIZE).into());
+        for (number, camera) in cameras.iter().enumerate() {
+            let mut frame = Frame::from_image(&format!("{number}.jpg"), "main".into(), SIZE);
+            for line in annotated_lines(&field, camera, SIZE) {
+                let id = field.lines[line.line].id.clone();
+                let click = |at| Click::new(Target::Line(id.clone()), at);
+                frame.clicks.extend(line.points.into_iter().map(click));
+            }
+            document.frames.push(frame.into());
+        }
+        let mut little = Frame::from_image("little.jpg", "main".into(), SIZE);
+        little.clicks = document.frames[0].clicks[..2].to_vec();
+        document.frames.push(little.into());
+        (document, cameras.to_vec())
+    }
+
+    #[test]
+    fn each_picture_gets_its_camera_and_a_failure_is_named() {
+        let (mut document, cameras) = three_pictures();
+        let folder = Path::new("/");
+        let found = give_own_cameras(&mut document, folder, &Progress::default())
+            .unwrap()
+            .unwrap();
+        assert_eq!(found.solved, [0, 1]);
+        let [(2, error)] = found.failed.as_slice() else {
+            panic!("{found:?}");
+        };
+        assert!(error.to_string().contains("equations"), "{error}");
+        let names: Vec<&str> = document
+            .cameras
+            .iter()
+            .map(|camera| camera.id.as_str())
+            .collect();
+        assert_eq!(names, ["main", "main-1", "main-2"]);
+        for (frame, truth) in document.frames.iter().zip(&cameras) {
+            let camera = document.pointed(frame).unwrap();
+            let centre = truth.plane_from_image(SIZE.centre(), 0.0).unwrap();
+            let shown = camera.image_from_world(centre).unwrap();
+            assert!(shown.distance_px(SIZE.centre()) < 1.0, "{shown:?}");
+            assert_eq!(frame.status, FrameStatus::Suggested);
+            let solution = frame.solution.as_ref().unwrap();
+            assert!(solution.rms_px.unwrap() < 1.0 && solution.warnings.is_empty());
+        }
+        assert!(document.frames[2].ptz.is_none());
+        // Nothing is left to do.
+        let again = give_own_cameras(&mut document, folder, &Progress::default());
+        assert_eq!(again.unwrap().unwrap().solved, Vec::<usize>::new());
+    }
+
+    #[test]
+    fn a_cancelled_run_changes_nothing() {
+        let (mut document, _) = three_pictures();
+        let before = document.clone();
+        let stop = Progress::new(|()| ControlFlow::Break(()));
+        let found = give_own_cameras(&mut document, Path::new("/"), &stop).unwrap();
+        assert!(found.is_none() && document == before);
+    }
+}

@@ -1,0 +1,139 @@
+//! The points that were drawn on one line of the field.
+
+use crate::field::Curve;
+use crate::geometry::{ImagePoint, Vec2, Vec3};
+use crate::solve::{Observation, ObservedShape, WorldCurve};
+use nalgebra::Matrix2;
+
+/// A line of the field with the points that were drawn on it.
+#[derive(Clone, Debug)]
+pub(super) struct DrawnLine {
+    pub curve: WorldCurve,
+    /// Indices into the observations that the lines were grouped from.
+    pub indices: Vec<usize>,
+    /// The points, px, in the order of the observations.
+    pub points: Vec<ImagePoint>,
+    /// 1-σ of a point, px.
+    pub sigma_px: f64,
+}
+
+/// A straight line of the picture, fitted to points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StraightLine {
+    /// The points' centroid.
+    pub middle: ImagePoint,
+    /// Unit vector along it.
+    pub along: Vec2,
+    /// The outermost points along it.
+    pub ends: [ImagePoint; 2],
+    /// The sum of the points' squared distances from their centroid, along the line, px².
+    spread: f64,
+    count: f64,
+}
+
+/// Points nearer together than this are one point, in sigmas of a drawn point.
+const SAME_POINT_SIGMAS: f64 = 1.0;
+
+impl DrawnLine {
+    /// The lines of a picture's observations, in the order of their first points; landmarks are
+    /// left out.
+    pub fn group(observations: &[Observation]) -> Vec<Self> {
+        let mut lines: Vec<Self> = Vec::new();
+        for (index, observation) in observations.iter().enumerate() {
+            let ObservedShape::Curve(curve) = observation.shape else {
+                continue;
+            };
+            if let Some(line) = lines.iter_mut().find(|line| line.curve == curve) {
+                line.indices.push(index);
+                line.points.push(observation.image);
+            } else {
+                lines.push(Self {
+                    curve,
+                    indices: vec![index],
+                    points: vec![observation.image],
+                    sigma_px: observation.sigma_px,
+                });
+            }
+        }
+        lines
+    }
+
+    /// The two ends of a straight line of the field, nominal and without the crown, `world`, m;
+    /// none for a circle or an arc.
+    pub fn segment(&self) -> Option<[Vec3; 2]> {
+        match *self.curve.nominal() {
+            Curve::Segment { from, to } => Some([from, to]),
+            Curve::Arc { .. } => None,
+        }
+    }
+
+    /// How many points there are, those that coincide counted once, and at most `most`.
+    pub fn distinct_points(&self, most: usize) -> usize {
+        let mut distinct: Vec<ImagePoint> = Vec::with_capacity(most);
+        for point in &self.points {
+            let is_new =
+                |known: &ImagePoint| known.distance_px(*point) > SAME_POINT_SIGMAS * self.sigma_px;
+            if distinct.len() < most && distinct.iter().all(is_new) {
+                distinct.push(*point);
+            }
+        }
+        distinct.len()
+    }
+
+    /// The straight line of the picture nearest to the points (total least squares); none for a
+    /// circle or an arc, and where the points coincide.
+    pub fn straight(&self) -> Option<StraightLine> {
+        self.segment()?;
+        let first = *self.points.first()?;
+        let count = self.points.len() as f64;
+        let offsets = || self.points.iter().map(|point| point.offset_from(first));
+        let mean = offsets().sum::<Vec2>() / count;
+        let scatter: Matrix2<f64> = offsets()
+            .map(|offset| (offset - mean) * (offset - mean).transpose())
+            .sum();
+        let eigen = scatter.symmetric_eigen();
+        let most = eigen.eigenvalues.imax();
+        let spread = eigen.eigenvalues[most];
+        if !(spread > (SAME_POINT_SIGMAS * self.sigma_px).powi(2)) {
+            return None;
+        }
+        let (middle, along) = (
+            first.moved(mean),
+            eigen.eigenvectors.column(most).into_owned(),
+        );
+        let share = |point: &&ImagePoint| point.offset_from(middle).dot(&along);
+        let outermost = |a: &&ImagePoint, b: &&ImagePoint| share(a).total_cmp(&share(b));
+        let ends = [
+            *self.points.iter().min_by(outermost)?,
+            *self.points.iter().max_by(outermost)?,
+        ];
+        Some(StraightLine {
+            middle,
+            along,
+            ends,
+            spread,
+            count,
+        })
+    }
+}
+
+impl StraightLine {
+    /// Where it crosses another line, px; none where they are parallel.
+    pub fn crossing(&self, other: &Self) -> Option<ImagePoint> {
+        let sine = self.along.perp(&other.along);
+        let share = other.middle.offset_from(self.middle).perp(&other.along) / sine;
+        let crossing = self.middle.moved(self.along * share);
+        crossing.is_finite().then_some(crossing)
+    }
+
+    /// The distance of a point from it, px.
+    pub fn distance_px(&self, point: ImagePoint) -> f64 {
+        self.along.perp(&point.offset_from(self.middle)).abs()
+    }
+
+    /// 1-σ of the line across itself beside a point, as a multiple of that of one drawn point.
+    pub fn sigma_at(&self, point: ImagePoint) -> f64 {
+        let away = point.offset_from(self.middle).dot(&self.along);
+        (1.0 / self.count + away * away / self.spread).sqrt()
+    }
+}

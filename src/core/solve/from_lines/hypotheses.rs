@@ -1,0 +1,128 @@
+//! Starts refined to minima, and the lowest of them.
+
+use super::drawn_line::DrawnLine;
+use super::fit::{Fitted, PictureFit, starting_state};
+use super::{FromLinesError, FromLinesOptions, LinePicture, crossings, starts};
+use crate::geometry::median;
+use crate::solve::starts::camera_distance;
+use crate::solve::{Loss, Observation};
+
+/// The losses of the fit: first wide, so that starts that are off converge; then one under which a
+/// line that is twenty sigmas off has little influence.
+const FIRST_LOSS: Loss = Loss::Cauchy { c: 6.0 };
+pub(super) const FINAL_LOSS: Loss = Loss::Cauchy { c: 4.0 };
+
+/// Steps of the first fit of each start, and of the final one, at most.
+const FIRST_STEPS: usize = 12;
+const FINAL_STEPS: usize = 60;
+
+/// Minima of the first fit from which the final one begins, at most.
+const FINAL_STARTS: usize = 3;
+
+/// Minima nearer to each other than this are one ([`camera_distance`]).
+const SAME_MINIMUM: f64 = 0.02;
+
+/// A fitted picture: the observations of the fit, ends of lines included, and its minimum.
+pub(super) struct FittedPicture {
+    pub lines: Vec<DrawnLine>,
+    /// The given observations first, in their order; then the ends of lines. All are on the ground
+    /// with the fitted crown.
+    pub observations: Vec<Observation>,
+    pub found: Fitted,
+}
+
+/// The lowest of the minima to which the starts of a picture lead.
+///
+/// # Errors
+/// No start leads to a camera.
+pub(super) fn fit_picture(
+    picture: &LinePicture<'_>,
+    used: &[Observation],
+    options: &FromLinesOptions,
+) -> Result<FittedPicture, FromLinesError> {
+    let lines = DrawnLine::group(used);
+    let crossings = crossings::find_crossings(&lines, used);
+    let ends = crossings::find_ends(&lines, picture.image_size);
+
+    // A few points of each line bring every start near its minimum.
+    let few = [starts::few_per_line(&lines, used), ends.clone()].concat();
+    let starts = starts::find_starts(picture, &lines, &crossings, &few, &options.priors);
+    let mut first: Vec<Fitted> = Vec::with_capacity(starts.len());
+    for start in &starts {
+        let from = starting_state(picture, start, options);
+        let fit = PictureFit::new(picture, &few, &from, options, FIRST_LOSS);
+        first.push(fit.minimum(&from, FIRST_STEPS));
+    }
+    first.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+
+    // All points decide between the best ones.
+    let observations = [used, &ends].concat();
+    let mut best: Option<Fitted> = None;
+    for from in keep_distinct(&first) {
+        let fit = PictureFit::new(picture, &observations, &from.state, options, FINAL_LOSS);
+        let found = fit.minimum(&from.state, FINAL_STEPS);
+        if best.as_ref().is_none_or(|best| found.cost < best.cost) {
+            best = Some(found);
+        }
+    }
+    let found = best.ok_or(FromLinesError::NoStart)?;
+    let (from, to) = (picture.field.crown(), found.state.shared.crown);
+    let on_fitted_ground = observations.into_iter().map(|observation| Observation {
+        shape: observation.shape.recrowned(from, to),
+        ..observation
+    });
+    Ok(FittedPicture {
+        lines,
+        observations: on_fitted_ground.collect(),
+        found,
+    })
+}
+
+/// The lowest minima that differ from each other.
+fn keep_distinct(ascending: &[Fitted]) -> Vec<&Fitted> {
+    let mut kept: Vec<&Fitted> = Vec::with_capacity(FINAL_STARTS);
+    for candidate in ascending {
+        let ptz = &candidate.state.ptz;
+        let is_new = kept
+            .iter()
+            .all(|other| camera_distance(&other.state.ptz, ptz) > SAME_MINIMUM);
+        if is_new && kept.len() < FINAL_STARTS {
+            kept.push(candidate);
+        }
+    }
+    kept
+}
+
+impl FittedPicture {
+    /// The median distance of the points from their lines, px; infinite where most of them have no
+    /// image.
+    pub fn median_px(&self) -> f64 {
+        let camera = self.found.state.camera();
+        let mut distances_px: Vec<f64> = self
+            .observations
+            .iter()
+            .map(|observation| observation.distance_px(&camera).unwrap_or(f64::INFINITY))
+            .collect();
+        median(&mut distances_px).unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether the camera explains at least half of the points.
+    ///
+    /// # Errors
+    /// It does not.
+    pub fn check_misfit(&self) -> Result<(), FromLinesError> {
+        /// Points farther off are not explained, sigmas of a drawn point.
+        const EXPLAINED_SIGMAS: f64 = 12.0;
+        let median_px = self.median_px();
+        let is_above_ground = self.found.state.shared.base.position_m.z > 0.0;
+        let sigma_px = self
+            .observations
+            .first()
+            .map_or(0.0, |first| first.sigma_px);
+        if is_above_ground && median_px <= EXPLAINED_SIGMAS * sigma_px {
+            Ok(())
+        } else {
+            Err(FromLinesError::NoFit { median_px })
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! A camera from the lines of one picture: position, rotation, focal length and lens, without a
+//! base that is known and without a landmark.
+//!
+//! # Problem
+//!
+//! Given: points that people drew on named lines of the field in one picture (straight markings,
+//! circle and arcs, posts and crossbar), and landmarks if there are any. Wanted: the camera, and
+//! how certain it is. Most labels of this kind are pictures of unknown cameras, each of its own:
+//! nothing can be shared between them.
+//!
+//! # Idea
+//!
+//! A point on a line gives one equation, wherever along the line it is; there are no
+//! correspondences to guess. Seven equations determine a pinhole camera. From a start that is
+//! roughly right, least squares over all points do the rest; the start is the difficult part,
+//! because parallel lines make many local minima. Where drawn lines cross there is a landmark, and
+//! two landmarks and a position give pan, tilt and focal length in closed form. So only the
+//! position has to be guessed, and the places around a field are few.
+//!
+//! # Steps
+//!
+//! 1. Points are grouped by line, straight lines are fitted, equations counted (`drawn_line.rs`,
+//!    `equations.rs`). Proof against coinciding points, lines of one point, parallel lines.
+//! 2. Crossings are landmarks for starts; a drawn end on another line is an observation of the
+//!    field line's end (`crossings.rs`). Proof against lines that cross at a shallow angle.
+//! 3. Starts: the homography of the ground lines, two crossings at 124 places around the field,
+//!    points of two lines where nothing crosses (`starts.rs`, `plane.rs`). Proof against unusual
+//!    places and single wrong names.
+//! 4. The best eight that differ are fitted with a wide loss, the best three with a narrow one; the
+//!    lowest cost wins (`hypotheses.rs`, `fit.rs`). Proof against wrong minima and wrong names.
+//! 5. Priors of place, focal length, lens, roll and principal point (`priors.rs`) decide in views
+//!    that leave distance and focal length open.
+//! 6. Lines far from where they are named get other names, or all of them those of the mirrored
+//!    field (`names.rs`, `renaming.rs`).
+//! 7. The covariance follows from the scatter of this picture (`uncertainty.rs`). Proof against
+//!    careless drawing.
+//!
+//! # What it is not proof against
+//!
+//! A field of another size than stated, and half of the lines with wrong names that agree with each
+//! other. A half turn of all names gives a camera on the other side.
+//!
+//! # Figures
+//!
+//! `tests/benches/lines.md`: 400 broadcast pictures with lines that people drew.
+//!
+//! # References
+//!
+//! * J. Theiner, R. Ewerth: "`TVCalib`: Camera Calibration for Sports Field Registration in
+//!   Soccer", WACV 2023: the same residuals from segmented lines, by gradient descent from one
+//!   start for each side.
+//! * R. Hartley, A. Zisserman: "Multiple View Geometry", section 4.1 (step 3).
+//! * J. Chen, F. Zhu, J. J. Little: "A Two-point Method for PTZ Camera Calibration in Sports", WACV
+//!   2018 (step 3).
+//! * F. Magera and others: "A Universal Protocol to Benchmark Camera Calibration for Sports", 2024:
+//!   how such cameras are scored.
+
+mod crossings;
+mod drawn_line;
+mod equations;
+mod error;
+mod fit;
+mod hypotheses;
+mod names;
+mod plane;
+mod priors;
+mod renaming;
+mod starts;
+#[cfg(test)]
+mod tests;
+mod uncertainty;
+
+pub use error::FromLinesError;
+pub use priors::PicturePriors;
+
+use super::base::CrownModel;
+use super::{IdentityFinding, Observation, Uncertainty};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::field::FieldModel;
+use crate::geometry::ImageSize;
+use hypotheses::fit_picture;
+use renaming::correct_names;
+
+/// A picture with what was drawn in it.
+#[derive(Clone, Copy, Debug)]
+pub struct LinePicture<'a> {
+    /// The field of the lines.
+    pub field: &'a FieldModel,
+    /// Points on named lines, and landmarks if there are any; check clicks are not used.
+    pub observations: &'a [Observation],
+    /// The size of the picture.
+    pub image_size: ImageSize,
+}
+
+/// How the camera of a picture is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FromLinesOptions {
+    /// What is usual of such cameras.
+    pub priors: PicturePriors,
+    /// Whether the crown of the pitch is estimated, too, in place of the field's.
+    pub fits_crown: bool,
+}
+
+impl FromLinesOptions {
+    /// The crown on a field.
+    const fn crown(&self, field: &FieldModel) -> CrownModel {
+        if self.fits_crown {
+            CrownModel::Free
+        } else {
+            CrownModel::Fixed(field.crown_m)
+        }
+    }
+}
+
+/// The camera of one picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraFromLines {
+    /// Its base in the pan gauge: position, lean, lens and principal point, with their joint
+    /// uncertainty.
+    pub base: CameraBase,
+    /// Pan, tilt, focal length.
+    pub ptz: Ptz,
+    /// The height of the crown, m: that of the field, or the estimated one.
+    pub crown_m: f64,
+    /// The uncertainty of pan, tilt and focal length and of the overlay.
+    pub uncertainty: Uncertainty,
+    /// The scatter of the drawn points as a multiple of the stated one.
+    pub scatter: f64,
+    /// Names that fit better than those given, if there are any: the camera is that of the new
+    /// names.
+    pub identity: Option<IdentityFinding>,
+}
+
+impl CameraFromLines {
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> PtzCamera {
+        PtzCamera::new(self.base, self.ptz)
+    }
+}
+
+/// The camera of one picture from the lines that were drawn in it.
+///
+/// # Errors
+/// Points that are not finite, too few lines or parallel ones, or lines that no camera explains.
+pub fn camera_from_lines(
+    picture: &LinePicture<'_>,
+    options: &FromLinesOptions,
+) -> Result<CameraFromLines, FromLinesError> {
+    let used: Vec<Observation> = picture
+        .observations
+        .iter()
+        .filter(|observation| !observation.check)
+        .copied()
+        .collect();
+    equations::check_observations(&used)?;
+    let as_named = fit_picture(picture, &used, options)?;
+    let (fitted, identity) = correct_names(picture, &used, as_named, options);
+    fitted.check_misfit()?;
+    let found = uncertainty::state_uncertainty(
+        picture,
+        &fitted.observations,
+        &fitted.found.state,
+        options,
+    )?;
+    Ok(CameraFromLines { identity, ..found })
+}

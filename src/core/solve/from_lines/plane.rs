@@ -1,0 +1,163 @@
+//! A camera from four or more straight lines on the ground, in closed form.
+//!
+//! The homography G takes the picture to the ground. That a pixel p lies on the ground line ℓ is ℓᵀ
+//! G p = 0: one linear equation in the nine entries of G for each drawn point, whatever its place
+//! along the line. Four lines in general position with two points each give the eight that are
+//! needed; the solution is the eigenvector of the smallest eigenvalue, as for point pairs (Hartley
+//! and Zisserman, Multiple View Geometry, section 4.1). The drawn points and their images under G
+//! are then point pairs, and [`pose_from_plane`] splits them into focal length, rotation and
+//! position.
+
+use super::drawn_line::DrawnLine;
+use crate::camera::{BaseAngles, CameraBase, Ptz};
+use crate::geometry::rotation::{q_pan, q_tilt};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::solve::plane_pose::{PlanePose, pose_from_plane};
+use nalgebra::{SMatrix, SVector, SymmetricEigen};
+
+/// Minimum second smallest eigenvalue, as a fraction of the largest: below it the lines leave a
+/// second solution.
+const MIN_SECOND_EIGENVALUE: f64 = 1e-7;
+
+/// Drawn lines on the ground that give a homography.
+const MIN_LINES: usize = 4;
+
+/// The camera of the straight lines on the ground; none where they determine no homography, or
+/// where no focal length explains it.
+pub(super) fn camera_from_ground_lines(
+    lines: &[DrawnLine],
+    size: ImageSize,
+) -> Option<(CameraBase, Ptz)> {
+    let ground: Vec<(Vec3, &DrawnLine)> = lines
+        .iter()
+        .filter_map(|line| Some((ground_line(line)?, line)))
+        .collect();
+    if ground.len() < MIN_LINES {
+        return None;
+    }
+    // Both sides in units in which coordinates are about one, which conditions the equations.
+    let centre = size.centre();
+    let half_width_px = 0.5 * f64::from(size.width);
+    let unit_m = ground
+        .iter()
+        .filter_map(|(_, line)| line.segment())
+        .flatten()
+        .map(|end| end.xy().norm())
+        .fold(1.0, f64::max);
+    let in_units = |point: &ImagePoint| {
+        let offset = point.offset_from(centre) / half_width_px;
+        Vec3::new(offset.x, offset.y, 1.0)
+    };
+
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    for (of_field, line) in &ground {
+        let of_field = Vec3::new(of_field.x, of_field.y, of_field.z / unit_m);
+        for pixel in line.points.iter().map(in_units) {
+            let products = of_field * pixel.transpose();
+            let row = SVector::<f64, 9>::from_column_slice(products.as_slice());
+            normal += row * row.transpose();
+        }
+    }
+    let eigen = SymmetricEigen::new(normal);
+    let mut order: Vec<usize> = (0..9).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    let share = eigen.eigenvalues[order[1]] / eigen.eigenvalues[order[8]];
+    if !(share > MIN_SECOND_EIGENVALUE) {
+        return None;
+    }
+    let ground_from_image =
+        Mat3::from_column_slice(eigen.eigenvectors.column(order[0]).into_owned().as_slice());
+
+    let pairs: Vec<(Vec2, ImagePoint)> = ground
+        .iter()
+        .flat_map(|(_, line)| &line.points)
+        .map(|point| {
+            let on_ground = ground_from_image * in_units(point);
+            (on_ground.xy() / on_ground.z * unit_m, *point)
+        })
+        .filter(|(ground, _)| ground.iter().all(|x| x.is_finite()))
+        .collect();
+    let pose = pose_from_plane(&pairs, centre).ok()?;
+    (pose.position_m.z > 0.0).then(|| split(&pose, centre))
+}
+
+/// The line through two points of the ground, a x + b y + c = 0 with a² + b² = 1; none for a curve,
+/// a post and a crossbar.
+fn ground_line(line: &DrawnLine) -> Option<Vec3> {
+    let [from, to] = line.segment()?;
+    let along = (to - from).xy();
+    if from.z != 0.0 || to.z != 0.0 || line.straight().is_none() {
+        return None;
+    }
+    let normal = Vec2::new(-along.y, along.x).normalize();
+    Some(Vec3::new(normal.x, normal.y, -normal.dot(&from.xy())))
+}
+
+/// A pose as a base in the pan gauge with pan and tilt; its roll is the base's.
+fn split(pose: &PlanePose, principal_point: ImagePoint) -> (CameraBase, Ptz) {
+    let looks = BaseAngles::from_base_from_world(&pose.cam_from_world);
+    let cam_from_base = q_tilt(looks.pitch) * q_pan(looks.heading);
+    let base = CameraBase::new(
+        pose.position_m,
+        cam_from_base.transpose() * pose.cam_from_world,
+        principal_point,
+    );
+    let ptz = Ptz {
+        pan: looks.heading,
+        tilt: looks.pitch,
+        focal_px: pose.focal_px,
+    };
+    (base, ptz)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::PtzCamera;
+    use crate::field::builtin;
+    use crate::solve::Observation;
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    #[test]
+    fn exact_points_on_four_lines_give_the_camera_and_parallel_ones_none() {
+        let field = builtin("soccer")
+            .unwrap()
+            .model(&std::collections::BTreeMap::new(), 0.0)
+            .unwrap();
+        let base = CameraBase::new(
+            Vec3::new(5.0, -70.0, 21.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
+        let truth = PtzCamera::new(base, Ptz::from_degrees(31.0, -14.0, 1400.0));
+        let on_lines = |names: &[&str]| {
+            let mut observations = Vec::new();
+            for name in names {
+                let curve = field.line(name).unwrap().curve;
+                for share in [0.3, 0.8] {
+                    let pixel = truth.image_from_world(curve.point_at(share)).unwrap();
+                    let click = observations.len();
+                    observations
+                        .push(Observation::of_line(&field, name, pixel, SIZE, click).unwrap());
+                }
+            }
+            camera_from_ground_lines(&DrawnLine::group(&observations), SIZE)
+        };
+        let area = ["near", "far", "front"].map(|side| format!("penalty_area_right_{side}"));
+        let [near, far, front] = area.each_ref().map(String::as_str);
+        let (found, ptz) = on_lines(&[near, far, front, "goal_line_right"]).unwrap();
+        assert!(
+            (found.position_m - base.position_m).norm() < 1e-3,
+            "{found:?}"
+        );
+        assert!((ptz.focal_px - 1400.0).abs() < 0.01, "{ptz:?}");
+        assert!(
+            (ptz.pan - truth.ptz().pan).abs().degrees() < 1e-3,
+            "{ptz:?}"
+        );
+        let parallel = [near, far, "touchline_far", "goal_area_right_near"];
+        assert_eq!(on_lines(&parallel), None);
+        assert_eq!(on_lines(&[near, far, front]), None);
+    }
+}
