@@ -13,7 +13,7 @@ BUILD_PACKAGES = build-essential pkg-config clang libclang-dev $(if $(OPENCV_CON
 OPENCV_PACKAGES = build-essential cmake ninja-build curl ca-certificates
 DIST_PACKAGES = $(OPENCV_PACKAGES) pkg-config clang libclang-dev python3-venv librsvg2-bin desktop-file-utils appstream \
                 lintian xz-utils
-DIST_TEST_PACKAGES = debootstrap xvfb xdotool ffmpeg xxd
+DIST_TEST_PACKAGES = debootstrap debian-archive-keyring xvfb xdotool ffmpeg xxd
 RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 \
                  libxkbcommon-x11-0 libwayland-client0 libwayland-egl1 libdbus-1-3
 # Reads videos; tests make them with it.
