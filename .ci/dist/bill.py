@@ -22,7 +22,10 @@ def other(words: str) -> dict:
 
 
 def main(program: str, module: str, *others: str) -> None:
-    bill, second = (json.loads(Path(path).read_text(encoding="utf-8")) for path in (program, module))
+    # The project's own crates are named by their folders, which are others on another machine.
+    here = Path.cwd().as_uri()
+    texts = (Path(path).read_text(encoding="utf-8").replace(here, "file:///touchline") for path in (program, module))
+    bill, second = (json.loads(text) for text in texts)
     # A number and a time of its own would make two builds of one version differ.
     bill.pop("serialNumber", None)
     bill["metadata"].pop("timestamp", None)
