@@ -11,6 +11,9 @@ CARGO = cargo $(OPENCV_CONFIG)
 # Debian's names; on other systems install the like of them (README).
 BUILD_PACKAGES = build-essential pkg-config clang libclang-dev $(if $(OPENCV_CONFIG),,libopencv-dev)
 OPENCV_PACKAGES = build-essential cmake ninja-build curl ca-certificates
+DIST_PACKAGES = $(OPENCV_PACKAGES) pkg-config clang libclang-dev python3-venv librsvg2-bin desktop-file-utils appstream \
+                lintian xz-utils
+DIST_TEST_PACKAGES = debootstrap debian-archive-keyring xvfb xdotool ffmpeg xxd
 RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 \
                  libxkbcommon-x11-0 libwayland-client0 libwayland-egl1 libdbus-1-3
 # Reads videos; tests make them with it.
@@ -19,7 +22,7 @@ VIDEO_PACKAGES = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats python check schema dist opencv bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
+.PHONY: help run test test-formats python check schema dist dist-test opencv bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -57,11 +60,13 @@ schema: build-packages ## make the JSON Schema of documents from their types aga
 bench: build-packages ## run the benchmarks (tests/benches/README.md has the figures)
 	cargo bench --workspace --benches
 
-dist: ## build the program to hand out, on the small OpenCV: target/dist/touchline, its symbols beside it
-	@$(MAKE) --no-print-directory OPENCV=small build-packages opencv
-	cargo --config $(TARGET)/opencv/cargo.toml build --profile dist
-	cd $(TARGET)/dist && objcopy --only-keep-debug touchline touchline.debug && \
-	    objcopy --strip-all --add-gnu-debuglink=touchline.debug touchline
+dist: ## every package of this version: tarball, Debian package, wheel, sums, into target/packages
+	@.ci/packages $(DIST_PACKAGES)
+	@.ci/dist/all
+
+dist-test: ## each of these tried in fresh roots: SYSTEMS="bookworm trixie noble" (wants root)
+	@.ci/packages $(DIST_TEST_PACKAGES)
+	@.ci/dist/test
 
 opencv: ## build the small OpenCV into target/opencv, from its sources (any Linux)
 	@.ci/packages $(OPENCV_PACKAGES)
