@@ -15,7 +15,7 @@ DIST_PACKAGES = $(OPENCV_PACKAGES) pkg-config clang libclang-dev python3-venv li
                 lintian xz-utils
 DIST_TEST_PACKAGES = debootstrap debian-archive-keyring xvfb xdotool ffmpeg xxd
 RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 \
-                 libxkbcommon-x11-0 libwayland-client0 libwayland-egl1 libdbus-1-3
+                 libxkbcommon-x11-0 libwayland-client0 libwayland-egl1 libdbus-1-3 libfontconfig1
 # Reads videos; tests make them with it.
 VIDEO_PACKAGES = ffmpeg
 # File dialogs; without them paths are typed.

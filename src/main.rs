@@ -56,8 +56,8 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
              the commands work without, see touchline --help"
         )),
         Err(error) => refuse(format!(
-            "the window cannot open, for neither a Vulkan nor an OpenGL driver can be used (Debian: mesa-vulkan-drivers libegl1): \
-             {error}. The commands work without, see touchline --help"
+            "the window cannot open, for neither a Vulkan nor an OpenGL driver can be used (Debian: \
+             mesa-vulkan-drivers libegl1): {error}. The commands work without, see touchline --help"
         )),
     }
 }

@@ -208,8 +208,9 @@ fn files_are_written_by_their_ending_and_never_over_something() {
     }
     let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     assert!(
-        text("scores.csv")
-            .starts_with("frame,clip,camera,view_deg,iou_part,iou_segments,iou_whole,rotation_deg,")
+        text("scores.csv").starts_with(
+            "frame,clip,camera,view_deg,iou_part,iou_segments,iou_whole,rotation_deg,"
+        )
     );
     assert_eq!(text("scores.csv").lines().count(), 5);
     assert!(text("scores.md").contains("| rotation error (°) |"));

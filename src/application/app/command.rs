@@ -162,9 +162,15 @@ rows! {
     OpenProject, "open_project", File, Document, "Open project…", "Open a project folder, a project.json or a dataset file.", ["Ctrl+O"];
     OpenFolder, "open_folder", File, Document, "Open folder of frames…", "Start a project from a folder of images, or continue it.", ["Ctrl+Shift+O"];
     OpenVideo, "open_video", File, Document, "Open video…", "Start a project from a video, or continue it.", ["Ctrl+Alt+O"];
-    OpenDemo, "open_demo", File, Document, "Try the demo match", "Open a synthetic match and try the two-click method (2 minutes).", [];
-    Save, "save", File, Application, "Save now", "Write project.json now. Every edit is already in the journal.", ["Ctrl+S"];
-    SaveAs, "save_as", File, Document, "Save a copy…", "Write the project to another folder; its paths keep pointing at the same files.", ["Ctrl+Shift+S"];
+    OpenDemo, "open_demo", File, Document, "Try the demo match",
+        "Open a synthetic match and try the two-click method (2 minutes).",
+        [];
+    Save, "save", File, Application, "Save now",
+        "Write project.json now. Every edit is already in the journal.",
+        ["Ctrl+S"];
+    SaveAs, "save_as", File, Document, "Save a copy…",
+        "Write the project to another folder; its paths keep pointing at the same files.",
+        ["Ctrl+Shift+S"];
     Import, "import", File, Document, "Import labels…", "Read clicks or cameras from another program, preview them, and merge them into this document. One step of undo.", [];
     Export, "export", File, Document, "Export…", "Write the document in one of many formats; anything that a format cannot hold is listed first.", ["Ctrl+E"];
     ExportDataset, "export_dataset", File, Document, "Export dataset…", "Write a folder with pictures, labels, splits, a card and a manifest.", ["Ctrl+Shift+E"];
@@ -175,15 +181,33 @@ rows! {
     DeleteClick, "delete_click", Edit, Picture, "Delete point", "Delete the selected point.", ["Delete"];
     RenameClick, "rename_click", Edit, Picture, "Name point…", "Give the selected point another name.", ["C"];
     NameNext, "name_next", Edit, Picture, "Name the next point…", "Go to the first point of this frame that has no name, and name it.", [];
-    PointTool, "point_tool", Edit, Picture, "Place points", "A press in the picture places a point, or drags the point, landmark or line under it.", ["A"];
-    SelectTool, "select_tool", Edit, Picture, "Select and move", "A press in the picture selects or drags a point, or moves the picture; nothing is placed.", ["V"];
-    LineTool, "line_tool", Edit, Picture, "Place points on lines", "Every point that you place lies on a line of the field, not on a landmark.", ["Shift+L"];
-    CheckTool, "check_tool", Edit, Picture, "Place check points", "Every point that you place is a check point: left out of the solve, with its error shown.", ["Shift+K"];
-    ShowMasks, "show_masks", Edit, Picture, "Draw masks", "Show the boxes that are excluded from feature detection, and draw new ones.", ["M"];
-    PlaceOnLine, "place_on_line", Edit, Picture, "Point on a line", "Mark the next or the selected point as lying on a line of the field, not on a landmark.", ["L"];
-    ToggleCheck, "toggle_check", Edit, Picture, "Check point", "Leave the selected point out of the solve and show its error instead.", ["K"];
-    NextClick, "next_click", Edit, Picture, "Next point", "Select the next point of this frame.", ["Tab"];
-    PreviousClick, "previous_click", Edit, Picture, "Previous point", "Select the previous point of this frame.", ["Shift+Tab"];
+    PointTool, "point_tool", Edit, Picture, "Place points",
+        "A press in the picture places a point, or drags the point, landmark or line under it.",
+        ["A"];
+    SelectTool, "select_tool", Edit, Picture, "Select and move",
+        "A press in the picture selects or drags a point, or moves the picture; it places none.",
+        ["V"];
+    LineTool, "line_tool", Edit, Picture, "Place points on lines",
+        "Every point that you place lies on a line of the field, not on a landmark.",
+        ["Shift+L"];
+    CheckTool, "check_tool", Edit, Picture, "Place check points",
+        "Every point that you place is a check point: left out of the solve, its error shown.",
+        ["Shift+K"];
+    ShowMasks, "show_masks", Edit, Picture, "Draw masks",
+        "Show the boxes that are excluded from feature detection, and draw new ones.",
+        ["M"];
+    PlaceOnLine, "place_on_line", Edit, Picture, "Point on a line",
+        "Mark the next or the selected point as lying on a line of the field, not on a landmark.",
+        ["L"];
+    ToggleCheck, "toggle_check", Edit, Picture, "Check point",
+        "Leave the selected point out of the solve and show its error instead.",
+        ["K"];
+    NextClick, "next_click", Edit, Picture, "Next point",
+        "Select the next point of this frame.",
+        ["Tab"];
+    PreviousClick, "previous_click", Edit, Picture, "Previous point",
+        "Select the previous point of this frame.",
+        ["Shift+Tab"];
     Cancel, "cancel", Edit, Application, "Cancel", "Cancel the current action, or deselect.", ["Escape"];
     Preferences, "preferences", Edit, Application, "Preferences…", "Size of texts, panels, snapping, overlay, keys: what belongs to you and not to a project.", ["Ctrl+Comma"];
     NextFrame, "next_frame", Frame, Document, "Next frame", "Go one frame forward; hold to play.", ["Period"];
@@ -279,7 +303,9 @@ rows! {
     Palette, "palette", Help, Application, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, Application, "Keys", "Every command and its key; keys can be changed here.", ["?"];
     Messages, "messages", Help, Application, "Messages…", "Every message of this session, the latest first.", [];
-    DismissNotices, "dismiss_notices", Help, Application, "Dismiss all messages", "Clear the row of messages; they stay in the list of messages.", [];
+    DismissNotices, "dismiss_notices", Help, Application, "Dismiss all messages",
+        "Clear the row of messages; they stay in the list of messages.",
+        [];
     About, "about", Help, Application, "About", "Version, licence, citation and a diagnostic report.", [];
 }
 

@@ -18,14 +18,14 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let search = &panel.app.operations.camera_search;
     if let Some(under_way) = search.under_way() {
         section(ui, "FINDING THE CAMERA");
-        searched(panel, ui, &under_way);
+        show_progress(panel, ui, &under_way);
         return;
     }
     // What the last search left to decide or to report.
     match &search.left {
         Left::Two(two) => {
             section(ui, "TWO ANSWERS");
-            decided(panel, ui, two);
+            show_choice(panel, ui, two);
         }
         Left::Abstained { camera: of, why } if *of == camera.id && camera.base().is_none() => {
             section(ui, "WITHOUT A CLICK");
@@ -43,7 +43,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 }
 
 /// Shows the progress of a search, and stops it.
-fn searched(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
+fn show_progress(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     ui.add(Label::new(under_way.text.as_str()).wrap());
     let share = under_way.share.unwrap_or_default();
     ui.add(ProgressBar::new(share).desired_height(6.0).corner_radius(2));
@@ -53,7 +53,7 @@ fn searched(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
 
 /// Shows two answers that the frames alone cannot distinguish. The user tries both; a click in the
 /// named frame decides.
-fn decided(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
+fn show_choice(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
     ui.add(Label::new(two.describe()).wrap());
     ui.add_space(theme::SPACE);
     ui.horizontal_wrapped(|ui| {

@@ -19,7 +19,8 @@ pub enum TrackError {
     },
     /// Too few frames, or frames that matches do not connect.
     #[error(
-        "{frames} frames with {edges} pairwise matches between them; at least 2 frames that show the same are needed"
+        "{frames} frames with {edges} pairwise matches between them; at least 2 frames that show the \
+         same are needed"
     )]
     TooFew {
         /// Number of frames to adjust.
@@ -29,7 +30,8 @@ pub enum TrackError {
     },
     /// No rotation and zoom explains the pairwise matches.
     #[error(
-        "the {edges} pairwise matches of {frames} frames fit no camera that only turns and zooms: they lie {residual_px:.1} px off"
+        "the {edges} pairwise matches of {frames} frames fit no camera that only turns and zooms: \
+         they lie {residual_px:.1} px off"
     )]
     NotTurning {
         /// Number of frames to adjust.

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`match_frames_pairwise`], [`ViewGraphEdge`] | pairwise matches: correspondences of two frames that one rotation and one zoom explain |
 //! | [`CutFinder`] | where one shot of a video ends and the next begins |
-//! | [`PointFollower`], [`carry`], [`adjust_clip`], [`smooth`] | a clip whose camera has a known base: points tracked by optical flow, cameras propagated from known frames to all others, adjusted together and smoothed |
+//! | [`PointFollower`], [`propagate`], [`adjust_clip`], [`smooth`] | a clip whose camera has a known base: points tracked by optical flow, cameras propagated from known frames to all others, adjusted together and smoothed |
 //! | [`groups`] | connected components of the view graph |
 //! | [`adjust_matched_frames`] | pan, tilt and focal length of matched frames with a known base, from the matches and a prior of each frame |
 //! | [`PosePrior`] | a prior of one frame in a joint adjustment |

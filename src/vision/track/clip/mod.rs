@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`ClipCamera`] | the base, and lenses that are known frame by frame |
 //! | [`PointFollower`], [`PointTracks`] | points tracked from picture to picture by optical flow |
-//! | [`carry`] | pan, tilt and focal length of every frame, one after the other, from the known frames |
+//! | [`propagate`] | pan, tilt and focal length of every frame, one after the other, from the known frames |
 //! | [`adjust_clip`] | all frames in one adjustment, with covariance |
 //! | [`smooth`] | the cameras of all frames as one smooth motion |
 //!
