@@ -123,7 +123,9 @@ class Fuzz(unittest.TestCase):
 class Threads(unittest.TestCase):
     def test_ctrl_c_stops_long_work(self):
         script = """
-            import sys, touchline
+            import signal, sys, touchline
+            # A shell lets what it runs in the background ignore Ctrl-C.
+            signal.signal(signal.SIGINT, signal.default_int_handler)
             document = touchline.load(sys.argv[1])
             touchline.solve(document)
             try:
