@@ -2,12 +2,11 @@
 
 use super::messages::Messages;
 use anyhow::{bail, ensure};
-use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use touchline_core::geometry::counted;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{CameraId, Document, FieldSpec, document_from_frames};
+use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::exchange::{Format, Imported, join, recognize_format};
 use touchline_vision::media::{FrameSource, VideoInfo};
 
@@ -87,11 +86,7 @@ pub fn attach_to_video(
     );
     // The camera of the new document has no base; it stays only where frames have no other.
     let mut document = joined.document;
-    let used: BTreeSet<CameraId> = document
-        .frames
-        .iter()
-        .map(|frame| frame.camera.clone())
-        .collect();
+    let used = document.used_cameras();
     document.cameras.retain(|camera| used.contains(&camera.id));
     Ok(AttachedLabels {
         document,

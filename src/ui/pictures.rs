@@ -136,3 +136,15 @@ impl Pictures {
         self.decoded.request_thumbnails(&missing);
     }
 }
+
+/// The texture of an encoded picture that the program carries; none if it cannot be decoded.
+pub fn decode_texture(
+    ctx: &egui::Context,
+    name: &str,
+    bytes: &[u8],
+) -> Option<egui::TextureHandle> {
+    let picture = image::load_from_memory(bytes).ok()?.into_rgb8();
+    let size = [picture.width() as usize, picture.height() as usize];
+    let pixels = egui::ColorImage::from_rgb(size, picture.as_raw());
+    Some(ctx.load_texture(name, pixels, egui::TextureOptions::LINEAR))
+}

@@ -1,4 +1,4 @@
-//! The sampled frames, and what is kept of each picture: its features and its marking pixels of paint.
+//! The sampled frames, and what is kept of each picture: its features and its marking pixels.
 
 use rayon::prelude::*;
 use touchline_core::geometry::{ImageSize, PixelBox};

@@ -175,11 +175,7 @@ fn record(document: &mut Document, index: usize, found: &Found, names: &mut Free
 
 /// Drops cameras without a base that no frame is of any more.
 fn drop_unused(document: &mut Document, with_base: &BTreeSet<&CameraId>) {
-    let used: BTreeSet<CameraId> = document
-        .frames
-        .iter()
-        .map(|frame| frame.camera.clone())
-        .collect();
+    let used = document.used_cameras();
     document
         .cameras
         .retain(|camera| used.contains(&camera.id) || with_base.contains(&camera.id));

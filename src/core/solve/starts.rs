@@ -322,16 +322,25 @@ fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observa
         .collect();
     ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     // Refinement of nearby starts ends in the same minimum, so only distinct ones are kept.
-    let mut kept: Vec<Ptz> = Vec::with_capacity(MAX_STARTS);
-    for start in ranked {
-        if kept
-            .iter()
-            .all(|other| camera_distance(other, &start.ptz) > MIN_START_DISTANCE)
-        {
-            kept.push(start.ptz);
-        }
-        if kept.len() == MAX_STARTS {
+    let ranked = ranked.into_iter().map(|start| start.ptz);
+    keep_distinct(ranked, MAX_STARTS, |one, other| {
+        camera_distance(one, other) > MIN_START_DISTANCE
+    })
+}
+
+/// The first candidates that differ from all kept before them, at most `most`.
+pub(super) fn keep_distinct<T>(
+    candidates: impl IntoIterator<Item = T>,
+    most: usize,
+    differ: impl Fn(&T, &T) -> bool,
+) -> Vec<T> {
+    let mut kept: Vec<T> = Vec::with_capacity(most);
+    for candidate in candidates {
+        if kept.len() == most {
             break;
+        }
+        if kept.iter().all(|other| differ(other, &candidate)) {
+            kept.push(candidate);
         }
     }
     kept

@@ -26,6 +26,14 @@ fn field(crown_m: f64) -> FieldModel {
         .unwrap()
 }
 
+/// A lens that follows the focal length.
+const LENS: FocalCurve = FocalCurve {
+    at_focal_px: 2000.0,
+    value: -0.03,
+    per_1000_px: 0.2,
+    ..FocalCurve::NONE
+};
+
 fn true_base(distortion: FocalCurve) -> CameraBase {
     let angles = BaseAngles {
         heading: Angle::ZERO,
@@ -149,12 +157,7 @@ fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
 fn the_model_is_chosen_alike_if_only_every_fifth_frame_has_paint() {
     let mut rng = seeded::rng("the_model_is_chosen_alike_if_only_every_fifth_frame_has_paint");
     let field = field(0.0);
-    let base = true_base(FocalCurve {
-        at_focal_px: 2000.0,
-        value: -0.03,
-        per_1000_px: 0.2,
-        ..FocalCurve::NONE
-    });
+    let base = true_base(LENS);
     let (seen, truth) = frames(&base, &field, 15, 12, 0.5, &mut rng);
     let estimated = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
         estimate_base_on_paint(
@@ -230,12 +233,7 @@ fn z_scores(found: &CameraBase, truth: &CameraBase) -> Vec3 {
 fn the_position_is_as_good_as_its_sigma_says() {
     let mut rng = seeded::rng("the_position_is_as_good_as_its_sigma_says");
     let field = field(0.12);
-    let base = true_base(FocalCurve {
-        at_focal_px: 2000.0,
-        value: -0.03,
-        per_1000_px: 0.2,
-        ..FocalCurve::NONE
-    });
+    let base = true_base(LENS);
     let options = prescribed(LensModel::K1Focal, CrownModel::Free);
     for count in [5, 10, 30] {
         let (mut squares, trials) = (0.0, 6);

@@ -4,6 +4,7 @@ use super::{
     Camera, CameraId, ClickNoise, Extra, FieldSpec, Frame, Frames, Shared, Shot, StoredClickNoise,
 };
 use serde_json::{Map, Value};
+use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::PixelBox;
@@ -107,6 +108,13 @@ impl Document {
             }
             number += 1;
         }
+    }
+
+    /// The names of the cameras that frames are of.
+    #[must_use]
+    pub fn used_cameras(&self) -> BTreeSet<CameraId> {
+        let of_frames = self.frames.iter().map(|frame| frame.camera.clone());
+        of_frames.collect()
     }
 
     /// Adds a copy of a camera under a free name like its own, and returns that name.

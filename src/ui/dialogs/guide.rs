@@ -4,16 +4,16 @@
 //! and marked words. Each paragraph is one line.
 
 use super::sheet;
+use crate::ui::pictures::decode_texture;
 use crate::ui::{
     Panel,
     theme::{self, Palette, Themed as _},
 };
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Button, ColorImage, Context, FontFamily, FontId, Id, Image, Label, RichText, Role, ScrollArea,
-    TextureHandle, TextureOptions, Ui, WidgetInfo, vec2,
+    Button, Context, FontFamily, FontId, Id, Image, Label, RichText, Role, ScrollArea,
+    TextureHandle, Ui, WidgetInfo, vec2,
 };
-use image::ImageFormat;
 use touchline_application::app::guide::GuidePage;
 use touchline_application::app::{Action, ViewAction};
 use touchline_assets::guide;
@@ -152,14 +152,7 @@ fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
 /// Decodes a picture of the guide into a texture. `None` if the guide has no picture of this name.
 fn decoded(ctx: &Context, name: &str) -> Option<TextureHandle> {
     let (_, bytes) = guide::PICTURES.iter().find(|(known, _)| *known == name)?;
-    let picture = image::load_from_memory_with_format(bytes, ImageFormat::WebP)
-        .ok()?
-        .into_rgb8();
-    let image = ColorImage::from_rgb(
-        [picture.width() as usize, picture.height() as usize],
-        picture.as_raw(),
-    );
-    Some(ctx.load_texture(name, image, TextureOptions::LINEAR))
+    decode_texture(ctx, name, bytes)
 }
 
 /// Lays out a text with the words between pairs of `**`, `*` and `` ` `` emphasised.

@@ -1,10 +1,12 @@
 //! The moving picture of the start page: two clicks on a frame of the demo match, and the field's
 //! lines where the camera that was solved from them projects them.
 
+use crate::ui::labels::{PlateStyle, plate};
+use crate::ui::pictures::decode_texture;
 use crate::ui::theme::{self, Themed as _};
 use egui::{
-    Align2, Color32, ColorImage, Context, CornerRadius, FontId, Id, Painter, Pos2, Rect, Sense,
-    Shape, Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align2, Color32, Context, CornerRadius, FontId, Id, Painter, Pos2, Rect, Sense, Shape, Stroke,
+    TextureHandle, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 use touchline_application::jobs::MatchOrder;
@@ -171,11 +173,8 @@ fn paint_click(painter: &Painter, at: Pos2, name: &str, colour: Color32, within:
         (-12.0, Align2::RIGHT_CENTER)
     };
     let font = FontId::proportional(12.0);
-    let galley = painter.layout_no_wrap(name.to_owned(), font, Color32::WHITE);
-    let text = align.anchor_size(at + vec2(away, 0.0), galley.size());
-    let ground = theme::ON_PICTURE.control;
-    painter.rect_filled(text.expand2(vec2(4.0, 2.0)), CornerRadius::same(3), ground);
-    painter.galley(text.min, galley, Color32::WHITE);
+    let style = PlateStyle::new(font, Color32::WHITE, theme::ON_PICTURE.control);
+    plate(painter, at + vec2(away, 0.0), align, name, style);
 }
 
 /// Draws an arrow with its tip at a point.
@@ -212,13 +211,8 @@ fn film(ctx: &Context) -> Option<Arc<Film>> {
     );
     let share = |at: &ImagePoint| pos2(at.x as f32 / width, at.y as f32 / height);
     let lines = lines(&order)?;
-    let picture = image::load_from_memory(touchline_assets::START_PICTURE)
-        .ok()?
-        .to_rgb8();
-    let size = [picture.width() as usize, picture.height() as usize];
-    let pixels = ColorImage::from_rgb(size, picture.as_raw());
     let film = Arc::new(Film {
-        picture: ctx.load_texture("start page", pixels, TextureOptions::LINEAR),
+        picture: decode_texture(ctx, "start page", touchline_assets::START_PICTURE)?,
         clicks: CLICKS.map(|(.., at)| share(&at)),
         lines: lines
             .iter()

@@ -4,7 +4,7 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
-use touchline::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::document::{
     Camera, CameraId, Document, FramePtz, FrameStatus, Solution, SolutionSource,
 };
@@ -25,6 +25,8 @@ pub struct Faults {
     pub absurd: f64,
     /// Whether all cameras are mirrored.
     pub mirrored: bool,
+    /// The frames of a close-up, from the first to before the second: their cameras are invented.
+    pub close_up: [usize; 2],
 }
 
 /// A clip whose program is good: small scatter, two bad stretches.
@@ -35,6 +37,7 @@ pub const GOOD: Faults = Faults {
     off: 0.2,
     absurd: 0.05,
     mirrored: false,
+    close_up: [0, 0],
 };
 
 /// Cameras that scatter from frame to frame.
@@ -45,6 +48,7 @@ pub const SCATTERED: Faults = Faults {
     off: 0.0,
     absurd: 0.1,
     mirrored: false,
+    close_up: [0, 0],
 };
 
 /// The length of a bad stretch, frames.
@@ -115,5 +119,31 @@ pub fn give(document: &mut Document, truth: &[PtzCamera], faults: &Faults, seed:
             source: Some(SolutionSource::Import),
             ..Solution::default()
         });
+    }
+    invent(document, faults.close_up, seed);
+}
+
+/// Gives some frames cameras that nobody filmed with.
+fn invent(document: &mut Document, [from, to]: [usize; 2], seed: u64) {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    for index in from..to {
+        let mut within = |most: f64| random.random_range(-most..most);
+        let at_m = Vec3::new(within(40.0), -70.0 + within(30.0), 20.0 + within(12.0));
+        let turn = BaseAngles {
+            heading: Angle::from_degrees(within(20.0)),
+            ..BaseAngles::default()
+        };
+        let base = CameraBase {
+            distortion: FocalCurve::NONE,
+            ..CameraBase::new(
+                at_m,
+                turn.base_from_world(),
+                document.frames[index].image_size.centre(),
+            )
+        };
+        let ptz = Ptz::from_degrees(within(30.0), -14.0 + within(6.0), 1500.0 + within(700.0));
+        let id = document.frames[index].camera.clone();
+        document.camera_mut(&id).unwrap().set_base(&base);
+        document.frames[index].ptz = Some(FramePtz::new(ptz, None));
     }
 }

@@ -22,7 +22,7 @@ mod mixed;
 use arguments::Arguments;
 use drawing::{CAMERA, Drawn, document_of_video, draw, shots};
 use given::{Faults, GOOD, SCATTERED, give};
-use mixed::{CLOSE_UP, give_all, mixed_clip};
+use mixed::{CLOSE_UP, mixed_clip};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -94,7 +94,11 @@ fn main() {
     for seed in (1..=seeds).filter(|_| wants("mixed")) {
         let pictures = folder.join(format!("mixed-{seed}"));
         let drawn = mixed_clip(&pictures, seed);
-        report("mixed", seed, &drawn, &pictures, &GOOD, is_verbose);
+        let faults = Faults {
+            close_up: [CLOSE_UP.start, CLOSE_UP.end],
+            ..GOOD
+        };
+        report("mixed", seed, &drawn, &pictures, &faults, is_verbose);
     }
     if let Some(data) = std::env::var_os("TOUCHLINE_DATA").filter(|_| wants("real")) {
         for clip in REAL {
@@ -169,12 +173,9 @@ fn report(name: &str, seed: u64, drawn: &Drawn, folder: &Path, faults: &Faults, 
     let mut document = drawn.document.clone();
     // Whoever gives cameras, or imports them, takes the usual size for granted.
     document.field = FieldSpec::new("soccer");
-    let close_up = if name == "mixed" { CLOSE_UP } else { 0..0 };
-    if name == "mixed" {
-        give_all(&mut document, &drawn.truth, faults, seed);
-    } else {
-        give(&mut document, &drawn.truth, faults, seed);
-    }
+    let [from, to] = faults.close_up;
+    let close_up = from..to;
+    give(&mut document, &drawn.truth, faults, seed);
     let before = right(&document, drawn);
     let begun = Instant::now();
     let options = MendOptions::default();

@@ -1,15 +1,12 @@
 //! A clip of two cameras with a close-up between them, and cameras given for all of its frames.
 
 use crate::drawing::{Drawn, SIZE, Shot, draw, shots};
-use crate::given::{Faults, give};
-use rand::{RngExt as _, SeedableRng as _};
-use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 use std::path::Path;
-use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline::document::{Document, FieldSpec, FramePtz};
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::FieldSpec;
 use touchline::field::builtin;
-use touchline::geometry::{Angle, Vec3};
+use touchline::geometry::Vec3;
 use touchline::synthetic::{Preset, ShootOptions, StadiumOptions, stadium};
 
 /// The frames of each shot: the main camera, a close-up, the second camera, the main camera.
@@ -49,26 +46,4 @@ pub fn mixed_clip(folder: &Path, seed: u64) -> Drawn {
         };
     }
     draw(folder, &[(&scene, &taken)], 75, FieldSpec::new("soccer"))
-}
-
-/// Gives the frames of the clip cameras with faults; those of the close-up are invented.
-pub fn give_all(document: &mut Document, truth: &[PtzCamera], faults: &Faults, seed: u64) {
-    give(document, truth, faults, seed);
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
-    for index in CLOSE_UP {
-        let mut within = |most: f64| random.random_range(-most..most);
-        let at_m = Vec3::new(within(40.0), -70.0 + within(30.0), 20.0 + within(12.0));
-        let turn = BaseAngles {
-            heading: Angle::from_degrees(within(20.0)),
-            ..BaseAngles::default()
-        };
-        let base = CameraBase {
-            distortion: FocalCurve::NONE,
-            ..CameraBase::new(at_m, turn.base_from_world(), SIZE.centre())
-        };
-        let ptz = Ptz::from_degrees(within(30.0), -14.0 + within(6.0), 1500.0 + within(700.0));
-        let id = document.frames[index].camera.clone();
-        document.camera_mut(&id).unwrap().set_base(&base);
-        document.frames[index].ptz = Some(FramePtz::new(ptz, None));
-    }
 }

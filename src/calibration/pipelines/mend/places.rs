@@ -117,14 +117,8 @@ impl Shots {
                 });
             }
         }
-        let in_use: BTreeSet<CameraId> = document
-            .frames
-            .iter()
-            .map(|frame| frame.camera.clone())
-            .collect();
-        document
-            .cameras
-            .retain(|camera| in_use.contains(&camera.id));
+        let used = document.used_cameras();
+        document.cameras.retain(|camera| used.contains(&camera.id));
         let places = self.places.iter().cloned();
         ids.into_iter()
             .zip(places)

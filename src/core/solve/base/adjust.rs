@@ -178,7 +178,7 @@ pub(super) fn cameras_with_clicks(frames: &[FrameClicks], ptz: &[Option<Ptz>]) -
 }
 
 /// The start's shared parameters, restricted to those that the model has: its lens and its crown.
-pub(in crate::solve) fn starting(
+pub(super) fn starting(
     field: &FieldModel,
     start: &CameraBase,
     image_width_px: u32,
@@ -231,7 +231,7 @@ fn per_1920(image_width_px: u32) -> f64 {
 
 /// With fewer frames the principal point and the direction to the field cannot be separated from
 /// the position.
-pub(in crate::solve) const PLACING_FRAMES: usize = 12;
+pub(super) const PLACING_FRAMES: usize = 12;
 
 /// Where a camera usually looks: the direction and focal length that its priors refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]

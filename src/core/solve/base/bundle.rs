@@ -4,7 +4,7 @@
 //! eliminated (see [`BorderedEquations`]).
 
 use super::base_click::{BaseClick, FrameView};
-use super::parameters::Shared;
+use super::parameters::{Shared, clear_fixed};
 use super::scatter::Scatter;
 use super::shared_prior::SharedPrior;
 use crate::camera::Ptz;
@@ -18,7 +18,7 @@ use crate::solve::residual::Residual;
 use nalgebra::SMatrix;
 
 /// A bundle adjustment with `SHARED` shared parameters.
-pub(in crate::solve) struct Bundle<const SHARED: usize> {
+pub(super) struct Bundle<const SHARED: usize> {
     /// The clicks of each frame.
     pub frames: Vec<Vec<BaseClick>>,
     pub priors: Vec<SharedPrior>,
@@ -30,7 +30,7 @@ pub(in crate::solve) struct Bundle<const SHARED: usize> {
 
 /// The values of all parameters.
 #[derive(Clone, Debug)]
-pub(in crate::solve) struct BundleState {
+pub(super) struct BundleState {
     pub shared: Shared,
     /// Pan, tilt, focal length of each frame.
     pub ptz: Vec<Ptz>,
@@ -72,7 +72,7 @@ impl<const SHARED: usize> Problem for Bundle<SHARED> {
 
 /// Only the frames whose clicks determine their own parameters; the others carry no information
 /// about the base.
-pub(in crate::solve) fn keep_determined<const SHARED: usize>(
+pub(super) fn keep_determined<const SHARED: usize>(
     mut equations: BorderedEquations<SHARED, 3>,
 ) -> BorderedEquations<SHARED, 3> {
     equations
@@ -177,11 +177,7 @@ impl<const SHARED: usize> Bundle<SHARED> {
         }
         let free = self.free.iter().filter(|free| **free).count();
         let mut covariance = scatter.covariance(&inverse, noise_scale, free, shared.crown.width_m);
-        // Fixed parameters are exact and have no correlations.
-        for held in (0..SHARED).filter(|&parameter| !self.free[parameter]) {
-            covariance.row_mut(held).fill(0.0);
-            covariance.column_mut(held).fill(0.0);
-        }
+        clear_fixed(&mut covariance, &self.free);
         covariance
     }
 }

@@ -21,12 +21,12 @@ pub enum LensModel {
 
 impl LensModel {
     /// Whether k₁ changes with the focal length.
-    pub(in crate::solve) const fn follows_focal(self) -> bool {
+    pub(super) const fn follows_focal(self) -> bool {
         matches!(self, Self::K1Focal | Self::K1FocalK2)
     }
 
     /// Whether every point before the camera has an image, however strong the distortion.
-    pub(in crate::solve) const fn never_folds(self) -> bool {
+    pub(super) const fn never_folds(self) -> bool {
         matches!(self, Self::Pinhole | Self::K1FocalK2)
     }
 }

@@ -5,24 +5,24 @@ use crate::camera::{CameraBase, FocalCurve};
 use crate::field::Crown;
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use crate::geometry::{Vec2, Vec3};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 /// The index of each parameter, after the position (m) at 0: rotation about world x and y (rad),
 /// k₁, its slope per 1000 px, height of the crown (m), principal point (px), and the increase of
 /// the field's lengths over the assumed ones (m).
-pub(in crate::solve) const ROTATION: usize = 3;
-pub(in crate::solve) const K1: usize = 5;
-pub(in crate::solve) const SLOPE: usize = 6;
-pub(in crate::solve) const CROWN: usize = 7;
-pub(in crate::solve) const PRINCIPAL_POINT: usize = 8;
+pub(super) const ROTATION: usize = 3;
+pub(super) const K1: usize = 5;
+pub(super) const SLOPE: usize = 6;
+pub(super) const CROWN: usize = 7;
+pub(super) const PRINCIPAL_POINT: usize = 8;
 pub(in crate::solve) const SIZE: usize = 10;
 
 /// The maximum number of fitted lengths of the field.
-pub(in crate::solve) const SIZES: usize = 2;
+pub(super) const SIZES: usize = 2;
 
 /// The number of shared parameters on a field of known size, and on one whose size is fitted.
 pub(in crate::solve) const OF_BASE: usize = SIZE;
-pub(in crate::solve) const OF_BASE_AND_SIZE: usize = SIZE + SIZES;
+pub(super) const OF_BASE_AND_SIZE: usize = SIZE + SIZES;
 
 /// The parameters that all frames of a camera share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +76,18 @@ impl Shared {
             stepped.crown.width_m += self.width_by_size[size] * by;
         }
         stepped
+    }
+}
+
+/// Clears the rows and columns of fixed parameters in a covariance: they are exact and have no
+/// correlations.
+pub(in crate::solve) fn clear_fixed<const SHARED: usize>(
+    covariance: &mut SMatrix<f64, SHARED, SHARED>,
+    free: &[bool; SHARED],
+) {
+    for fixed in (0..SHARED).filter(|&parameter| !free[parameter]) {
+        covariance.row_mut(fixed).fill(0.0);
+        covariance.column_mut(fixed).fill(0.0);
     }
 }
 

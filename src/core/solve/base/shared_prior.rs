@@ -149,7 +149,7 @@ impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
 
 /// Priors that a base equals another one, within a 1-σ of its position (m) and of its rotation
 /// about world x and y.
-pub(in crate::solve) fn near(
+pub(super) fn near(
     base: &CameraBase,
     sigma_m: f64,
     sigma_turn: Angle,

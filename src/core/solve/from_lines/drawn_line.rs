@@ -2,6 +2,7 @@
 
 use crate::field::Curve;
 use crate::geometry::{ImagePoint, Vec2, Vec3};
+use crate::solve::starts::keep_distinct;
 use crate::solve::{Observation, ObservedShape, WorldCurve};
 use nalgebra::Matrix2;
 
@@ -69,15 +70,11 @@ impl DrawnLine {
 
     /// How many points there are, those that coincide counted once, and at most `most`.
     pub fn distinct_points(&self, most: usize) -> usize {
-        let mut distinct: Vec<ImagePoint> = Vec::with_capacity(most);
-        for point in &self.points {
-            let is_new =
-                |known: &ImagePoint| known.distance_px(*point) > SAME_POINT_SIGMAS * self.sigma_px;
-            if distinct.len() < most && distinct.iter().all(is_new) {
-                distinct.push(*point);
-            }
-        }
-        distinct.len()
+        let same_px = SAME_POINT_SIGMAS * self.sigma_px;
+        keep_distinct(&self.points, most, |one, other| {
+            one.distance_px(**other) > same_px
+        })
+        .len()
     }
 
     /// The straight line of the picture nearest to the points (total least squares); none for a

@@ -13,7 +13,7 @@ use crate::geometry::Vec2;
 use crate::solve::base::adjust::UsualView;
 use crate::solve::base::base_click::BaseClick;
 use crate::solve::base::bundle::frame_equations;
-use crate::solve::base::parameters::{OF_BASE, Shared, free_parameters};
+use crate::solve::base::parameters::{OF_BASE, Shared, clear_fixed, free_parameters};
 use crate::solve::base::shared_prior::SharedPrior;
 use crate::solve::base::{BaseModel, LensModel};
 use crate::solve::least_squares::{
@@ -139,11 +139,7 @@ impl PictureFit {
     pub fn covariance(&self, at: &PictureState) -> Option<SharedCovariance> {
         let (information, _) = self.equations(at).reduced(0.0)?;
         let mut covariance = information.cholesky()?.inverse();
-        // Fixed parameters are exact and have no correlations.
-        for fixed in (0..OF_BASE).filter(|&parameter| !self.free[parameter]) {
-            covariance.row_mut(fixed).fill(0.0);
-            covariance.column_mut(fixed).fill(0.0);
-        }
+        clear_fixed(&mut covariance, &self.free);
         Some(covariance)
     }
 }

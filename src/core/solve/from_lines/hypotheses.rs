@@ -4,7 +4,7 @@ use super::drawn_line::DrawnLine;
 use super::fit::{Fitted, PictureFit, starting_state};
 use super::{FromLinesError, FromLinesOptions, LinePicture, crossings, starts};
 use crate::geometry::median;
-use crate::solve::starts::camera_distance;
+use crate::solve::starts::{camera_distance, keep_distinct};
 use crate::solve::{Loss, Observation};
 
 /// The losses of the fit: first wide, so that starts that are off converge; then one under which a
@@ -58,7 +58,10 @@ pub(super) fn fit_picture(
     // All points decide between the best ones.
     let observations = [used, &ends].concat();
     let mut best: Option<Fitted> = None;
-    for from in keep_distinct(&first) {
+    let distinct = keep_distinct(&first, FINAL_STARTS, |one, other| {
+        camera_distance(&one.state.ptz, &other.state.ptz) > SAME_MINIMUM
+    });
+    for from in distinct {
         let fit = PictureFit::new(picture, &observations, &from.state, options, FINAL_LOSS);
         let found = fit.minimum(&from.state, FINAL_STEPS);
         if best.as_ref().is_none_or(|best| found.cost < best.cost) {
@@ -76,21 +79,6 @@ pub(super) fn fit_picture(
         observations: on_fitted_ground.collect(),
         found,
     })
-}
-
-/// The lowest minima that differ from each other.
-fn keep_distinct(ascending: &[Fitted]) -> Vec<&Fitted> {
-    let mut kept: Vec<&Fitted> = Vec::with_capacity(FINAL_STARTS);
-    for candidate in ascending {
-        let ptz = &candidate.state.ptz;
-        let is_new = kept
-            .iter()
-            .all(|other| camera_distance(&other.state.ptz, ptz) > SAME_MINIMUM);
-        if is_new && kept.len() < FINAL_STARTS {
-            kept.push(candidate);
-        }
-    }
-    kept
 }
 
 impl FittedPicture {

@@ -20,7 +20,7 @@ use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use crate::field::Curve;
 use crate::geometry::{Angle, Vec3, subsample};
 use crate::solve::refine::cost;
-use crate::solve::starts::camera_distance;
+use crate::solve::starts::{camera_distance, keep_distinct};
 use crate::solve::{Loss, Observation, solve_two_points};
 
 /// A camera to refine, with its cost.
@@ -88,23 +88,13 @@ pub(super) fn find_starts(
         let ranked = cameras.flat_map(|found| found.iter().map(|ptz| rank(base, ptz)));
         starts.extend(ranked.min_by(|a, b| a.cost.total_cmp(&b.cost)));
     }
+    starts.retain(|start| start.cost.is_finite());
     starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    keep_distinct(starts, scale_of(picture.field))
-}
-
-/// The best starts, near duplicates left out.
-fn keep_distinct(ranked: Vec<Start>, scale: f64) -> Vec<Start> {
-    let mut kept: Vec<Start> = Vec::with_capacity(MAX_STARTS);
-    for start in ranked {
-        let is_new = |other: &Start| {
-            camera_distance(&other.ptz, &start.ptz) > SAME_CAMERA
-                || (other.base.position_m - start.base.position_m).norm() > SAME_PLACE_M * scale
-        };
-        if kept.len() < MAX_STARTS && start.cost.is_finite() && kept.iter().all(is_new) {
-            kept.push(start);
-        }
-    }
-    kept
+    let same_place_m = SAME_PLACE_M * scale_of(picture.field);
+    keep_distinct(starts, MAX_STARTS, |one, other| {
+        camera_distance(&one.ptz, &other.ptz) > SAME_CAMERA
+            || (one.base.position_m - other.base.position_m).norm() > same_place_m
+    })
 }
 
 /// The pairs of crossings that determine a camera best: far apart for their σ.
