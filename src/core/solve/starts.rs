@@ -45,9 +45,10 @@ const RANKING_LOSS: Loss = Loss::Cauchy { c: 5.0 };
 /// With this many lines only one camera fits all of them.
 const MANY_LINES: usize = 5;
 
-/// A start from which every line lies within this of its points is the one to refine, in σ of a
-/// click.
-const GOOD_START_SIGMAS: f64 = 3.0;
+/// A start is the one to refine if this share of the points lie within this of their lines, in σ of a
+/// click; the others may have wrong names.
+const GOOD_SHARE: f64 = 0.75;
+const GOOD_START_SIGMAS: f64 = 4.0;
 
 /// A landmark click.
 #[derive(Clone, Copy)]
@@ -279,7 +280,8 @@ fn starts_from_lines(
             let distance_px = click.distance_px(&camera);
             distance_px.is_some_and(|off_px| off_px <= GOOD_START_SIGMAS * click.sigma_px)
         };
-        few.iter().all(fits) && context.ranges.contains(ptz)
+        let fitting = few.iter().filter(|click| fits(click)).count();
+        fitting as f64 >= GOOD_SHARE * few.len() as f64 && context.ranges.contains(ptz)
     };
     if lines.len() < MANY_LINES || !starts.iter().any(is_good) {
         starts.extend(grid_starts(base, &few, context));
