@@ -12,8 +12,10 @@ pub mod base;
 mod checks;
 mod context;
 mod covariance;
+mod crossings;
 mod dense;
 mod derivatives;
+mod drawn_line;
 mod error;
 #[cfg(test)]
 mod fixtures;
@@ -24,6 +26,7 @@ mod identity;
 mod identity_finding;
 mod least_squares;
 mod line;
+mod line_pairs;
 mod loss;
 mod motion_prior;
 mod observation;

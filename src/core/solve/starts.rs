@@ -6,13 +6,16 @@
 //! | 2 | the one or two cameras of the two-point solve |
 //! | 3 and more | the same for every pair, the pairs farthest apart in the picture first |
 //! | 1 | for every focal length the camera that shows the landmark where it was clicked; those that fit the other observations locally best |
-//! | 0 (lines only) | a grid over pan, tilt and focal length, its best cells refined by a few steps |
+//! | 0 (lines only) | the two-point cameras of their crossings, or of points along them; where these fit no better than far off, a grid over pan, tilt and focal length, its best cells refined by a few steps |
 //!
 //! Starts are ranked by a robust cost over *all* observations, so that one misnamed landmark spoils
 //! the pairs that it is part of and no others; the best distinct ones are refined (`refine.rs`) and
 //! compared (`frame.rs`). Cameras that are known from elsewhere (a prior, the previous solution,
 //! neighbouring frames) are used where the clicks give none.
 
+use super::crossings::find_crossings;
+use super::drawn_line::DrawnLine;
+use super::line_pairs::{few_per_line, find_pairs};
 use super::one_point::pan_tilt_from_one_point;
 use super::refine::{cost, refine};
 use super::two_point::{
@@ -38,6 +41,14 @@ const MIN_START_DISTANCE: f64 = 0.05;
 /// The loss that ranks starts. A click beyond 5 σ hardly counts, so one wrong name does not hide a
 /// good start.
 const RANKING_LOSS: Loss = Loss::Cauchy { c: 5.0 };
+
+/// With this many lines only one camera fits all of them.
+const MANY_LINES: usize = 5;
+
+/// A start is the one to refine if this share of the points lie within this of their lines, in σ of a
+/// click; the others may have wrong names.
+const GOOD_SHARE: f64 = 0.75;
+const GOOD_START_SIGMAS: f64 = 4.0;
 
 /// A landmark click.
 #[derive(Clone, Copy)]
@@ -67,7 +78,11 @@ pub(super) fn find_starts(
     let landmarks = landmark_clicks(observations);
     let known = known_cameras(context);
     let mut starts = match landmarks.as_slice() {
-        [] => [known.clone(), grid_starts(base, observations, context)].concat(),
+        [] => [
+            known.clone(),
+            starts_from_lines(base, observations, context),
+        ]
+        .concat(),
         [one] => [
             known.clone(),
             sweep_focal_length(base, *one, observations, context),
@@ -229,8 +244,52 @@ fn sweep_focal_length(
     minima
 }
 
-/// No landmark: lines do not determine a camera in closed form. Tries a coarse grid over what this
-/// camera does and refines the best cells by a few steps each.
+/// No landmark: the cameras of pairs of points that the lines show, refined by a few steps. The grid
+/// is added where none of them fits all lines, which may be misnamed, and where the lines are so few
+/// that several cameras may fit them.
+fn starts_from_lines(
+    base: &CameraBase,
+    observations: &[Observation],
+    context: &SolveContext,
+) -> Vec<Ptz> {
+    let lines = DrawnLine::group(observations);
+    let few = few_per_line(&lines, observations);
+    let crossings = find_crossings(&lines, observations);
+    let cameras = find_pairs(&lines, &crossings)
+        .into_iter()
+        .flat_map(|[one, two]| {
+            let worlds = [one.in_world, two.in_world];
+            let found = solve_two_points(base, worlds, [one.image, two.image]);
+            found.into_iter().flat_map(|found| found.iter())
+        });
+    let mut ranked: Vec<RankedStart> = cameras.map(|ptz| rank(base, ptz, &few)).collect();
+    ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    ranked.truncate(MAX_STARTS);
+    let refine_start = |start: &RankedStart| {
+        let prior = context.prior.as_ref();
+        refine(base, start.ptz, &few, Loss::Squared, prior).ptz
+    };
+    let mut starts: Vec<Ptz> = ranked
+        .iter()
+        .map(refine_start)
+        .filter(Ptz::is_finite)
+        .collect();
+    let is_good = |ptz: &Ptz| {
+        let camera = PtzCamera::new(*base, *ptz);
+        let fits = |click: &Observation| {
+            let distance_px = click.distance_px(&camera);
+            distance_px.is_some_and(|off_px| off_px <= GOOD_START_SIGMAS * click.sigma_px)
+        };
+        let fitting = few.iter().filter(|click| fits(click)).count();
+        fitting as f64 >= GOOD_SHARE * few.len() as f64 && context.ranges.contains(ptz)
+    };
+    if lines.len() < MANY_LINES || !starts.iter().any(is_good) {
+        starts.extend(grid_starts(base, &few, context));
+    }
+    starts
+}
+
+/// Tries a coarse grid over what this camera does and refines the best cells by a few steps each.
 fn grid_starts(
     base: &CameraBase,
     observations: &[Observation],

@@ -1,10 +1,10 @@
 //! Whether the lines of a picture determine a camera, before one is looked for.
 
 use super::FromLinesError;
-use super::drawn_line::DrawnLine;
 use crate::field::Curve;
 use crate::geometry::Vec3;
 use crate::solve::Observation;
+use crate::solve::drawn_line::DrawnLine;
 
 /// Unknowns that the lines have to determine: position, rotation, focal length.
 const NEEDED_EQUATIONS: usize = 7;

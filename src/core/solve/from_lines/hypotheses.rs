@@ -1,9 +1,11 @@
 //! Starts refined to minima, and the lowest of them.
 
-use super::drawn_line::DrawnLine;
 use super::fit::{Fitted, PictureFit, starting_state};
-use super::{FromLinesError, FromLinesOptions, LinePicture, crossings, starts};
+use super::{FromLinesError, FromLinesOptions, LinePicture, starts};
 use crate::geometry::median;
+use crate::solve::crossings;
+use crate::solve::drawn_line::DrawnLine;
+use crate::solve::line_pairs::few_per_line;
 use crate::solve::starts::{camera_distance, keep_distinct};
 use crate::solve::{Loss, Observation};
 
@@ -45,7 +47,7 @@ pub(super) fn fit_picture(
     let ends = crossings::find_ends(&lines, picture.image_size);
 
     // A few points of each line bring every start near its minimum.
-    let few = [starts::few_per_line(&lines, used), ends.clone()].concat();
+    let few = [few_per_line(&lines, used), ends.clone()].concat();
     let starts = starts::find_starts(picture, &lines, &crossings, &few, &options.priors);
     let mut first: Vec<Fitted> = Vec::with_capacity(starts.len());
     for start in &starts {

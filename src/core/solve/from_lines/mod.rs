@@ -19,12 +19,13 @@
 //!
 //! # Steps
 //!
-//! 1. Points are grouped by line, straight lines are fitted, equations counted (`drawn_line.rs`,
+//! 1. Points are grouped by line, straight lines are fitted, equations counted (`../drawn_line.rs`,
 //!    `equations.rs`). Proof against coinciding points, lines of one point, parallel lines.
 //! 2. Crossings are landmarks for starts; a drawn end on another line is an observation of the
-//!    field line's end (`crossings.rs`). Proof against lines that cross at a shallow angle.
+//!    field line's end (`../crossings.rs`). Proof against lines that cross at a shallow angle.
 //! 3. Starts: the homography of the ground lines, two crossings at 124 places around the field,
-//!    points of two lines where nothing crosses (`starts.rs`, `plane.rs`). Proof against unusual
+//!    points of two lines where nothing crosses (`../line_pairs.rs`,
+//!    `starts.rs`, `plane.rs`). Proof against unusual
 //!    places and single wrong names.
 //! 4. The best eight that differ are fitted with a wide loss, the best three with a narrow one; the
 //!    lowest cost wins (`hypotheses.rs`, `fit.rs`). Proof against wrong minima and wrong names.
@@ -55,8 +56,6 @@
 //! * F. Magera and others: "A Universal Protocol to Benchmark Camera Calibration for Sports", 2024:
 //!   how such cameras are scored.
 
-mod crossings;
-mod drawn_line;
 mod equations;
 mod error;
 mod fit;

@@ -10,10 +10,10 @@
 //! sets of names. The half turn is not tried. A half turn of names and camera changes nothing in
 //! the picture, so no line can tell; the answer is for the names as given.
 
-use super::drawn_line::DrawnLine;
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldElement, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, mean};
+use crate::solve::drawn_line::DrawnLine;
 use crate::solve::{IdentityKind, Name, Observation, ObservedShape, Rename, WorldCurve};
 
 /// A line whose points are farther off on average is in doubt, sigmas of a drawn point.

@@ -8,10 +8,10 @@
 //! are then point pairs, and [`pose_from_plane`] splits them into focal length, rotation and
 //! position.
 
-use super::drawn_line::DrawnLine;
 use crate::camera::{BaseAngles, CameraBase, Ptz};
 use crate::geometry::rotation::{q_pan, q_tilt};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::solve::drawn_line::DrawnLine;
 use crate::solve::plane_pose::{PlanePose, pose_from_plane};
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 

@@ -12,13 +12,13 @@
 //! bounded loss over all lines, so that a wrong name costs a constant and decides nothing.
 
 use super::LinePicture;
-use super::crossings::Crossing;
-use super::drawn_line::DrawnLine;
 use super::plane::camera_from_ground_lines;
 use super::priors::{PicturePriors, scale_of};
 use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use crate::field::Curve;
-use crate::geometry::{Angle, Vec3, subsample};
+use crate::geometry::{Angle, Vec3};
+use crate::solve::crossings::Crossing;
+use crate::solve::drawn_line::DrawnLine;
+use crate::solve::line_pairs::find_pairs;
 use crate::solve::refine::cost;
 use crate::solve::starts::{camera_distance, keep_distinct};
 use crate::solve::{Loss, Observation, solve_two_points};
@@ -33,12 +33,6 @@ pub(super) struct Start {
 
 /// The loss that ranks starts: an error of 30 sigmas costs half of what any larger one costs.
 const RANKING_LOSS: Loss = Loss::GemanMcClure { c: 30.0 };
-
-/// Pairs of crossings that are tried at each place, at most.
-const MAX_PAIRS: usize = 4;
-
-/// The most certain crossings, whose pairs are compared.
-const MAX_CROSSINGS: usize = 16;
 
 /// Starts that are refined, at most.
 pub(super) const MAX_STARTS: usize = 8;
@@ -72,10 +66,10 @@ pub(super) fn find_starts(
         .collect();
 
     // At each place only the best camera counts; neighbouring places lead to one minimum.
-    let mut pairs = best_pairs(crossings);
+    let pairs = find_pairs(lines, crossings);
     let mut places = bowl(scale_of(picture.field));
-    if pairs.is_empty() {
-        pairs = pairs_along_lines(lines, crossings.first());
+    if crossings.len() < 2 {
+        // There are many pairs then.
         places = places.into_iter().step_by(2).collect();
     }
     for position_m in places {
@@ -94,58 +88,6 @@ pub(super) fn find_starts(
     keep_distinct(starts, MAX_STARTS, |one, other| {
         camera_distance(&one.ptz, &other.ptz) > SAME_CAMERA
             || (one.base.position_m - other.base.position_m).norm() > same_place_m
-    })
-}
-
-/// The pairs of crossings that determine a camera best: far apart for their σ.
-fn best_pairs(crossings: &[Crossing]) -> Vec<[Crossing; 2]> {
-    let certain = &crossings[..crossings.len().min(MAX_CROSSINGS)];
-    let mut pairs: Vec<[Crossing; 2]> = Vec::new();
-    for (index, one) in certain.iter().enumerate() {
-        pairs.extend(certain[index + 1..].iter().map(|two| [*one, *two]));
-    }
-    let worth = |[one, two]: &[Crossing; 2]| {
-        one.image.distance_px(two.image) / one.sigmas.hypot(two.sigmas)
-    };
-    pairs.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-    pairs.truncate(MAX_PAIRS);
-    pairs
-}
-
-/// Pairs of a drawn point of one line with one of another, each at several points of its line of
-/// the field: one of the pairs is nearly right. A crossing, if there is one, stands for the first.
-fn pairs_along_lines(lines: &[DrawnLine], crossing: Option<&Crossing>) -> Vec<[Crossing; 2]> {
-    // The two lines with the most points; a circle, which bounds the camera from all sides, has
-    // many.
-    let mut by_points: Vec<&DrawnLine> = lines.iter().collect();
-    by_points.sort_by_key(|line| std::cmp::Reverse(line.points.len()));
-    let known: Vec<Crossing> = match (crossing, by_points.get(1)) {
-        (Some(crossing), _) => vec![*crossing],
-        (None, Some(two)) => candidates(two, two.points.len() - 1).collect(),
-        (None, None) => Vec::new(),
-    };
-    let Some(one) = by_points.first() else {
-        return Vec::new();
-    };
-    candidates(one, 0)
-        .flat_map(|first| known.iter().map(move |second| [first, *second]))
-        .collect()
-}
-
-/// A drawn point of a line at evenly spaced points of the line of the field.
-fn candidates(line: &DrawnLine, index: usize) -> impl Iterator<Item = Crossing> {
-    const ALONG_SEGMENT: u32 = 7;
-    const ALONG_ARC: u32 = 16;
-    let nominal = *line.curve.nominal();
-    let count = match nominal {
-        Curve::Segment { .. } => ALONG_SEGMENT,
-        Curve::Arc { .. } => ALONG_ARC,
-    };
-    let image = line.points[index];
-    (0..count).map(move |step| Crossing {
-        in_world: nominal.point_at((f64::from(step) + 0.5) / f64::from(count)),
-        image,
-        sigmas: 1.0,
     })
 }
 
@@ -173,17 +115,4 @@ fn bowl(scale: f64) -> Vec<Vec3> {
         }
     }
     places
-}
-
-/// A few observations of each line, evenly spread over its points: what ranks starts.
-pub(super) fn few_per_line(lines: &[DrawnLine], observations: &[Observation]) -> Vec<Observation> {
-    const MOST: usize = 4;
-    let landmarks = observations
-        .iter()
-        .filter(|observation| observation.shape.point().is_some());
-    let on_lines = lines
-        .iter()
-        .flat_map(|line| subsample(&line.indices, MOST))
-        .map(|&index| &observations[index]);
-    landmarks.chain(on_lines).copied().collect()
 }
