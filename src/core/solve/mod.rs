@@ -19,6 +19,7 @@ mod drawn_line;
 mod error;
 #[cfg(test)]
 mod fixtures;
+mod focal_sweep;
 mod frame;
 pub mod from_lines;
 mod graduated;

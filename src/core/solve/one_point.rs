@@ -12,6 +12,7 @@
 
 use crate::camera::{CameraBase, Ptz, PtzCamera, UndistortError};
 use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
+use std::f64::consts::PI;
 use thiserror::Error;
 
 /// Why one point gives no pan and tilt.
@@ -51,17 +52,31 @@ pub fn pan_tilt_from_one_ray(
             column_deg: u.x.asin().to_degrees(),
         });
     }
+    let [in_front, _] = pan_tilts_from_directions(b, u);
+    Ok(in_front)
+}
+
+/// The two pairs of pan and tilt that turn a unit direction in `base` into one in `cam`; NaN where
+/// none does. For the direction of a point in front of the camera, the second camera is upside
+/// down; for the normal of a plane either may be the right one.
+pub(super) fn pan_tilts_from_directions(in_base: Vec3, in_cam: Vec3) -> [(Angle, Angle); 2] {
+    let (b, u) = (in_base, in_cam);
     // After the pan, x of the direction must be `u_x`: h sin(α − θ) = `u_x`, with α the direction's
     // own pan.
-    let pan = b.x.atan2(b.z) - (u.x / horizontal).asin();
-    // The tilt is the angle from the direction (y, z) = (`b_y`, √(h² − `u_x`²)) to the pixel's. The
+    let horizontal = b.x.hypot(b.z);
+    let to_column = (u.x / horizontal).asin();
+    // The tilt is the angle from the direction (y, z) = (`b_y`, ±√(h² − `u_x`²)) to the pixel's. The
     // product form of h² − u² does not cancel for u near h.
     let ahead = ((horizontal - u.x) * (horizontal + u.x)).sqrt();
-    let tilt = u.y.atan2(u.z) - b.y.atan2(ahead);
-    Ok((
-        Angle::from_radians(pan).wrapped(),
-        Angle::from_radians(tilt).wrapped(),
-    ))
+    let turn = |to_column: f64, ahead: f64| {
+        let pan = b.x.atan2(b.z) - to_column;
+        let tilt = u.y.atan2(u.z) - b.y.atan2(ahead);
+        (
+            Angle::from_radians(pan).wrapped(),
+            Angle::from_radians(tilt).wrapped(),
+        )
+    };
+    [turn(to_column, ahead), turn(PI - to_column, -ahead)]
 }
 
 /// Pan and tilt that bring a world point to a pixel at a given focal length, distortion included.

@@ -6,25 +6,27 @@
 //! | 2 | the one or two cameras of the two-point solve |
 //! | 3 and more | the same for every pair, the pairs farthest apart in the picture first |
 //! | 1 | for every focal length the camera that shows the landmark where it was clicked; those that fit the other observations locally best |
-//! | 0 (lines only) | the two-point cameras of their crossings, or of points along them; where these fit no better than far off, a grid over pan, tilt and focal length, its best cells refined by a few steps |
+//! | 0 (lines only) | the two-point cameras of their crossings, or of points along them; where the lines are few, for every focal length the camera that shows one line where it was drawn; for arcs alone a grid over pan, tilt and focal length |
 //!
 //! Starts are ranked by a robust cost over *all* observations, so that one misnamed landmark spoils
 //! the pairs that it is part of and no others; the best distinct ones are refined (`refine.rs`) and
 //! compared (`frame.rs`). Cameras that are known from elsewhere (a prior, the previous solution,
 //! neighbouring frames) are used where the clicks give none.
 
-use super::crossings::find_crossings;
+use super::crossings::{Crossing, find_crossings};
 use super::drawn_line::DrawnLine;
+use super::focal_sweep::{
+    LandmarkClick, RankedStart, log_spaced_focals, rank, sweep_landmark, sweep_line,
+};
 use super::line_pairs::{few_per_line, find_pairs};
-use super::one_point::pan_tilt_from_one_point;
-use super::refine::{cost, refine};
+use super::refine::refine;
 use super::two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, scan_two_points,
     solve_two_points,
 };
 use super::{Loss, Observation, PtzRanges, SolveContext, SolveError};
 use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
-use crate::geometry::{Angle, ImagePoint, Vec3};
+use crate::geometry::Angle;
 
 /// Pairs of landmarks that are solved, at most.
 const MAX_PAIRS: usize = 48;
@@ -38,32 +40,12 @@ const MAX_KNOWN: usize = 3;
 /// Starts nearer to each other than this lead to one solution ([`camera_distance`]).
 const MIN_START_DISTANCE: f64 = 0.05;
 
-/// The loss that ranks starts. A click beyond 5 σ hardly counts, so one wrong name does not hide a
-/// good start.
-const RANKING_LOSS: Loss = Loss::Cauchy { c: 5.0 };
-
-/// With this many lines only one camera fits all of them.
+/// With this many lines their crossings are starts enough.
 const MANY_LINES: usize = 5;
 
-/// A start is the one to refine if this share of the points lie within this of their lines, in σ of a
-/// click; the others may have wrong names.
-const GOOD_SHARE: f64 = 0.75;
-const GOOD_START_SIGMAS: f64 = 4.0;
-
-/// A landmark click.
-#[derive(Clone, Copy)]
-struct LandmarkClick {
-    point_in_world: Vec3,
-    image: ImagePoint,
-    click: usize,
-}
-
-/// A start with its cost; lower is better.
-#[derive(Clone, Copy)]
-struct RankedStart {
-    cost: f64,
-    ptz: Ptz,
-}
+/// Lines whose normals are swept, and starts from lines that are refined, at most.
+const MAX_SWEPT_LINES: usize = 2;
+const MAX_LINE_STARTS: usize = 12;
 
 /// The starts worth refining, best first; at least one.
 ///
@@ -78,16 +60,11 @@ pub(super) fn find_starts(
     let landmarks = landmark_clicks(observations);
     let known = known_cameras(context);
     let mut starts = match landmarks.as_slice() {
-        [] => [
-            known.clone(),
-            starts_from_lines(base, observations, context),
-        ]
-        .concat(),
-        [one] => [
-            known.clone(),
-            sweep_focal_length(base, *one, observations, context),
-        ]
-        .concat(),
+        [] => starts_from_lines(base, observations, context),
+        [one] => {
+            let swept = sweep_landmark(base, *one, observations, context);
+            swept.into_iter().map(|start| start.ptz).collect()
+        }
         [one, two] => {
             let roots = solve_pair(base, *one, *two);
             // Both roots fit two points exactly: without other observations there is nothing to
@@ -102,9 +79,10 @@ pub(super) fn find_starts(
         many => solve_pairs(base, many)?,
     };
 
-    // The clicks gave no start: use known cameras, else report why the first pair has no solution.
-    if starts.is_empty() {
-        starts = known;
+    // Two landmarks leave nothing to start from elsewhere. Where they give no start: use known
+    // cameras, else report why the first pair has no solution.
+    if landmarks.len() < 2 || starts.is_empty() {
+        starts.extend(known);
     }
     if starts.is_empty() {
         let pair_error = match landmarks.as_slice() {
@@ -213,40 +191,9 @@ fn solve_pairs(base: &CameraBase, landmarks: &[LandmarkClick]) -> Result<Vec<Ptz
     }
 }
 
-/// One landmark: pan and tilt follow from the focal length, which leaves one parameter to sweep.
-/// Every local minimum of the cost is the start of one solution.
-fn sweep_focal_length(
-    base: &CameraBase,
-    landmark: LandmarkClick,
-    observations: &[Observation],
-    context: &SolveContext,
-) -> Vec<Ptz> {
-    const STEPS: usize = 48;
-    let mut swept = Vec::with_capacity(STEPS + 1);
-    for focal_px in log_spaced_focals(context, STEPS) {
-        if let Ok(ptz) =
-            pan_tilt_from_one_point(base, focal_px, landmark.point_in_world, landmark.image)
-        {
-            swept.push(rank(base, ptz, observations));
-        }
-    }
-    let mut minima = Vec::new();
-    for (index, start) in swept.iter().enumerate() {
-        // The ends of the range count as minima if the cost falls towards them.
-        let falls_to = index == 0 || swept[index - 1].cost >= start.cost;
-        let rises_from = swept
-            .get(index + 1)
-            .is_none_or(|next| next.cost >= start.cost);
-        if falls_to && rises_from {
-            minima.push(start.ptz);
-        }
-    }
-    minima
-}
-
-/// No landmark: the cameras of pairs of points that the lines show, refined by a few steps. The grid
-/// is added where none of them fits all lines, which may be misnamed, and where the lines are so few
-/// that several cameras may fit them.
+/// No landmark: the cameras of pairs of points that the lines show, and, where the lines are few,
+/// those that show one of them where it was drawn; the best refined by a few steps. The grid is for
+/// arcs alone.
 fn starts_from_lines(
     base: &CameraBase,
     observations: &[Observation],
@@ -255,38 +202,52 @@ fn starts_from_lines(
     let lines = DrawnLine::group(observations);
     let few = few_per_line(&lines, observations);
     let crossings = find_crossings(&lines, observations);
-    let cameras = find_pairs(&lines, &crossings)
+    let mut starts: Vec<RankedStart> = find_pairs(&lines, &crossings)
         .into_iter()
-        .flat_map(|[one, two]| {
-            let worlds = [one.in_world, two.in_world];
-            let found = solve_two_points(base, worlds, [one.image, two.image]);
-            found.into_iter().flat_map(|found| found.iter())
-        });
-    let mut ranked: Vec<RankedStart> = cameras.map(|ptz| rank(base, ptz, &few)).collect();
-    ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    ranked.truncate(MAX_STARTS);
-    let refine_start = |start: &RankedStart| {
-        let prior = context.prior.as_ref();
-        refine(base, start.ptz, &few, Loss::Squared, prior).ptz
-    };
-    let mut starts: Vec<Ptz> = ranked
-        .iter()
-        .map(refine_start)
-        .filter(Ptz::is_finite)
+        .flat_map(|pair| solve_line_pair(base, pair))
+        .map(|ptz| rank(base, ptz, &few))
         .collect();
-    let is_good = |ptz: &Ptz| {
-        let camera = PtzCamera::new(*base, *ptz);
-        let fits = |click: &Observation| {
-            let distance_px = click.distance_px(&camera);
-            distance_px.is_some_and(|off_px| off_px <= GOOD_START_SIGMAS * click.sigma_px)
-        };
-        let fitting = few.iter().filter(|click| fits(click)).count();
-        fitting as f64 >= GOOD_SHARE * few.len() as f64 && context.ranges.contains(ptz)
-    };
-    if lines.len() < MANY_LINES || !starts.iter().any(is_good) {
-        starts.extend(grid_starts(base, &few, context));
+    if starts.is_empty() || lines.len() < MANY_LINES {
+        for line in longest(&lines, MAX_SWEPT_LINES) {
+            starts.extend(sweep_line(base, line, &few, context));
+        }
     }
+    if starts.is_empty() {
+        return grid_starts(base, &few, context);
+    }
+    starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    starts.truncate(MAX_LINE_STARTS);
+    let prior = context.prior.as_ref();
     starts
+        .into_iter()
+        .map(|start| refine(base, start.ptz, &few, Loss::Squared, prior).ptz)
+        .filter(Ptz::is_finite)
+        .collect()
+}
+
+/// The two-point cameras of a pair of points that lines show.
+fn solve_line_pair(base: &CameraBase, [one, two]: [Crossing; 2]) -> Vec<Ptz> {
+    let worlds = [one.in_world, two.in_world];
+    let roots = solve_two_points(base, worlds, [one.image, two.image]);
+    roots.map_or_else(|_| Vec::new(), |roots| roots.iter().collect())
+}
+
+/// The straight lines that are longest in the picture, at most this many.
+fn longest(lines: &[DrawnLine], most: usize) -> Vec<&DrawnLine> {
+    let length_px = |line: &DrawnLine| {
+        let ends = line.straight()?.ends;
+        Some(ends[0].distance_px(ends[1]))
+    };
+    let mut straight: Vec<(f64, &DrawnLine)> = lines
+        .iter()
+        .filter_map(|line| Some((length_px(line)?, line)))
+        .collect();
+    straight.sort_by(|a, b| b.0.total_cmp(&a.0));
+    straight
+        .into_iter()
+        .take(most)
+        .map(|(_, line)| line)
+        .collect()
 }
 
 /// Tries a coarse grid over what this camera does and refines the best cells by a few steps each.
@@ -355,22 +316,6 @@ fn evenly_spaced(from: Angle, upto: Angle, step_deg: f64) -> impl Iterator<Item 
     (0..=count as usize).map(move |step| {
         Angle::from_degrees(from_deg + (upto_deg - from_deg) * step as f64 / count)
     })
-}
-
-/// Focal lengths over the plausible range, evenly spaced in log f.
-fn log_spaced_focals(context: &SolveContext, count: usize) -> impl Iterator<Item = f64> + use<> {
-    let (from, upto) = (
-        context.ranges.focal_px.start().max(1.0).ln(),
-        context.ranges.focal_px.end().max(1.0).ln(),
-    );
-    (0..=count).map(move |step| (from + (upto - from) * step as f64 / count as f64).exp())
-}
-
-fn rank(base: &CameraBase, ptz: Ptz, observations: &[Observation]) -> RankedStart {
-    RankedStart {
-        cost: cost(&PtzCamera::new(*base, ptz), observations, RANKING_LOSS),
-        ptz,
-    }
 }
 
 /// The best starts, near duplicates left out.

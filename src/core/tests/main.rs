@@ -15,6 +15,7 @@ mod bad_fields;
 mod base_truth;
 mod fields;
 mod identity;
+mod lines_truth;
 mod published_figures;
 mod trust;
 mod two_point_truth;
