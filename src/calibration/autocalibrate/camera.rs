@@ -2,7 +2,9 @@
 //! candidates for the base, align and refine the best two, and give the verdict.
 
 use super::align::align_frames;
-use super::candidates::{RUNNER_UP_RATIO, SAME_POSITION_M, find_candidates};
+use super::candidates::{
+    PosesFrom, RUNNER_UP_RATIO, SAME_POSITION_M, find_candidates, sort_best_first,
+};
 use super::clicked::GroundClick;
 use super::deciding_landmark::deciding_landmark;
 use super::error::Stop;
@@ -14,6 +16,7 @@ use super::refine::{SearchedCamera, refine_base};
 use super::sampled_frames::{
     MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly,
 };
+use super::search_places::SearchPlaces;
 use super::verdict::{
     MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click,
     few_aligned, is_refuted, missing_in_frames, open_size, uncertain,
@@ -121,13 +124,40 @@ impl Search<'_> {
         }
         let sampled = self.sample(&indices, picture)?;
         let matched = MatchedFrames::from_sampled(&sampled, self.progress)?;
-        let clicks = self.by_clicks.then(|| self.clicks_in_group(&matched));
-        let candidates = find_candidates(
-            &matched,
-            clicks.as_deref(),
-            &self.field_prior,
-            self.progress,
-        )?;
+        if self.by_clicks {
+            let clicks = self.clicks_in_group(&matched);
+            let candidates = self.candidates(&matched, PosesFrom::Clicks(&clicks))?;
+            return self.decide(candidates, &matched, picture);
+        }
+        // The usual place first. Where it gives no answer, all other places are searched, and what
+        // they give competes with the candidates from the usual place.
+        let usual = PosesFrom::Places(&SearchPlaces::usual());
+        let mut candidates = self.candidates(&matched, usual)?;
+        let answer = self.decide(candidates.clone(), &matched, picture);
+        let Err(Stop::Abstained(_)) = answer else {
+            return answer;
+        };
+        let others = PosesFrom::Places(&SearchPlaces::others());
+        candidates.extend(self.candidates(&matched, others)?);
+        sort_best_first(&mut candidates);
+        self.decide(candidates, &matched, picture)
+    }
+
+    fn candidates(
+        &self,
+        matched: &MatchedFrames,
+        origin: PosesFrom<'_>,
+    ) -> Result<Vec<Hypothesis>, Stop> {
+        find_candidates(matched, origin, &self.field_prior, self.progress)
+    }
+
+    /// Rejects, aligns, refines and judges the best candidates.
+    fn decide(
+        &self,
+        candidates: Vec<Hypothesis>,
+        matched: &MatchedFrames,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<AutocalibrationAnswer, Stop> {
         let Choice { best, runner_up } = choose(candidates)?;
 
         // Reject the best candidate early, except for missing lines: these are checked again with
@@ -140,16 +170,16 @@ impl Search<'_> {
             return Err(uncertain(doubts, best.camera));
         }
         let is_doubted = !doubts.is_empty();
-        let best = align_frames(best, &matched, picture, self.progress)?;
+        let best = align_frames(best, matched, picture, self.progress)?;
         match (
             runner_up,
             few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING),
         ) {
             (Some(runner_up), _) => {
-                self.decide_between(best, runner_up, is_doubted, &matched, picture)
+                self.decide_between(best, runner_up, is_doubted, matched, picture)
             }
             (None, Some(doubt)) => Err(uncertain(vec![doubt], best.camera)),
-            (None, None) => self.refine_and_judge(&best, &matched, picture, MIN_ALIGNED),
+            (None, None) => self.refine_and_judge(&best, matched, picture, MIN_ALIGNED),
         }
     }
 

@@ -26,6 +26,7 @@ use super::pitch_map::PitchMap;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
 use super::search::ScoredPose;
+use super::search_places::SearchPlaces;
 use super::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -48,6 +49,14 @@ pub(super) const SAME_POSITION_M: f64 = 1.5;
 /// There is no runner-up if the score of the best candidate is this many times that of the next.
 pub(super) const RUNNER_UP_RATIO: f64 = 1.35;
 
+/// Where the poses come from.
+pub(super) enum PosesFrom<'a> {
+    /// The exhaustive search of some places.
+    Places(&'a SearchPlaces),
+    /// Pairs of clicks.
+    Clicks(&'a [GroundClick]),
+}
+
 /// A pose after step 1.
 struct PlacedPanorama<'a> {
     pose: &'a ScaledPose,
@@ -56,19 +65,19 @@ struct PlacedPanorama<'a> {
 
 /// The hypotheses for the base of the matched frames' camera, best first.
 ///
-/// With `clicks`, these determine the poses to begin with; without, all poses are searched.
+/// The poses to begin with are those of `origin`.
 pub(super) fn find_candidates(
     matched: &MatchedFrames,
-    clicks: Option<&[GroundClick]>,
+    origin: PosesFrom<'_>,
     field_prior: &FieldPrior,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Vec<Hypothesis>, Stop> {
     report(progress, AutocalibrationProgress::Gathering)?;
     let fields = field_prior.search_fields();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::with_grid).collect();
-    let found = match clicks {
-        None => search_poses(matched, &maps, progress)?,
-        Some(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, progress)?,
+    let found = match origin {
+        PosesFrom::Places(places) => search_poses(matched, &maps, places, progress)?,
+        PosesFrom::Clicks(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, progress)?,
     };
     refine_poses(&found, &fields, field_prior, matched, progress)
 }
@@ -120,7 +129,7 @@ fn refine_poses(
     Ok(hypotheses)
 }
 
-fn sort_best_first(hypotheses: &mut [Hypothesis]) {
+pub(super) fn sort_best_first(hypotheses: &mut [Hypothesis]) {
     hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 
@@ -469,7 +478,12 @@ mod tests {
             }
         };
         let clicks = [(0, "penalty_mark_left"), (2, "centre_mark")].map(click);
-        let nothing = find_candidates(&matched, Some(&clicks), &prior, &Progress::default());
+        let nothing = find_candidates(
+            &matched,
+            PosesFrom::Clicks(&clicks),
+            &prior,
+            &Progress::default(),
+        );
         assert!(matches!(
             nothing,
             Err(Stop::Abstained(super::super::Abstention::LittlePaint {
@@ -481,7 +495,9 @@ mod tests {
     #[test]
     fn the_search_for_candidates_stops_when_it_is_cancelled() {
         let progress = Progress::new(|_| ControlFlow::Break(()));
-        let stopped = find_candidates(&matched(), None, &known_field(), &progress);
+        let usual = SearchPlaces::usual();
+        let origin = PosesFrom::Places(&usual);
+        let stopped = find_candidates(&matched(), origin, &known_field(), &progress);
         assert!(matches!(
             stopped,
             Err(Stop::Failed(AutocalibrationError::Stopped))

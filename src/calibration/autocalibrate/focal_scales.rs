@@ -12,7 +12,8 @@ use super::pitch_map::PitchMap;
 use super::pose::fit_pose;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
-use super::search::{PLACES, Panorama, ScoredPose, score_pose, search, sort};
+use super::search::{Panorama, ScoredPose, score_pose, search, sort};
+use super::search_places::SearchPlaces;
 use super::{Abstention, AutocalibrationProgress};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -56,14 +57,16 @@ pub(super) struct PosesByFocalScale {
     pub rotations: RotationsByFocalScale,
 }
 
-/// Searches the poses of the panorama on several fields, without clicks.
+/// Searches the poses of the panorama at some places around several fields, without clicks.
 pub(super) fn search_poses(
     matched: &MatchedFrames,
     maps: &[PitchMap],
+    places: &SearchPlaces,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
-    let num_places = PLACES * maps.len();
-    let search_at_scale = |_: &RelativeRotations, panorama: &Panorama| search(panorama, maps);
+    let num_places = places.len() * maps.len();
+    let search_at_scale =
+        |_: &RelativeRotations, panorama: &Panorama| search(panorama, maps, places);
     try_focal_scales(
         matched,
         &FIRST_FOCAL_PERCENT,

@@ -23,7 +23,7 @@
 //! | 1. Features and marking pixels of each sampled frame | `sampled_frames.rs` | – |
 //! | 2. Pairwise matches; the largest connected group; relative rotations, zoom and lens | `matched_frames.rs`, [`touchline_vision::track`] | wrong matches (MAGSAC, loops of three frames), burnt-in graphics, frames of another camera |
 //! | 3. Persistent paint as directions | `matched_frames.rs`, [`touchline_vision::paint::persistent_paint`] | players, shadows, boards |
-//! | 4. Exhaustive search of 304,425 poses for each field size, repeated at other focal scales; the best are improved by pattern search and fitted | `focal_scales.rs`, `search.rs`, `pose.rs` | a focal scale that matches bias (scrolling boards: up to 29 %) |
+//! | 4. Exhaustive search of 304,425 poses on one side for each field size, and where these give no answer of all other places around the field, repeated at other focal scales; the best are improved by pattern search and fitted | `focal_scales.rs`, `search.rs`, `search_places.rs`, `pose.rs` | a focal scale that matches bias (scrolling boards: up to 29 %) |
 //! | 4′. With two clicked landmarks, poses from pairs of clicks in place of the search | `clicked.rs` | – |
 //! | 5. Fit of the panorama with focal scale, crown and field size | `panorama_fit.rs` | low cameras, from which size and distance trade off |
 //! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `candidates.rs`, `hypothesis.rs`, `joint.rs` | wrong lines at first; frames that stray |
@@ -87,6 +87,7 @@ mod rotating_camera;
 mod rotations_by_focal_scale;
 mod sampled_frames;
 mod search;
+mod search_places;
 mod verdict;
 
 pub use answer::{AutocalibrationAnswer, DecidingLandmark};

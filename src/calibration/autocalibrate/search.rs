@@ -7,6 +7,7 @@
 
 use super::pitch_map::{PitchMap, Scatter, View};
 use super::pose::{PanoramaPose, angular_scale, fit_pose};
+use super::search_places::{HEIGHT_RATIO, SearchPlaces, TURN_STEP_DEG, X_STEP_M, Y_STEP_M};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -149,61 +150,6 @@ impl ScoredPose {
     }
 }
 
-/// The grid of the search, in `world`: position, m, and heading relative to the direction of the
-/// field centre, degrees.
-const X_M: Steps = Steps {
-    from: -64.0,
-    step: 4.0,
-    count: 33,
-};
-const Y_M: Steps = Steps {
-    from: -110.0,
-    step: 5.0,
-    count: 15,
-};
-const TURN_DEG: Steps = Steps {
-    from: -40.0,
-    step: 2.0,
-    count: 41,
-};
-/// Heights are a geometric series: errors of the height matter relative to the height.
-const LOWEST_M: f64 = 5.0;
-const HEIGHT_RATIO: f64 = 1.14;
-const HEIGHTS: usize = 15;
-
-/// Equidistant values of one coordinate of the grid.
-struct Steps {
-    from: f64,
-    step: f64,
-    count: usize,
-}
-
-impl Steps {
-    fn at(&self, index: usize) -> f64 {
-        self.from + self.step * (index % self.count) as f64
-    }
-}
-
-/// Number of poses on the grid, for one field.
-pub(super) const PLACES: usize = HEIGHTS * Y_M.count * X_M.count * TURN_DEG.count;
-
-/// Position and heading of a pose on the grid. Headings are centred on the direction of the field
-/// centre, in which a sports camera looks.
-fn place(index: usize) -> (Vec3, Angle) {
-    // The index is a mixed-radix number; heading varies fastest, then x, y and height.
-    let (x, y) = (
-        X_M.at(index / TURN_DEG.count),
-        Y_M.at(index / (TURN_DEG.count * X_M.count)),
-    );
-    let height = index / (TURN_DEG.count * X_M.count * Y_M.count);
-    let to_middle_deg = (-x).atan2(-y).to_degrees();
-    let z = LOWEST_M * HEIGHT_RATIO.powi(height as i32);
-    (
-        Vec3::new(x, y, z),
-        Angle::from_degrees(to_middle_deg + TURN_DEG.at(index)),
-    )
-}
-
 /// Tolerance of the grid search for the pan of a direction, rad (1-σ). It bridges the spacing of
 /// the grid.
 const SCATTER: f64 = 0.025;
@@ -231,11 +177,15 @@ const PARTS: [(Range<usize>, usize); 3] = [(0..1, 3), (1..3, 4), (3..9, 1)];
 
 /// The best poses on any of several fields, the highest score first. Positions are at least 3 m
 /// apart.
-pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<ScoredPose> {
+pub(super) fn search(
+    panorama: &Panorama,
+    maps: &[PitchMap],
+    places: &SearchPlaces,
+) -> Vec<ScoredPose> {
     let mut found: Vec<ScoredPose> = maps
         .iter()
         .enumerate()
-        .flat_map(|(field, map)| on_one_field(panorama, (field, map), maps.len()))
+        .flat_map(|(field, map)| on_one_field(panorama, (field, map), maps.len(), places))
         .collect();
     sort(&mut found);
     // Non-maximum suppression over all fields: one position on a field of another size is the same
@@ -257,6 +207,7 @@ fn on_one_field(
     panorama: &Panorama,
     (field, map): (usize, &PitchMap),
     of: usize,
+    places: &SearchPlaces,
 ) -> Vec<ScoredPose> {
     let every = stride_of_subsample(panorama.directions.len() * of.div_ceil(2), ASKED_FIRST);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
@@ -271,13 +222,13 @@ fn on_one_field(
             .collect()
     };
     let explained = |index: usize, asked: &[BelowHorizon]| {
-        let (position_m, heading) = place(index);
+        let (position_m, heading) = places.at(index);
         explained_upright(&PanoramaPose::upright(position_m, heading), asked, map)
     };
     let best_first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     // 1. Score all poses of the grid. Scores add up over the stages; ties are broken by index, so
     //    that the result does not depend on the threads.
-    let mut scored: Vec<(f64, usize)> = (0..PLACES).map(|index| (0.0, index)).collect();
+    let mut scored: Vec<(f64, usize)> = (0..places.len()).map(|index| (0.0, index)).collect();
     for (ninths, one_in) in PARTS {
         let asked = below(&ninths);
         scored
@@ -293,7 +244,7 @@ fn on_one_field(
     // 2. Keep the local maxima: of poses closer than 6.5 m and 5°, only the best.
     let mut chosen: Vec<(Vec3, Angle)> = Vec::new();
     for (_, index) in &scored {
-        let (position_m, heading) = place(*index);
+        let (position_m, heading) = places.at(*index);
         let near = |other: &(Vec3, Angle)| {
             (other.0 - position_m).norm() < 6.5
                 && (other.1 - heading).wrapped().degrees().abs() < 5.0
@@ -495,10 +446,10 @@ fn climbed(
             ..*from
         };
         match way {
-            0 => shifted(Vec3::x() * (step * X_M.step)),
-            1 => shifted(Vec3::y() * (step * Y_M.step)),
+            0 => shifted(Vec3::x() * (step * X_STEP_M)),
+            1 => shifted(Vec3::y() * (step * Y_STEP_M)),
             2 => shifted(Vec3::z() * (from.position_m.z * (HEIGHT_RATIO.powf(step) - 1.0))),
-            3 => turned(Vec3::z(), step * TURN_DEG.step),
+            3 => turned(Vec3::z(), step * TURN_STEP_DEG),
             4 => turned(Vec3::x(), step * LEAN_DEG),
             _ => turned(Vec3::y(), step * LEAN_DEG),
         }

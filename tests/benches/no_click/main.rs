@@ -2,7 +2,7 @@
 //! often it is right, wrong, undecided or silent. Printed as Markdown.
 //!
 //! Not a divan bench: what counts is the share of right answers, the times beside it.
-//! `cargo bench --bench no_click [-- drawn refused spread real clips wild] [--matches N] [--from K] [--frames N] [--keep DIR] [--gate]`;
+//! `cargo bench --bench no_click [-- drawn bowl refused spread real clips wild] [--matches N] [--from K] [--frames N] [--keep DIR] [--gate]`;
 //! the real frames are those of `TOUCHLINE_DATA`. With `--two-clicks` drawn matches are found from
 //! two clicks each. With `--keep` drawn pictures stay in a folder and are used again. With `--gate`
 //! it fails where a section is below its rate, which is stated beside its inputs.
@@ -16,6 +16,7 @@
 mod answers;
 #[path = "../arguments.rs"]
 mod arguments;
+mod bowl;
 mod drawing;
 mod gate;
 mod matches;
@@ -32,7 +33,9 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments = Arguments::of_process();
-    let sections = ["drawn", "refused", "spread", "real", "clips", "wild"];
+    let sections = [
+        "drawn", "bowl", "refused", "spread", "real", "clips", "wild",
+    ];
     let wants = |name: &str| arguments.wants(name, &sections);
     let kept = arguments.value("--keep").map(PathBuf::from);
     let scratch = tempfile::tempdir().unwrap();
@@ -65,6 +68,13 @@ fn main() -> ExitCode {
                 &drawn.two_clicks,
                 &matches::TWO_CLICKS_RATE,
             );
+        }
+    }
+    if wants("bowl") {
+        let drawn = bowl::clips(pictures, from..from + count);
+        answered("bowl", &drawn.without_clicks, &bowl::RATE);
+        if drawn.two_clicks.tried() > 0 {
+            answered("bowl, with two clicks", &drawn.two_clicks, &bowl::RATE);
         }
     }
     if wants("refused") {
