@@ -109,7 +109,7 @@ impl RayCount {
 /// of rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tally {
-    pub asked: usize,
+    pub frames: usize,
     pub found: usize,
     pub failed: usize,
     pub iou_mean: f64,
@@ -142,21 +142,21 @@ pub const TALLY_COLUMNS: [(&str, &str); 12] = [
 ];
 
 /// Explains the columns to readers of the report.
-pub const TALLY_EXPLAINED: &str = "IoU: mean over all frames asked, not found counting as 0; SD: standard deviation over the frames; 95 %: \
+pub const TALLY_EXPLAINED: &str = "IoU: mean over all frames answers, not found counting as 0; SD: standard deviation over the frames; 95 %: \
     interval of the mean over the seeds (Student's t; with one seed, bootstrap over the frames). Rotation within 1°: share of all \
-    frames asked. Medians and 90 % percentiles of errors are of the frames found.";
+    frames answers. Medians and 90 % percentiles of errors are of the frames found.";
 
 impl Tally {
     /// Computes the statistics of test frames.
-    pub fn of<'a>(asked: impl Iterator<Item = &'a FrameAnswer>) -> Self {
-        let all: Vec<&FrameAnswer> = asked.collect();
-        let found: Vec<FoundCamera> = all.iter().filter_map(|asked| asked.found).collect();
+    pub fn of<'a>(answers: impl Iterator<Item = &'a FrameAnswer>) -> Self {
+        let all: Vec<&FrameAnswer> = answers.collect();
+        let found: Vec<FoundCamera> = all.iter().filter_map(|answer| answer.found).collect();
         let ascending = |of: &dyn Fn(&FoundCamera) -> f64| {
             let mut values: Vec<f64> = found.iter().map(of).collect();
             values.sort_by(f64::total_cmp);
             values
         };
-        let ious: Vec<f64> = all.iter().filter_map(|asked| asked.iou()).collect();
+        let ious: Vec<f64> = all.iter().filter_map(|answer| answer.iou()).collect();
         let [iou_mean, iou_sd] = mean_sd(&ious);
         let of_found: Vec<f64> = found.iter().filter_map(|found| found.iou).collect();
         let rotation = ascending(&|found| found.error.rotation.degrees());
@@ -166,9 +166,9 @@ impl Tally {
             .filter(|degrees| **degrees <= ROTATION.0)
             .count();
         Self {
-            asked: all.len(),
+            frames: all.len(),
             found: found.len(),
-            failed: all.iter().filter(|asked| asked.is_failure()).count(),
+            failed: all.iter().filter(|answer| answer.is_failure()).count(),
             iou_mean,
             iou_sd,
             iou_interval: interval_of_mean(&all),
@@ -197,7 +197,7 @@ impl Tally {
             }
         };
         vec![
-            self.asked.into(),
+            self.frames.into(),
             self.found.into(),
             fixed(self.iou_mean),
             fixed(self.iou_sd),
@@ -242,7 +242,7 @@ const STUDENT_975: [f64; 9] = [
 fn interval_of_mean(all: &[&FrameAnswer]) -> [f64; 2] {
     let ious: Vec<Vec<f64>> = by_seed(all.iter().copied())
         .into_iter()
-        .map(|asked| asked.into_iter().filter_map(FrameAnswer::iou).collect())
+        .map(|answer| answer.into_iter().filter_map(FrameAnswer::iou).collect())
         .filter(|ious: &Vec<f64>| !ious.is_empty())
         .collect();
     if let [one] = &ious[..] {
@@ -253,13 +253,13 @@ fn interval_of_mean(all: &[&FrameAnswer]) -> [f64; 2] {
 }
 
 /// The frames of each seed.
-fn by_seed<'a>(asked: impl IntoIterator<Item = &'a FrameAnswer>) -> Vec<Vec<&'a FrameAnswer>> {
+fn by_seed<'a>(answers: impl IntoIterator<Item = &'a FrameAnswer>) -> Vec<Vec<&'a FrameAnswer>> {
     let mut seeds: Vec<Vec<&FrameAnswer>> = Vec::new();
-    for asked in asked {
-        if seeds.len() <= asked.repeat {
-            seeds.resize(asked.repeat + 1, Vec::new());
+    for answer in answers {
+        if seeds.len() <= answer.repeat {
+            seeds.resize(answer.repeat + 1, Vec::new());
         }
-        seeds[asked.repeat].push(asked);
+        seeds[answer.repeat].push(answer);
     }
     seeds
 }
@@ -277,10 +277,10 @@ pub fn interval_over_seeds(values: &[f64]) -> [f64; 2] {
 
 /// The 95 % interval, over the seeds, of a statistic of the answers.
 pub fn over_seeds<'a>(
-    asked: impl IntoIterator<Item = &'a FrameAnswer>,
+    answers: impl IntoIterator<Item = &'a FrameAnswer>,
     number: impl Fn(Vec<&'a FrameAnswer>) -> f64,
 ) -> [f64; 2] {
-    interval_over_seeds(&by_seed(asked).into_iter().map(number).collect::<Vec<_>>())
+    interval_over_seeds(&by_seed(answers).into_iter().map(number).collect::<Vec<_>>())
 }
 
 /// The 95 % interval, over the seeds, of the difference of a statistic: that of `of` minus that of
@@ -290,7 +290,7 @@ pub fn difference<'a>(
     than: impl IntoIterator<Item = &'a FrameAnswer>,
     number: impl Fn(&Tally) -> f64,
 ) -> [f64; 2] {
-    let tallied = |asked: Vec<&'a FrameAnswer>| number(&Tally::of(asked.into_iter()));
+    let tallied = |answers: Vec<&'a FrameAnswer>| number(&Tally::of(answers.into_iter()));
     let pairs = by_seed(of).into_iter().zip(by_seed(than));
     let differences: Vec<f64> = pairs
         .map(|(of, than)| tallied(of) - tallied(than))
@@ -319,12 +319,12 @@ pub fn tally_table(heading: (&str, &str), tallies: &[(Cell, Tally)]) -> Table {
 /// The frames of each split name, and all frames.
 pub fn by_name<'a>(
     set: &'a FrameSet,
-    asked: &'a [FrameAnswer],
+    answers: &'a [FrameAnswer],
 ) -> Vec<(&'a str, Vec<&'a FrameAnswer>)> {
     let of = |name: &str| {
-        asked
+        answers
             .iter()
-            .filter(|asked| set.splits[asked.split].name == name)
+            .filter(|answer| set.splits[answer.split].name == name)
             .collect()
     };
     let mut parts: Vec<(&str, Vec<&FrameAnswer>)> = set
@@ -332,7 +332,7 @@ pub fn by_name<'a>(
         .into_iter()
         .map(|name| (name, of(name)))
         .collect();
-    parts.push(("all", asked.iter().collect()));
+    parts.push(("all", answers.iter().collect()));
     parts
 }
 
@@ -355,18 +355,18 @@ pub fn frame_table<'a, N: AsRef<str>>(
         ("tilt_deg", "tilt error (°)"),
         ("focal_px", "focal length error (px)"),
     ]);
-    for (way, asked) in ways {
-        for asked in asked {
-            let set = &sets[asked.repeat];
+    for (way, answers) in ways {
+        for answer in answers {
+            let set = &sets[answer.repeat];
             let mut row: Vec<Cell> = vec![
                 way.as_ref().into(),
                 (set.seed as usize).into(),
-                set.splits[asked.split].name.as_str().into(),
-                set.frames[asked.frame].name.as_str().into(),
-                asked.view_deg.into(),
-                usize::from(asked.found.is_some()).into(),
+                set.splits[answer.split].name.as_str().into(),
+                set.frames[answer.frame].name.as_str().into(),
+                answer.view_deg.into(),
+                usize::from(answer.found.is_some()).into(),
             ];
-            match &asked.found {
+            match &answer.found {
                 Some(found) => row.extend([
                     found.iou.into(),
                     found.iou_whole.into(),
@@ -387,7 +387,7 @@ pub fn frame_table<'a, N: AsRef<str>>(
 mod tests {
     use super::*;
 
-    fn asked(repeat: usize, iou: Option<f64>) -> FrameAnswer {
+    fn answer(repeat: usize, iou: Option<f64>) -> FrameAnswer {
         let base = crate::setting::base();
         let camera = PtzCamera::new(
             base,
@@ -414,13 +414,13 @@ mod tests {
     #[test]
     fn what_was_not_found_counts_as_zero_and_the_mean_of_found_does_not_know_it() {
         let all = [
-            asked(0, Some(0.9)),
-            asked(0, None),
-            asked(0, Some(0.5)),
-            asked(0, Some(1.0)),
+            answer(0, Some(0.9)),
+            answer(0, None),
+            answer(0, Some(0.5)),
+            answer(0, Some(1.0)),
         ];
         let tally = Tally::of(all.iter());
-        assert_eq!((tally.asked, tally.found, tally.failed), (4, 3, 2));
+        assert_eq!((tally.frames, tally.found, tally.failed), (4, 3, 2));
         assert!((tally.iou_mean - 0.6).abs() < 1e-12 && (tally.iou_of_found - 0.8).abs() < 1e-12);
         assert!((tally.within_rotation - 0.75).abs() < 1e-12);
         let [low, high] = tally.iou_interval;
@@ -431,17 +431,17 @@ mod tests {
     fn the_interval_is_that_of_the_means_of_the_seeds() {
         // Means 0.5 and 0.7: their SD is 0.1414, t with one degree of freedom 12.706.
         let all = [
-            asked(0, Some(0.4)),
-            asked(0, Some(0.6)),
-            asked(1, Some(0.7)),
-            asked(1, Some(0.7)),
+            answer(0, Some(0.4)),
+            answer(0, Some(0.6)),
+            answer(1, Some(0.7)),
+            answer(1, Some(0.7)),
         ];
         assert_eq!(Tally::of(all.iter()).iou_interval, [0.0, 1.0]);
-        let three = [0.60, 0.61, 0.62].map(|iou| [asked(0, Some(iou)); 1]);
+        let three = [0.60, 0.61, 0.62].map(|iou| [answer(0, Some(iou)); 1]);
         let all: Vec<FrameAnswer> = three
             .iter()
             .enumerate()
-            .map(|(repeat, [asked])| FrameAnswer { repeat, ..*asked })
+            .map(|(repeat, [answer])| FrameAnswer { repeat, ..*answer })
             .collect();
         let [low, high] = Tally::of(all.iter()).iou_interval;
         // 4.303 × 0.01 / √3 = 0.02484.
@@ -458,12 +458,12 @@ mod tests {
         let of: Vec<FrameAnswer> = [0.5, 0.8]
             .iter()
             .enumerate()
-            .map(|(seed, iou)| asked(seed, Some(*iou)))
+            .map(|(seed, iou)| answer(seed, Some(*iou)))
             .collect();
         let than: Vec<FrameAnswer> = [0.4, 0.7]
             .iter()
             .enumerate()
-            .map(|(seed, iou)| asked(seed, Some(*iou)))
+            .map(|(seed, iou)| answer(seed, Some(*iou)))
             .collect();
         let [low, high] = difference(&of, &than, |tally| tally.iou_mean);
         assert!(

@@ -76,9 +76,9 @@ impl Described {
             }
             Self::Bits { frames, kind } => {
                 let others = || frames[other].1.iter().enumerate();
-                let of_feature = |asked: &BinaryDescriptor| {
+                let of_feature = |query: &BinaryDescriptor| {
                     let (bits, feature) = others()
-                        .map(|(feature, other)| (asked.distance(other), feature))
+                        .map(|(feature, other)| (query.distance(other), feature))
                         .min()?;
                     Some((bits as f32 / kind.bits() as f32, feature))
                 };
@@ -116,23 +116,23 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
          is its ray, then the pose from two points. No forest: a forest splits numbers, not bits. {TALLY_EXPLAINED}"
     ));
     let names = ["SIFT", "ORB", "AKAZE"];
-    let mut asked: [Vec<FrameAnswer>; 3] = std::array::from_fn(|_| Vec::new());
+    let mut answers: [Vec<FrameAnswer>; 3] = std::array::from_fn(|_| Vec::new());
     for (repeat, set) in sets.iter().enumerate() {
-        for (number, asked) in asked.iter_mut().enumerate() {
+        for (number, answers) in answers.iter_mut().enumerate() {
             // Extract one kind at a time, so that only its features are in memory.
             let described = match number {
                 0 => Described::sift(set),
                 1 => binary(set, BinaryKind::Orb)?,
                 _ => binary(set, BinaryKind::Akaze)?,
             };
-            asked.extend(ask(set, repeat, &described, stride));
+            answers.extend(ask(set, repeat, &described, stride));
             progress(3 * repeat + number + 1, 3 * sets.len());
         }
     }
     let tallies: Vec<(Cell, Tally)> = names
         .iter()
-        .zip(&asked)
-        .map(|(name, asked)| ((*name).into(), Tally::of(asked.iter())))
+        .zip(&answers)
+        .map(|(name, answers)| ((*name).into(), Tally::of(answers.iter())))
         .collect();
     let mut table = tally_table(("features", "features"), &tallies);
     let is_own = sets[0].kind == SetKind::Own;
@@ -151,7 +151,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         table = table.with_column("paper_iou", "paper: IoU (forest)", paper);
     }
     report.table("kinds", "By kind of features.", table);
-    let ways = names.into_iter().zip(asked.iter().map(Vec::as_slice));
+    let ways = names.into_iter().zip(answers.iter().map(Vec::as_slice));
     report.data(
         "frames",
         "Every frame asked, by kind of features.",
@@ -215,7 +215,7 @@ fn ask(set: &FrameSet, repeat: usize, described: &Described, stride: usize) -> V
             ranges: Some(seen.plausible()),
             ..PoseOptions::default()
         };
-        let asked: Vec<usize> = split.asked.iter().copied().step_by(stride).collect();
+        let tested: Vec<usize> = split.test_frames.iter().copied().step_by(stride).collect();
         let one = |&frame: &usize| {
             let known = &set.frames[frame];
             let base = *known.truth.base();
@@ -229,7 +229,7 @@ fn ask(set: &FrameSet, repeat: usize, described: &Described, stride: usize) -> V
                 ..FrameAnswer::blank(set, repeat, number, frame)
             }
         };
-        asked.par_iter().map(one).collect()
+        tested.par_iter().map(one).collect()
     };
     set.splits.iter().enumerate().flat_map(of_split).collect()
 }

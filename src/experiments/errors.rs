@@ -35,11 +35,11 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     for (_, sets) in &chosen {
         introduce(&mut report, inputs.sets(*sets, progress)?, "");
     }
-    let mut asked: Vec<(String, &[FrameAnswer])> = Vec::new();
+    let mut by_set: Vec<(String, &[FrameAnswer])> = Vec::new();
     for (name, sets) in &chosen {
         for kind in ForestKind::BOTH {
             let answers = inputs.answers(*sets, kind, Masks::AsTheyAre, progress)?;
-            asked.push((format!("{name}, {}", kind.key()), answers));
+            by_set.push((format!("{name}, {}", kind.key()), answers));
         }
     }
     for (stem, label, of) in [
@@ -57,10 +57,10 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             Axis::log(label),
             Axis::linear("share of frames").within(0.0, 1.0),
         );
-        for (number, (name, asked)) in asked.iter().enumerate() {
-            let values: Vec<f64> = asked
+        for (number, (name, answers)) in by_set.iter().enumerate() {
+            let values: Vec<f64> = answers
                 .iter()
-                .filter_map(|asked| asked.found.as_ref())
+                .filter_map(|answer| answer.found.as_ref())
                 .map(of)
                 .collect();
             let line = if number % 2 == 0 {
@@ -68,8 +68,8 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             } else {
                 Line::Dashed
             };
-            figure =
-                figure.with(Series::cumulative(name, number + 1, &values, asked.len()).lined(line));
+            figure = figure
+                .with(Series::cumulative(name, number + 1, &values, answers.len()).lined(line));
         }
         if stem == "rotation" && one[0].kind != SetKind::Own {
             let (degrees, share) = ROTATION;
@@ -85,9 +85,9 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             figure,
         );
     }
-    let tallies: Vec<(Cell, Tally)> = asked
+    let tallies: Vec<(Cell, Tally)> = by_set
         .iter()
-        .map(|(name, asked)| (name.as_str().into(), Tally::of(asked.iter())))
+        .map(|(name, answers)| (name.as_str().into(), Tally::of(answers.iter())))
         .collect();
     report.text(TALLY_EXPLAINED);
     report.table(
@@ -97,10 +97,10 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     );
     let (degrees, share) = ROTATION;
     if one[0].kind != SetKind::Own {
-        let within = |asked: Vec<&FrameAnswer>| Tally::of(asked.into_iter()).within_rotation;
-        let intervals: Vec<[f64; 2]> = asked
+        let within = |answers: Vec<&FrameAnswer>| Tally::of(answers.into_iter()).within_rotation;
+        let intervals: Vec<[f64; 2]> = by_set
             .iter()
-            .map(|(_, asked)| over_seeds(*asked, within))
+            .map(|(_, answers)| over_seeds(*answers, within))
             .collect();
         let shown = tallies
             .iter()
@@ -125,7 +125,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         );
     }
     if let ([(_, one), _, (_, other), _], [(_, highlights), _, (_, world_cup), _]) =
-        (&tallies[..], &asked[..])
+        (&tallies[..], &by_set[..])
     {
         report.claim(
             Verdict::above(difference(*highlights, *world_cup, |tally| tally.focal_median_px), 0.0),

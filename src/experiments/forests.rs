@@ -127,19 +127,19 @@ impl<'a> Trained<'a> {
         let of_split = |(number, split): (usize, &Split)| -> Vec<FrameAnswer> {
             let one = |&frame: &usize| {
                 let known = &self.set.frames[frame];
-                let mut asked = FrameAnswer::blank(self.set, self.repeat, number, frame);
+                let mut tested = FrameAnswer::blank(self.set, self.repeat, number, frame);
                 let Some((forest, seen)) = &self.forests[number] else {
-                    return asked;
+                    return tested;
                 };
                 let base = base_of(&known.truth);
                 let answer = relocalize(&known.features, forest, seen, &base, asking);
-                asked.predict_ms = answer.predict_time.as_secs_f64() * 1e3;
-                asked.pose_ms = answer.pose_time.as_secs_f64() * 1e3;
+                tested.predict_ms = answer.predict_time.as_secs_f64() * 1e3;
+                tested.pose_ms = answer.pose_time.as_secs_f64() * 1e3;
                 let found = |ptz: Ptz| FoundCamera::of(self.set, frame, &PtzCamera::new(base, ptz));
-                asked.found = answer.pose.ok().map(|pose| found(pose.ptz));
-                asked
+                tested.found = answer.pose.ok().map(|pose| found(pose.ptz));
+                tested
             };
-            split.asked.par_iter().map(one).collect()
+            split.test_frames.par_iter().map(one).collect()
         };
         self.set
             .splits
@@ -182,7 +182,7 @@ impl<'a> Trained<'a> {
                 count
             };
             split
-                .asked
+                .test_frames
                 .par_iter()
                 .map(one)
                 .reduce(RayCount::default, RayCount::plus)

@@ -36,23 +36,23 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     ));
     let mut failures = Vec::new();
     for kind in ForestKind::BOTH {
-        let asked = inputs.answers(Sets::Highlights, kind, Masks::AsTheyAre, progress)?;
+        let answers = inputs.answers(Sets::Highlights, kind, Masks::AsTheyAre, progress)?;
         report.figure(
             kind.key(),
             &format!(
                 "1 − IoU over the horizontal field of view, a dot a frame: {}; not found: 1.",
                 kind.describe()
             ),
-            figure(asked, !is_own),
+            figure(answers, !is_own),
         );
         // Statistics by bins of the field of view; empty bins are left out.
         let bins = BINS_DEG
             .windows(2)
             .map(|bin| (bin[0], bin[1]))
             .filter_map(|(from, to)| {
-                let within: Vec<&FrameAnswer> = asked
+                let within: Vec<&FrameAnswer> = answers
                     .iter()
-                    .filter(|asked| (from..to).contains(&asked.view_deg))
+                    .filter(|answer| (from..to).contains(&answer.view_deg))
                     .collect();
                 let name = if to < 180.0 {
                     format!("{from}–{to}°")
@@ -70,7 +70,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             &format!("By field of view: {}.", kind.describe()),
             table,
         );
-        failures.push((asked, failed_by_bound(asked.iter())));
+        failures.push((answers, failed_by_bound(answers.iter())));
     }
     // The paper's claim can be tested on synthetic frames only: their cameras are those of its
     // table 2.
@@ -82,8 +82,8 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             )
         };
         let share = |of: [usize; 2]| of[0] as f64 / of[1].max(1) as f64;
-        let more_below = over_seeds(published.0, |asked| {
-            let [below, between, _] = failed_by_bound(asked);
+        let more_below = over_seeds(published.0, |answers| {
+            let [below, between, _] = failed_by_bound(answers);
             share(below) - share(between)
         });
         let verdict = match published.1[2] {
@@ -102,30 +102,34 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
 }
 
 /// Numbers of failures and of frames: below, between and above the paper's two limits.
-fn failed_by_bound<'a>(asked: impl IntoIterator<Item = &'a FrameAnswer>) -> [[usize; 2]; 3] {
+fn failed_by_bound<'a>(answers: impl IntoIterator<Item = &'a FrameAnswer>) -> [[usize; 2]; 3] {
     let mut counted = [[0; 2]; 3];
-    for asked in asked {
-        let place = usize::from(asked.view_deg >= FAILURES_BELOW_DEG)
-            + usize::from(asked.view_deg > NO_FAILURE_ABOVE_DEG);
-        counted[place][0] += usize::from(asked.is_failure());
+    for answer in answers {
+        let place = usize::from(answer.view_deg >= FAILURES_BELOW_DEG)
+            + usize::from(answer.view_deg > NO_FAILURE_ABOVE_DEG);
+        counted[place][0] += usize::from(answer.is_failure());
         counted[place][1] += 1;
     }
     counted
 }
 
 /// 1 − `IoU` of each frame over its field of view, with the paper's limits.
-fn figure(asked: &[FrameAnswer], with_paper: bool) -> Figure {
-    let lost =
-        |asked: &FrameAnswer| Some([asked.view_deg, (1.0 - asked.iou()?).max(lost_iou::ENDS[0])]);
+fn figure(answers: &[FrameAnswer], with_paper: bool) -> Figure {
+    let lost = |answer: &FrameAnswer| {
+        Some([
+            answer.view_deg,
+            (1.0 - answer.iou()?).max(lost_iou::ENDS[0]),
+        ])
+    };
     let (found, not_found): (Vec<&FrameAnswer>, Vec<&FrameAnswer>) =
-        asked.iter().partition(|asked| asked.found.is_some());
-    let points = |asked: &[&FrameAnswer]| {
-        asked
+        answers.iter().partition(|answer| answer.found.is_some());
+    let points = |answers: &[&FrameAnswer]| {
+        answers
             .iter()
-            .filter_map(|asked| lost(asked))
+            .filter_map(|answer| lost(answer))
             .collect::<Vec<_>>()
     };
-    let views = || asked.iter().map(|asked| asked.view_deg);
+    let views = || answers.iter().map(|answer| answer.view_deg);
     let (least, greatest) = (
         views().fold(f64::INFINITY, f64::min),
         views().fold(FAILURES_BELOW_DEG, f64::max),

@@ -162,15 +162,18 @@ impl SharedInputs {
         masks: Masks,
         progress: Progress,
     ) -> Result<&[FrameAnswer], ExperimentError> {
-        let asked = self.sets(sets, progress)?;
+        let sets_of_frames = self.sets(sets, progress)?;
         // The index of this combination among the eight.
         let place = 4 * usize::from(sets == Sets::WorldCup)
             + 2 * usize::from(kind == ForestKind::Published)
             + usize::from(masks == Masks::Masked);
         Ok(self.answers[place].get_or_init(|| match masks {
-            Masks::AsTheyAre => ask_all(asked, kind),
+            Masks::AsTheyAre => ask_all(sets_of_frames, kind),
             Masks::Masked => ask_all(
-                &asked.iter().map(FrameSet::masked).collect::<Vec<_>>(),
+                &sets_of_frames
+                    .iter()
+                    .map(FrameSet::masked)
+                    .collect::<Vec<_>>(),
                 kind,
             ),
         }))

@@ -63,12 +63,12 @@ pub struct Nearest {
 /// For each feature of a picture, the nearest one of a reference. Empty if the reference has no
 /// features.
 #[must_use]
-pub fn nearest(asked: &DescriptorRows, reference: &DescriptorRows) -> Vec<Nearest> {
+pub fn nearest(query: &DescriptorRows, reference: &DescriptorRows) -> Vec<Nearest> {
     if reference.is_empty() {
         return Vec::new();
     }
     // Each column belongs to one feature of the picture.
-    let products = &reference.matrix * asked.matrix.transpose();
+    let products = &reference.matrix * query.matrix.transpose();
     let unit = DESCRIPTOR_NORM * DESCRIPTOR_NORM;
     let of_feature = |(number, products): (usize, &[f32])| {
         let mut best = Nearest {
@@ -89,7 +89,7 @@ pub fn nearest(asked: &DescriptorRows, reference: &DescriptorRows) -> Vec<Neares
             }
         }
         // ‖a‖² is common to all distances of a feature, so it is added only now.
-        let own = asked.squared[number];
+        let own = query.squared[number];
         let whole = |distance: f32| (distance + own) / unit;
         Nearest {
             squared_distance: whole(best.squared_distance),
@@ -122,10 +122,10 @@ mod tests {
             };
             (0..count).map(one).collect()
         };
-        let (asked, reference) = (descriptors(40), descriptors(90));
-        let found = nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&reference));
-        assert_eq!(found.len(), asked.len());
-        for (descriptor, found) in asked.iter().zip(found) {
+        let (query, reference) = (descriptors(40), descriptors(90));
+        let found = nearest(&DescriptorRows::of(&query), &DescriptorRows::of(&reference));
+        assert_eq!(found.len(), query.len());
+        for (descriptor, found) in query.iter().zip(found) {
             let mut distances: Vec<(f32, usize)> = reference
                 .iter()
                 .enumerate()
@@ -136,7 +136,7 @@ mod tests {
             assert_eq!(found.second, distances[1].0);
         }
         assert_eq!(
-            nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&[])),
+            nearest(&DescriptorRows::of(&query), &DescriptorRows::of(&[])),
             []
         );
     }

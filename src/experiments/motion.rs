@@ -30,9 +30,9 @@ pub fn run(
     let drawn = real.ptz.len().div_ceil(stride);
     let set = motion(&real, [stride, every], options, &counted(drawn, progress))?;
     let kind = ForestKind::Default;
-    let mut asked =
+    let mut answers =
         Trained::of(&set, 0, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed));
-    asked.sort_by_key(|asked| asked.frame);
+    answers.sort_by_key(|answer| answer.frame);
 
     let mut report = Report::new("motion", "Motion: a real broadcast camera's path, drawn");
     let place = real.base.position_m;
@@ -54,14 +54,17 @@ pub fn run(
     report.table(
         "all",
         "All frames asked.",
-        tally_table(("set", "set"), &[("drawn".into(), Tally::of(asked.iter()))]),
+        tally_table(
+            ("set", "set"),
+            &[("drawn".into(), Tally::of(answers.iter()))],
+        ),
     );
     report.data(
         "frames",
         "Every frame asked.",
-        frame_table(std::slice::from_ref(&set), [("default", &asked[..])]),
+        frame_table(std::slice::from_ref(&set), [("default", &answers[..])]),
     );
-    report.text(&evaluated(&set, &asked)?);
+    report.text(&evaluated(&set, &answers)?);
     let number = |frame: usize| (frame * stride) as f64;
     for (stem, label, of) in [
         ("pan", "pan (°)", &pan_deg as &dyn Fn(&Ptz) -> f64),
@@ -77,9 +80,9 @@ pub fn run(
             .training_frames
             .iter()
             .map(|&frame| [number(frame), of(&set.frames[frame].truth.ptz())]);
-        let answers = asked
+        let answers = answers
             .iter()
-            .filter_map(|asked| Some([number(asked.frame), of(&asked.found?.camera.ptz())]));
+            .filter_map(|answer| Some([number(answer.frame), of(&answer.found?.camera.ptz())]));
         // In a full run, one answer in ten: more marks would hide the curve.
         let answers = answers.step_by(options.sized(10, 1));
         let figure = Figure::new("", Axis::linear("frame"), Axis::linear(label))
@@ -110,9 +113,9 @@ pub fn run(
         }),
         ("iou", "1 − IoU", |found| Some(1.0 - found.iou?)),
     ] {
-        let points = asked
+        let points = answers
             .iter()
-            .filter_map(|asked| Some([number(asked.frame), of(&asked.found?)?]));
+            .filter_map(|answer| Some([number(answer.frame), of(&answer.found?)?]));
         let figure = Figure::new("", Axis::linear("frame"), Axis::log(label))
             .with(Series::new("", 1, points.collect()).marked(Mark::None));
         report.figure(stem, &format!("Drawn frames: {label} over time."), figure);
@@ -152,7 +155,7 @@ fn path_table(ptz: &[Ptz], pan_deg: &dyn Fn(&Ptz) -> f64) -> Table {
 }
 
 /// The results as `touchline evaluate` measures them.
-fn evaluated(set: &FrameSet, asked: &[FrameAnswer]) -> Result<String, ExperimentError> {
+fn evaluated(set: &FrameSet, answers: &[FrameAnswer]) -> Result<String, ExperimentError> {
     let Some(known) = set.frames.first() else {
         return Ok(String::new());
     };
@@ -169,18 +172,18 @@ fn evaluated(set: &FrameSet, asked: &[FrameAnswer]) -> Result<String, Experiment
         document.cameras.push(camera.clone().into());
     }
     let [truth, estimate] = &mut documents;
-    for asked in asked {
-        let frame = Frame::from_image(&format!("{}.jpg", asked.frame), camera.id.clone(), size);
+    for answer in answers {
+        let frame = Frame::from_image(&format!("{}.jpg", answer.frame), camera.id.clone(), size);
         let pointed = |ptz: Ptz| Frame {
             ptz: Some(FramePtz::new(ptz, None)),
             ..frame.clone()
         };
         truth
             .frames
-            .push(pointed(set.frames[asked.frame].truth.ptz()).into());
+            .push(pointed(set.frames[answer.frame].truth.ptz()).into());
         estimate
             .frames
-            .extend(asked.found.map(|found| pointed(found.camera.ptz()).into()));
+            .extend(answer.found.map(|found| pointed(found.camera.ptz()).into()));
     }
     let evaluation = evaluate(truth.at(Path::new("")), estimate.at(Path::new("")))?;
     let tables = evaluation_tables(&evaluation.groups(0)[..1], Table::to_markdown);

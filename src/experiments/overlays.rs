@@ -15,18 +15,18 @@ const OVERLAY_PX: [f64; 4] = [2.0, 5.0, 10.0, 20.0];
 pub fn overlays(
     report: &mut Report,
     set: &FrameSet,
-    asked: &[FrameAnswer],
+    answers: &[FrameAnswer],
     parts: &[(&str, Vec<&FrameAnswer>)],
 ) {
     report.table(
         "overlay",
-        "Share of all frames asked whose overlay is right within some pixels where it is off most (5 × 3 points of the picture, \
+        "Share of all frames answers whose overlay is right within some pixels where it is off most (5 × 3 points of the picture, \
          at 1920 px width).",
         overlay_table(set, parts),
     );
-    let mut order: Vec<(f64, &FrameAnswer)> = asked
+    let mut order: Vec<(f64, &FrameAnswer)> = answers
         .iter()
-        .map(|asked| (error_px(set, asked).unwrap_or(f64::INFINITY), asked))
+        .map(|answer| (error_px(set, answer).unwrap_or(f64::INFINITY), answer))
         .collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut table = Table::new(&[
@@ -36,13 +36,13 @@ pub fn overlays(
         ("iou", "IoU"),
         ("warnings", "what the document warns of"),
     ]);
-    for (error_px, asked) in order.into_iter().take(WORST_SHOWN) {
-        let known = &set.frames[asked.frame];
+    for (error_px, answer) in order.into_iter().take(WORST_SHOWN) {
+        let known = &set.frames[answer.frame];
         table.push(vec![
             known.name.as_str().into(),
-            set.splits[asked.split].name.as_str().into(),
+            set.splits[answer.split].name.as_str().into(),
             error_px.into(),
-            asked.found.and_then(|found| found.iou).into(),
+            answer.found.and_then(|found| found.iou).into(),
             Some(known.warnings.clone())
                 .filter(|warnings| !warnings.is_empty())
                 .into(),
@@ -56,11 +56,11 @@ pub fn overlays(
 }
 
 /// The largest error of an answer's overlay, px at 1920 px width; none without an answer.
-fn error_px(set: &FrameSet, asked: &FrameAnswer) -> Option<f64> {
-    let known = &set.frames[asked.frame];
+fn error_px(set: &FrameSet, answer: &FrameAnswer) -> Option<f64> {
+    let known = &set.frames[answer.frame];
     Some(overlay_error_px(
         &known.truth,
-        &asked.found?.camera,
+        &answer.found?.camera,
         known.features.image_size,
     ))
 }
@@ -74,14 +74,14 @@ fn overlay_table(set: &FrameSet, parts: &[(&str, Vec<&FrameAnswer>)]) -> Table {
             &format!("within {within} px"),
         ));
     }
-    for (name, asked) in parts {
-        let errors: Vec<f64> = asked
+    for (name, answers) in parts {
+        let errors: Vec<f64> = answers
             .iter()
-            .filter_map(|asked| error_px(set, asked))
+            .filter_map(|answer| error_px(set, answer))
             .collect();
-        let mut row: Vec<Cell> = vec![(*name).into(), asked.len().into()];
+        let mut row: Vec<Cell> = vec![(*name).into(), answers.len().into()];
         let share = |within: f64| {
-            errors.iter().filter(|error| **error <= within).count() as f64 / asked.len() as f64
+            errors.iter().filter(|error| **error <= within).count() as f64 / answers.len() as f64
         };
         row.extend(OVERLAY_PX.map(|within| Cell::Fixed(share(within), 3)));
         table.push(row);

@@ -37,19 +37,19 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         distortion: FocalCurve::NONE,
         ..*truth.base()
     };
-    let asked = [trained.ask_plainly(&asking), trained.ask(&asking, &without)];
+    let answers = [trained.ask_plainly(&asking), trained.ask(&asking, &without)];
     let names = ["with k1", "without"];
     let tallies: Vec<(Cell, Tally)> = names
         .iter()
-        .zip(&asked)
-        .map(|(name, asked)| ((*name).into(), Tally::of(asked.iter())))
+        .zip(&answers)
+        .map(|(name, answers)| ((*name).into(), Tally::of(answers.iter())))
         .collect();
     report.table(
         "k1",
         "Errors with and without k1.",
         tally_table(("optimisation", "optimisation"), &tallies),
     );
-    let ways = names.into_iter().zip(asked.iter().map(Vec::as_slice));
+    let ways = names.into_iter().zip(answers.iter().map(Vec::as_slice));
     report.data(
         "frames",
         "Every frame asked, with and without k1.",

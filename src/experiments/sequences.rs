@@ -141,17 +141,17 @@ fn claims_of_table_2(
         },
     );
     let sets = inputs.highlights(progress)?;
-    let asked = inputs.answers(
+    let answers = inputs.answers(
         Sets::Highlights,
         ForestKind::Default,
         Masks::AsTheyAre,
         progress,
     )?;
-    let mut by_sequence = by_name(&sets[0], asked);
+    let mut by_sequence = by_name(&sets[0], answers);
     by_sequence.retain(|(name, _)| *name != "all");
     let ious = by_sequence
         .iter()
-        .map(|(_, asked)| format!("{:.2}", Tally::of(asked.iter().copied()).iou_mean));
+        .map(|(_, answers)| format!("{:.2}", Tally::of(answers.iter().copied()).iou_mean));
     let shown = ious.collect::<Vec<_>>().join(", ");
     let Some((_, third)) = by_sequence.get(2) else {
         return Ok(());
@@ -161,9 +161,9 @@ fn claims_of_table_2(
         .iter()
         .enumerate()
         .filter(|(number, _)| *number != 2)
-        .map(|(_, (_, asked))| asked);
-    let ahead = others.map(|asked| {
-        difference(asked.iter().copied(), third.iter().copied(), |tally| {
+        .map(|(_, (_, answers))| answers);
+    let ahead = others.map(|answers| {
+        difference(answers.iter().copied(), third.iter().copied(), |tally| {
             tally.iou_mean
         })
     });
@@ -194,10 +194,10 @@ fn tables(
     report.text(ForestKind::EXPLAINED);
     let (mut ways, mut all) = (Vec::new(), Vec::new());
     for kind in ForestKind::BOTH {
-        let asked = inputs.answers(which, kind, Masks::AsTheyAre, progress)?;
-        let tallies = tallies(&sets[0], asked);
+        let answers = inputs.answers(which, kind, Masks::AsTheyAre, progress)?;
+        let tallies = tallies(&sets[0], answers);
         all.extend(tallies.last().map(|(_, tally)| *tally));
-        ways.push((kind.key().to_owned(), asked));
+        ways.push((kind.key().to_owned(), answers));
         let mut table = tally_table(("sequence", "sequence"), &tallies);
         if is_drawn {
             let masked = inputs.answers(which, kind, Masks::Masked, progress)?;
@@ -224,11 +224,11 @@ fn tables(
             table,
         );
     }
-    let asked = inputs.answers(which, ForestKind::Default, Masks::AsTheyAre, progress)?;
-    let parts = by_name(&sets[0], asked);
+    let answers = inputs.answers(which, ForestKind::Default, Masks::AsTheyAre, progress)?;
+    let parts = by_name(&sets[0], answers);
     // Labels of synthetic frames are exact, so overlays would add nothing.
     if !is_drawn {
-        overlays(report, &sets[0], asked, &parts);
+        overlays(report, &sets[0], answers, &parts);
     }
     let mut table = Table::new(&[
         ("sequence", "sequence"),
@@ -238,7 +238,7 @@ fn tables(
     ]);
     let ranges = parts.iter().filter(|(name, _)| *name != "all");
     ranges
-        .map(|(name, asked)| ranges_row(sets, name, asked))
+        .map(|(name, answers)| ranges_row(sets, name, answers))
         .for_each(|row| table.push(row));
     if is_drawn && which == Sets::Highlights {
         let paper = TABLE_2.iter().map(|stated| {
@@ -257,7 +257,7 @@ fn tables(
     report.figure(
         "views",
         "Fields of view of the frames asked (cumulative).",
-        view_distribution(asked),
+        view_distribution(answers),
     );
     report.data(
         "frames",
@@ -267,9 +267,9 @@ fn tables(
     report.time_table(
         "steps-times",
         "One frame, features found already; other frames were asked at the same time.",
-        step_times(asked, which),
+        step_times(answers, which),
     );
-    if let Some(png) = contact_sheet(&worst_to_best(sets, asked)?)? {
+    if let Some(png) = contact_sheet(&worst_to_best(sets, answers)?)? {
         report.picture(
             "sheet",
             "Six frames from the worst to the best by the default forest: the answer's lines over the picture; from above what the picture shows \
@@ -283,16 +283,16 @@ fn tables(
     })
 }
 
-fn tallies(set: &FrameSet, asked: &[FrameAnswer]) -> Vec<(Cell, Tally)> {
-    let parts = by_name(set, asked);
+fn tallies(set: &FrameSet, answers: &[FrameAnswer]) -> Vec<(Cell, Tally)> {
+    let parts = by_name(set, answers);
     parts
         .iter()
-        .map(|(name, asked)| ((*name).into(), Tally::of(asked.iter().copied())))
+        .map(|(name, answers)| ((*name).into(), Tally::of(answers.iter().copied())))
         .collect()
 }
 
 /// Median and 90 % times of the two steps for one frame, beside the paper's.
-fn step_times(asked: &[FrameAnswer], which: Sets) -> Table {
+fn step_times(answers: &[FrameAnswer], which: Sets) -> Table {
     let mut times = Table::new(&[
         ("step", "step"),
         ("median_ms", "median (ms)"),
@@ -301,11 +301,11 @@ fn step_times(asked: &[FrameAnswer], which: Sets) -> Table {
     for (step, of) in [
         (
             "asking the forest",
-            (|asked: &FrameAnswer| asked.predict_ms) as fn(&FrameAnswer) -> f64,
+            (|answer: &FrameAnswer| answer.predict_ms) as fn(&FrameAnswer) -> f64,
         ),
-        ("finding the camera", |asked| asked.pose_ms),
+        ("finding the camera", |answer| answer.pose_ms),
     ] {
-        let mut values: Vec<f64> = asked.iter().map(of).collect();
+        let mut values: Vec<f64> = answers.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
         times.push(vec![
             step.into(),
@@ -328,47 +328,47 @@ fn step_times(asked: &[FrameAnswer], which: Sets) -> Table {
 /// Six test frames, evenly spread from the worst to the best.
 fn worst_to_best<'a>(
     sets: &'a [FrameSet],
-    asked: &[FrameAnswer],
+    answers: &[FrameAnswer],
 ) -> Result<Vec<SheetFrame<'a>>, ExperimentError> {
-    let mut order: Vec<&FrameAnswer> = asked.iter().collect();
-    let iou = |asked: &FrameAnswer| asked.found.map_or(-1.0, |found| found.iou.unwrap_or(0.0));
+    let mut order: Vec<&FrameAnswer> = answers.iter().collect();
+    let iou = |answer: &FrameAnswer| answer.found.map_or(-1.0, |found| found.iou.unwrap_or(0.0));
     order.sort_by(|a, b| iou(a).total_cmp(&iou(b)));
     let tiles = SHEET_FRAMES.min(order.len());
     let chosen = (0..tiles).map(|tile| order[tile * (order.len() - 1) / (tiles - 1).max(1)]);
     let mut reader = FrameReader::new();
-    let sheet_frame = |asked: &FrameAnswer| {
-        let known = &sets[asked.repeat].frames[asked.frame];
-        let caption = match asked.found {
+    let sheet_frame = |answer: &FrameAnswer| {
+        let known = &sets[answer.repeat].frames[answer.frame];
+        let caption = match answer.found {
             Some(found) => format!(
                 "view {:.0}°, IoU {:.4}",
-                asked.view_deg,
+                answer.view_deg,
                 found.iou.unwrap_or(f64::NAN)
             ),
-            None => format!("view {:.0}°, not found", asked.view_deg),
+            None => format!("view {:.0}°, not found", answer.view_deg),
         };
         Ok(SheetFrame {
             picture: known.picture(&mut reader)?,
             caption,
             field: &known.field,
             truth: known.truth,
-            estimate: asked.found.map(|found| found.camera),
+            estimate: answer.found.map(|found| found.camera),
         })
     };
     chosen.map(sheet_frame).collect()
 }
 
 /// The ranges of pan, tilt and focal length of a sequence.
-fn ranges_row(sets: &[FrameSet], name: &str, asked: &[&FrameAnswer]) -> Vec<Cell> {
+fn ranges_row(sets: &[FrameSet], name: &str, answers: &[&FrameAnswer]) -> Vec<Cell> {
     let range = |of: &dyn Fn(&FrameAnswer) -> f64, digits: usize| -> Cell {
-        let values = asked.iter().map(|asked| of(asked));
+        let values = answers.iter().map(|answer| of(answer));
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))
         });
         format!("{low:.digits$} to {high:.digits$}").into()
     };
-    let ptz = |asked: &FrameAnswer| sets[asked.repeat].frames[asked.frame].truth.ptz();
-    let pans =
-        AngleRange::smallest(asked.iter().map(|asked| ptz(asked).pan)).unwrap_or(AngleRange::FULL);
+    let ptz = |answer: &FrameAnswer| sets[answer.repeat].frames[answer.frame].truth.ptz();
+    let pans = AngleRange::smallest(answers.iter().map(|answer| ptz(answer).pan))
+        .unwrap_or(AngleRange::FULL);
     vec![
         name.into(),
         format!(
@@ -377,13 +377,13 @@ fn ranges_row(sets: &[FrameSet], name: &str, asked: &[&FrameAnswer]) -> Vec<Cell
             pans.end().wrapped().degrees()
         )
         .into(),
-        range(&|asked| ptz(asked).tilt.degrees(), 1),
-        range(&|asked| ptz(asked).focal_px, 0),
+        range(&|answer| ptz(answer).tilt.degrees(), 1),
+        range(&|answer| ptz(answer).focal_px, 0),
     ]
 }
 
-fn view_distribution(asked: &[FrameAnswer]) -> Figure {
-    let views: Vec<f64> = asked.iter().map(|asked| asked.view_deg).collect();
+fn view_distribution(answers: &[FrameAnswer]) -> Figure {
+    let views: Vec<f64> = answers.iter().map(|answer| answer.view_deg).collect();
     Figure::new(
         "",
         Axis::linear("horizontal field of view (°)"),

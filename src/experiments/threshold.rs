@@ -23,7 +23,7 @@ const NO_GATE: f32 = 4.0;
 /// The results with one threshold.
 struct AtGate {
     gate: f32,
-    asked: Vec<FrameAnswer>,
+    answers: Vec<FrameAnswer>,
     tally: Tally,
     /// Counts for each seed.
     rays: Vec<RayCount>,
@@ -136,7 +136,7 @@ fn inliers(rays: RayCount) -> f64 {
 
 /// Trains each set's forests once, and relocalizes with each threshold.
 fn measure(sets: &[FrameSet], kind: ForestKind, gates: &[f32], progress: Progress) -> Vec<AtGate> {
-    let mut asked = vec![Vec::new(); gates.len()];
+    let mut answers = vec![Vec::new(); gates.len()];
     let mut rays = vec![Vec::new(); gates.len()];
     for (repeat, set) in sets.iter().enumerate() {
         let trained = Trained::of(set, repeat, &kind.training(set.seed));
@@ -147,15 +147,15 @@ fn measure(sets: &[FrameSet], kind: ForestKind, gates: &[f32], progress: Progres
                 ..usual.predict
             };
             rays[place].push(trained.count_rays(&predict));
-            asked[place].extend(trained.ask_plainly(&RelocalizeOptions { predict, ..usual }));
+            answers[place].extend(trained.ask_plainly(&RelocalizeOptions { predict, ..usual }));
             progress(repeat * gates.len() + place + 1, sets.len() * gates.len());
         }
     }
-    let each = gates.iter().zip(asked).zip(rays);
-    each.map(|((gate, asked), rays)| AtGate {
+    let each = gates.iter().zip(answers).zip(rays);
+    each.map(|((gate, answers), rays)| AtGate {
         gate: *gate,
-        tally: Tally::of(asked.iter()),
-        asked,
+        tally: Tally::of(answers.iter()),
+        answers,
         rays,
     })
     .collect()
@@ -233,7 +233,7 @@ fn claims(report: &mut Report, default: &[AtGate], published: &[AtGate]) {
         ),
         "",
     );
-    let gain = difference(&with.asked, &without.asked, |tally| tally.iou_mean);
+    let gain = difference(&with.answers, &without.answers, |tally| tally.iou_mean);
     report.claim(
         Verdict::above(gain, 0.0),
         &format!("Table 4: the gate raises IoU from {iou_without} to {iou_with}"),

@@ -42,10 +42,10 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     };
     let mut both = Vec::new();
     for (number, kind) in ForestKind::BOTH.into_iter().enumerate() {
-        let asked = measure(sets, kind, counts, &|done, total| {
+        let answers = measure(sets, kind, counts, &|done, total| {
             progress(number * total + done, 2 * total);
         });
-        let lost: Vec<Vec<f64>> = asked.iter().map(|asked| lost(asked)).collect();
+        let lost: Vec<Vec<f64>> = answers.iter().map(|answer| lost(answer)).collect();
         let mut figure = Figure::new(
             "",
             Axis::linear("trees").within(0.0, counts.last().copied().unwrap_or(1) as f64 + 0.5),
@@ -82,16 +82,17 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             &format!("1 − IoU: {}.", kind.describe()),
             table(counts, &lost),
         );
-        both.push(asked);
+        both.push(answers);
     }
     if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &both[..]) {
-        let shown = |asked: &[Vec<FrameAnswer>]| {
+        let shown = |answers: &[Vec<FrameAnswer>]| {
             let each = counts
                 .iter()
-                .zip(asked)
+                .zip(answers)
                 .filter(|(trees, _)| [1, 2, 5, 10].contains(*trees));
-            let means = each
-                .map(|(trees, asked)| format!("{trees}: {:.3}", 1.0 - mean_sd(&lost(asked))[0]));
+            let means = each.map(|(trees, answers)| {
+                format!("{trees}: {:.3}", 1.0 - mean_sd(&lost(answers))[0])
+            });
             means.collect::<Vec<_>>().join(", ")
         };
         let at = counts
@@ -121,8 +122,8 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
 }
 
 /// 1 − `IoU` of all frames, ascending.
-fn lost(asked: &[FrameAnswer]) -> Vec<f64> {
-    let mut lost: Vec<f64> = asked
+fn lost(answers: &[FrameAnswer]) -> Vec<f64> {
+    let mut lost: Vec<f64> = answers
         .iter()
         .filter_map(FrameAnswer::iou)
         .map(|iou| 1.0 - iou)
@@ -139,7 +140,7 @@ fn measure(
     progress: Progress,
 ) -> Vec<Vec<FrameAnswer>> {
     let most = counts.iter().copied().max().unwrap_or(1);
-    let mut asked = vec![Vec::new(); counts.len()];
+    let mut answers = vec![Vec::new(); counts.len()];
     for (repeat, set) in sets.iter().enumerate() {
         let training = TrainOptions {
             trees: most as u32,
@@ -147,11 +148,11 @@ fn measure(
         };
         let all = Trained::of(set, repeat, &training);
         for (place, trees) in counts.iter().enumerate() {
-            asked[place].extend(all.first_trees(*trees).ask_plainly(&kind.asking(set.seed)));
+            answers[place].extend(all.first_trees(*trees).ask_plainly(&kind.asking(set.seed)));
             progress(repeat * counts.len() + place + 1, sets.len() * counts.len());
         }
     }
-    asked
+    answers
 }
 
 fn table(counts: &[usize], lost: &[Vec<f64>]) -> Table {

@@ -246,11 +246,11 @@ pub fn forest(clip: &DrawnClip, is_snapped: bool) -> Result<Labelled, Experiment
     loop {
         let meanwhile =
             |at: &usize| at.is_multiple_of(ASKED_MEANWHILE) || labelled.clicked.contains(at);
-        let asked: Vec<usize> = (0..clip.truth.len()).filter(meanwhile).collect();
-        propose_some(clip, &mut labelled, &asked, &store, is_snapped)?;
+        let queried: Vec<usize> = (0..clip.truth.len()).filter(meanwhile).collect();
+        propose_some(clip, &mut labelled, &queried, &store, is_snapped)?;
         let Some(next) = labelled
-            .advised(clip, &asked)
-            .or_else(|| labelled.most_doubtful(asked))
+            .advised(clip, &queried)
+            .or_else(|| labelled.most_doubtful(queried))
         else {
             break;
         };
@@ -293,13 +293,13 @@ fn propose_some(
     let model = learn(&before, &studied, &options, &Progress::default())
         .map_err(|error| wrong(clip, &error))?;
     // Run it on frames that the annotator has not decided on.
-    let asked: Vec<usize> = places
+    let open: Vec<usize> = places
         .iter()
         .copied()
         .filter(|at| before.frames[*at].is_open())
         .collect();
     let asking = RelocalizeOptions::default();
-    let proposals = pictures.each(&mut reader, &asked, |frame, _, found| {
+    let proposals = pictures.each(&mut reader, &open, |frame, _, found| {
         ControlFlow::Continue(propose(&before, frame, found, (&model, 0), &asking))
     });
     let mut proposals = proposals.unwrap_or_default();

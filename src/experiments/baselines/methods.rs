@@ -36,7 +36,7 @@ impl<'a> Reference<'a> {
 
 /// A test frame and the nearest neighbours of its features in each reference.
 pub struct Matched<'a> {
-    pub asked: &'a KnownFrame,
+    pub query: &'a KnownFrame,
     /// One list for each reference.
     pub nearest: Vec<Vec<Nearest>>,
     pub seed: u64,
@@ -44,14 +44,14 @@ pub struct Matched<'a> {
 
 impl<'a> Matched<'a> {
     /// Matches a frame to references.
-    pub fn to(asked: &'a KnownFrame, references: &[Reference<'_>], seed: u64) -> Self {
-        let rows = DescriptorRows::of(&asked.features.descriptors);
+    pub fn to(query: &'a KnownFrame, references: &[Reference<'_>], seed: u64) -> Self {
+        let rows = DescriptorRows::of(&query.features.descriptors);
         let nearest = references
             .iter()
             .map(|reference| nearest(&rows, &reference.rows))
             .collect();
         Self {
-            asked,
+            query,
             nearest,
             seed,
         }
@@ -77,8 +77,8 @@ impl<'a> Matched<'a> {
         camera_through(
             &references[at].known.truth,
             &h,
-            self.asked.features.image_size.centre(),
-            self.asked,
+            self.query.features.image_size.centre(),
+            self.query,
         )
     }
 
@@ -89,15 +89,15 @@ impl<'a> Matched<'a> {
         references: &[Reference<'_>],
         options: &PoseOptions,
     ) -> Option<PtzCamera> {
-        let base = *self.asked.truth.base();
-        let size = self.asked.features.image_size;
+        let base = *self.query.truth.base();
+        let size = self.query.features.image_size;
         let poses = self
             .most_matches(references.len())
             .into_iter()
             .filter_map(|at| {
                 let mut matches = RayMatches::new();
                 for (keypoint, nearest) in
-                    self.asked.features.keypoints.iter().zip(&self.nearest[at])
+                    self.query.features.keypoints.iter().zip(&self.nearest[at])
                 {
                     if passes_ratio(nearest) {
                         push_ray(&mut matches, keypoint.point, &references[at], nearest);
@@ -119,7 +119,7 @@ impl<'a> Matched<'a> {
     ) -> Option<PtzCamera> {
         let gate = PredictOptions::default().max_squared_distance;
         let mut matches = RayMatches::new();
-        for (feature, keypoint) in self.asked.features.keypoints.iter().enumerate() {
+        for (feature, keypoint) in self.query.features.keypoints.iter().enumerate() {
             let of_all = self.nearest[..references.len()].iter().zip(references);
             let each =
                 of_all.filter_map(|(nearest, reference)| Some((nearest.get(feature)?, reference)));
@@ -130,9 +130,9 @@ impl<'a> Matched<'a> {
                 push_ray(&mut matches, keypoint.point, reference, nearest);
             }
         }
-        let base = *self.asked.truth.base();
+        let base = *self.query.truth.base();
         let pose =
-            pose_from_candidates(&matches, &base, self.asked.features.image_size, options).ok()?;
+            pose_from_candidates(&matches, &base, self.query.features.image_size, options).ok()?;
         Some(PtzCamera::new(base, pose.ptz))
     }
 
@@ -151,7 +151,7 @@ impl<'a> Matched<'a> {
 
     /// Matched pixels: in the reference (as `ground`) and in the test frame.
     fn pairs(&self, reference: &Reference<'_>, at: usize) -> Vec<Match> {
-        let each = self.asked.features.keypoints.iter().zip(&self.nearest[at]);
+        let each = self.query.features.keypoints.iter().zip(&self.nearest[at]);
         let good = each.filter(|(_, nearest)| passes_ratio(nearest));
         good.map(|(keypoint, nearest)| {
             let from = reference.known.features.keypoints[nearest.feature].point;
@@ -192,9 +192,9 @@ fn camera_through(
     reference: &PtzCamera,
     h: &Mat3,
     centre: ImagePoint,
-    asked: &KnownFrame,
+    query: &KnownFrame,
 ) -> Option<PtzCamera> {
-    let size = asked.features.image_size;
+    let size = query.features.image_size;
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     // A grid over the lower part of the picture, where ground is likely.
     let grid = (0..5)

@@ -143,7 +143,7 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
         .iter()
         .map(|(count, _)| (*count).min(order.len()))
         .collect();
-    let asked: Vec<usize> = split.asked.iter().copied().step_by(stride).collect();
+    let tested: Vec<usize> = split.test_frames.iter().copied().step_by(stride).collect();
     let one = |&frame: &usize| -> Vec<[FrameAnswer; METHODS.len()]> {
         let known = &set.frames[frame];
         // Match once to all references. Smaller numbers use the first of them.
@@ -181,11 +181,11 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
         };
         counts.iter().zip(&forests).map(of_count).collect()
     };
-    let answers: Vec<Vec<[FrameAnswer; METHODS.len()]>> = asked.par_iter().map(one).collect();
+    let answers: Vec<Vec<[FrameAnswer; METHODS.len()]>> = tested.par_iter().map(one).collect();
     for of_frame in answers {
         for ((_, methods), of_count) in by_count.iter_mut().zip(of_frame) {
-            for (method, asked) in methods.iter_mut().zip(of_count) {
-                method.push(asked);
+            for (method, answers) in methods.iter_mut().zip(of_count) {
+                method.push(answers);
             }
         }
     }
@@ -201,7 +201,7 @@ fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
     for (method, (key, name)) in METHODS.into_iter().enumerate() {
         let tallies: Vec<(Cell, Tally)> = by_count
             .iter()
-            .map(|(count, asked)| ((*count).into(), Tally::of(asked[method].iter())))
+            .map(|(count, answers)| ((*count).into(), Tally::of(answers[method].iter())))
             .collect();
         let each = || {
             by_count
@@ -232,11 +232,11 @@ fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
         "Mean IoU (not found: 0) over the number of references, the methods of one number side by side; bars: 95 % interval over the seeds.",
         figure,
     );
-    let ways = by_count.iter().flat_map(|(count, asked)| {
+    let ways = by_count.iter().flat_map(|(count, answers)| {
         METHODS
             .iter()
-            .zip(asked)
-            .map(move |((key, _), asked)| (format!("{key}, {count} references"), &asked[..]))
+            .zip(answers)
+            .map(move |((key, _), answers)| (format!("{key}, {count} references"), &answers[..]))
     });
     report.data(
         "frames",
@@ -250,9 +250,10 @@ fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
 
 /// Adds the claims of the paper that are tested.
 fn claim(report: &mut Report, by_count: &ByCount, times: &times::Times) {
-    if let Some((count, asked)) = by_count.last() {
-        let iou = |method: usize| Tally::of(asked[method].iter()).iou_mean;
-        let gain = |method: usize| difference(&asked[method], &asked[0], |tally| tally.iou_mean);
+    if let Some((count, answers)) = by_count.last() {
+        let iou = |method: usize| Tally::of(answers[method].iter()).iou_mean;
+        let gain =
+            |method: usize| difference(&answers[method], &answers[0], |tally| tally.iou_mean);
         report.claim(
             Verdict::above(gain(4), 0.0),
             "Their method beats matching to a nearest reference (CalibMe: .68 against .83)",

@@ -16,7 +16,7 @@ use touchline_vision::relocalize::{PoseOptions, SeenRange, relocalize};
 const COUNTS: [usize; 7] = [5, 10, 20, 50, 100, 200, 500];
 const QUICK_COUNTS: [usize; 3] = [5, 20, 40];
 /// Number of frames that are timed.
-const ASKED: usize = 6;
+const TESTED: usize = 6;
 
 /// Median times (ms) of the methods, by the number of references.
 pub type Times = Vec<(usize, [f64; METHODS.len()])>;
@@ -38,21 +38,21 @@ pub fn measured(sets: &[FrameSet], quick: bool) -> Times {
     let references: Vec<&KnownFrame> = own.chain(others).collect();
     let wanted: &[usize] = if quick { &QUICK_COUNTS } else { &COUNTS };
     let counts = no_more_than(references.len(), wanted);
-    let stride = (split.asked.len() / ASKED).max(1);
-    let asked: Vec<&KnownFrame> = split
-        .asked
+    let stride = (split.test_frames.len() / TESTED).max(1);
+    let tested: Vec<&KnownFrame> = split
+        .test_frames
         .iter()
         .step_by(stride)
         .map(|&frame| &set.frames[frame])
         .collect();
     counts
         .into_iter()
-        .map(|count| (count, of_count(&references[..count], &asked, set.seed)))
+        .map(|count| (count, of_count(&references[..count], &tested, set.seed)))
         .collect()
 }
 
 /// Median times (ms) of the methods with these references.
-fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f64; METHODS.len()] {
+fn of_count(references: &[&KnownFrame], tested: &[&KnownFrame], seed: u64) -> [f64; METHODS.len()] {
     // Preparation is not timed: descriptors of references and trained forests are ready.
     let ready: Vec<Reference<'_>> = references
         .iter()
@@ -72,7 +72,7 @@ fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f6
         ..PoseOptions::default()
     };
     let mut times: [Vec<f64>; METHODS.len()] = std::array::from_fn(|_| Vec::new());
-    for known in asked {
+    for known in tested {
         let mut take = |method: usize, work: &dyn Fn()| {
             let start = Instant::now();
             work();

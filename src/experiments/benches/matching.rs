@@ -18,9 +18,9 @@ const COUNTS: [usize; 2] = [500, 1500];
 
 fn main() {
     set_num_threads(1).unwrap();
-    let [asked, reference] = descriptors(COUNTS[0]);
-    let ours = nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&reference));
-    let theirs = brute_force(&matrix(&asked), &matrix(&reference));
+    let [query, reference] = descriptors(COUNTS[0]);
+    let ours = nearest(&DescriptorRows::of(&query), &DescriptorRows::of(&reference));
+    let theirs = brute_force(&matrix(&query), &matrix(&reference));
     for (ours, theirs) in ours.iter().zip(theirs) {
         assert_eq!(
             ours.feature as i32,
@@ -55,23 +55,23 @@ fn matrix(descriptors: &[Descriptor]) -> Mat {
     Mat::from_slice_2d(&rows).unwrap()
 }
 
-fn brute_force(asked: &Mat, reference: &Mat) -> Vector<Vector<DMatch>> {
+fn brute_force(query: &Mat, reference: &Mat) -> Vector<Vector<DMatch>> {
     let matcher = BFMatcher::new(NORM_L2, false).unwrap();
     let mut matches = Vector::new();
     matcher
-        .knn_train_match_def(asked, reference, &mut matches, 2)
+        .knn_train_match_def(query, reference, &mut matches, 2)
         .unwrap();
     matches
 }
 
 #[divan::bench(args = COUNTS)]
 fn matrix_product(bencher: Bencher<'_, '_>, count: usize) {
-    let [asked, reference] = descriptors(count).map(|descriptors| DescriptorRows::of(&descriptors));
-    bencher.bench(|| nearest(&asked, &reference));
+    let [query, reference] = descriptors(count).map(|descriptors| DescriptorRows::of(&descriptors));
+    bencher.bench(|| nearest(&query, &reference));
 }
 
 #[divan::bench(args = COUNTS)]
 fn opencv_brute_force(bencher: Bencher<'_, '_>, count: usize) {
-    let [asked, reference] = descriptors(count).map(|descriptors| matrix(&descriptors));
-    bencher.bench_local(|| brute_force(&asked, &reference));
+    let [query, reference] = descriptors(count).map(|descriptors| matrix(&descriptors));
+    bencher.bench_local(|| brute_force(&query, &reference));
 }

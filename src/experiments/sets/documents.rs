@@ -180,17 +180,17 @@ fn of_two(
         gathered.add(own, progress)?;
     }
     let taught = gathered.frames.len();
-    let asked = gathered.add(test, progress)?;
+    let tested = gathered.add(test, progress)?;
     let splits = gathered
-        .cameras(asked.clone())
+        .cameras(tested.clone())
         .into_iter()
         .map(|camera| Split {
             name: format!("camera {camera}"),
             training_frames: gathered.of_camera(0..taught, camera, |_| true),
-            asked: gathered.of_camera(asked.clone(), camera, |_| true),
+            test_frames: gathered.of_camera(tested.clone(), camera, |_| true),
         });
     let splits: Vec<Split> = splits
-        .filter(|split| !split.training_frames.is_empty() && !split.asked.is_empty())
+        .filter(|split| !split.training_frames.is_empty() && !split.test_frames.is_empty())
         .collect();
     if splits.is_empty() {
         return Err(ExperimentError::NothingInCommon);
@@ -200,7 +200,7 @@ fn of_two(
         seed: 0,
         title: format!(
             "own frames, {taught} for training and {} for testing",
-            asked.len()
+            tested.len()
         ),
         protocol:
             "The frames of one document are tested against those of the other, camera by camera."
@@ -239,7 +239,7 @@ fn of_clips(
                     name,
                     training_frames: gathered
                         .of_camera(range.clone(), camera, |other| other != clip),
-                    asked: gathered.of_camera(range.clone(), camera, |other| other == clip),
+                    test_frames: gathered.of_camera(range.clone(), camera, |other| other == clip),
                 });
             }
         }
@@ -247,7 +247,7 @@ fn of_clips(
     if splits.is_empty() {
         return Err(ExperimentError::OneClip);
     }
-    let asked: usize = splits.iter().map(|split| split.asked.len()).sum();
+    let tested: usize = splits.iter().map(|split| split.test_frames.len()).sum();
     let documents = if documents.len() > 1 {
         format!("of {} documents, ", documents.len())
     } else {
@@ -256,7 +256,7 @@ fn of_clips(
     Ok(FrameSet {
         kind: SetKind::Own,
         seed: 0,
-        title: format!("own frames, {documents}{asked} in {} clips", splits.len()),
+        title: format!("own frames, {documents}{tested} in {} clips", splits.len()),
         protocol:
             "Each clip is tested against the other clips of its camera; the truth is the camera that the document holds for \
                    the frame, with the errors of the clicks that it was fitted to."

@@ -98,7 +98,7 @@ pub fn highlights(
         training_frames: (0..sequences * frames)
             .filter(|frame| !frames_of(sequence).contains(frame))
             .collect(),
-        asked: frames_of(sequence).collect(),
+        test_frames: frames_of(sequence).collect(),
     };
     Ok(FrameSet {
         kind: SetKind::Drawn,

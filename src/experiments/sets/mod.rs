@@ -127,7 +127,7 @@ pub struct Split {
     /// Indices of the training frames.
     pub training_frames: Vec<usize>,
     /// Indices of the test frames.
-    pub asked: Vec<usize>,
+    pub test_frames: Vec<usize>,
 }
 
 impl FrameSet {

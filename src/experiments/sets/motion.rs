@@ -182,7 +182,7 @@ pub fn motion(
         splits: vec![Split {
             name: "motion".to_owned(),
             training_frames: (0..frames.len()).filter(is_for_training).collect(),
-            asked: (0..frames.len())
+            test_frames: (0..frames.len())
                 .filter(|index| !is_for_training(index))
                 .collect(),
         }],

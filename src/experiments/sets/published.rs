@@ -137,7 +137,7 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
         whole &= apart;
         for clip in clips {
             let of_clip = gathered.of_camera(range.clone(), camera, |other| other == clip);
-            let (training_frames, asked) = if apart {
+            let (training_frames, test_frames) = if apart {
                 (
                     gathered.of_camera(range.clone(), camera, |other| other != clip),
                     of_clip,
@@ -151,11 +151,12 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
             splits.push(Split {
                 name: clip.to_owned(),
                 training_frames,
-                asked,
+                test_frames,
             });
         }
     }
-    splits.retain(|split: &Split| !split.training_frames.is_empty() && !split.asked.is_empty());
+    splits
+        .retain(|split: &Split| !split.training_frames.is_empty() && !split.test_frames.is_empty());
     (splits, whole)
 }
 
@@ -212,12 +213,18 @@ mod tests {
             "the authors' published data, 6 frames in 2 sequences; field 118 × 70 yards"
         ));
         assert_eq!(
-            (&set.splits[0].training_frames[..], &set.splits[0].asked[..]),
+            (
+                &set.splits[0].training_frames[..],
+                &set.splits[0].test_frames[..]
+            ),
             (&[3, 4, 5][..], &[0, 1, 2][..])
         );
         let set = published(&highlights, PublishedKind::WorldCup, &|_, _| {}).unwrap();
         assert_eq!(
-            (&set.splits[1].training_frames[..], &set.splits[1].asked[..]),
+            (
+                &set.splits[1].training_frames[..],
+                &set.splits[1].test_frames[..]
+            ),
             (&[3, 5][..], &[4][..])
         );
 

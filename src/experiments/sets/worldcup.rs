@@ -86,7 +86,7 @@ pub fn worldcup(
         set.splits.push(Split {
             name: format!("game {}", game + 1),
             training_frames: of_game(0),
-            asked: of_game(1),
+            test_frames: of_game(1),
         });
     }
     Ok(set)
