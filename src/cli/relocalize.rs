@@ -102,7 +102,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     // Choose the frames: undecided ones, with `--resume` without an answer, with `--key-frames` not
     // between key frames.
     let is_asked = |frame: &Frame| frame.is_open() && !(args.resume && is_answered(frame));
-    let mut asked: Vec<usize> = (0..document.frames.len())
+    let mut queried: Vec<usize> = (0..document.frames.len())
         .filter(|&index| is_asked(&document.frames[index]))
         .collect();
     if args.key_frames {
@@ -111,7 +111,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
             .into_iter()
             .flat_map(|window| window.between)
             .collect();
-        asked.retain(|index| !between.contains(index));
+        queried.retain(|index| !between.contains(index));
     }
     let options = RelocalizeOptions {
         predict: PredictOptions {
@@ -134,7 +134,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         generation: 0,
         options,
     };
-    let bar = messages.progress(asked.len(), "Relocalizing");
+    let bar = messages.progress(queried.len(), "Relocalizing");
     let progress = Progress::new(|done: usize| {
         bar.set_position(done as u64);
         interrupt.check()
@@ -144,7 +144,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         &mut document,
         files,
         &mut reader,
-        &asked,
+        &queried,
         &forest,
         args.snap,
         &progress,
@@ -175,7 +175,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     document.count_edits_since(&before);
     write(&args.output, document.clone(), &folder)?;
     // Stopped early: `--resume` continues with what has been written.
-    if looked_at < asked.len() {
+    if looked_at < queried.len() {
         let kept = args.output.output.as_ref().map_or_else(
             || "standard output".to_owned(),
             |path| path.display().to_string(),
@@ -183,13 +183,13 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         messages.note(&format!(
             "stopped: {looked_at} of {} frames were looked at, {answered} answered; they are in {kept}. Give that document with \
              --resume for the rest",
-            asked.len()
+            queried.len()
         ));
         return Ok(Outcome::Stopped);
     }
     tell_where_to_label(document.at(&folder), messages);
-    let failed = asked.len() - answered - kept + skipped;
-    let passed = document.frames.len() - asked.len() + kept;
+    let failed = queried.len() - answered - kept + skipped;
+    let passed = document.frames.len() - queried.len() + kept;
     let why_passed = if args.key_frames {
         "no key frames, with clicks, or accepted"
     } else {

@@ -14,8 +14,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(round) = panel.app.round() else {
         return;
     };
-    let Some(asked) = round.asked() else { return };
-    let label = panel.app.label(&Target::Landmark(asked.landmark.clone()));
+    let Some(target) = round.target() else { return };
+    let label = panel.app.label(&Target::Landmark(target.landmark.clone()));
     let (number, count, skipped) = (round.number(), round.len(), round.skipped());
     let title = format!("BLIND ROUND {}", round.round);
     let clicked = round.clicked();

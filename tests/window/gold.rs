@@ -112,8 +112,8 @@ fn nothing_of_the_label_shows_in_a_blind_round() {
 
 fn a_blind_click_is_kept_where_it_was_made() {
     let mut window = round(20.0);
-    let asked = window.app().round().unwrap().asked().cloned().unwrap();
-    let at = window.image_of(asked.landmark.as_str());
+    let target = window.app().round().unwrap().target().cloned().unwrap();
+    let at = window.image_of(target.landmark.as_str());
     let labels = window.app().frame().unwrap().clicks.clone();
     let place = window.on_screen(at);
     window.press(place);
@@ -122,15 +122,16 @@ fn a_blind_click_is_kept_where_it_was_made() {
         "as exact as a label"
     );
     window.release(place);
-    let frame = window.app().open().unwrap().frame(asked.frame).unwrap();
+    let frame = window.app().open().unwrap().frame(target.frame).unwrap();
     assert!(
-        frame.repeats[0].image.distance_px(at) < 1.0 && frame.repeats[0].landmark == asked.landmark
+        frame.repeats[0].image.distance_px(at) < 1.0
+            && frame.repeats[0].landmark == target.landmark
     );
     assert_eq!(frame.clicks, labels);
     // One on the label's own click takes hold of nothing.
     let second = window.on_screen(labels[1].image);
     window.press(second);
     window.release(second);
-    let frame = window.app().open().unwrap().frame(asked.frame).unwrap();
+    let frame = window.app().open().unwrap().frame(target.frame).unwrap();
     assert!(frame.repeats.len() == 2 && frame.clicks == labels);
 }

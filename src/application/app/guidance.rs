@@ -104,11 +104,11 @@ fn begun(app: &App) -> Option<Guidance> {
             format!("Why is {what} not calibratable? Choose with 1–6, Esc cancels.")
         }
         Mode::ClickingAgain(round) => {
-            let asked = round
-                .asked()
-                .map(|asked| app.label(&Target::Landmark(asked.landmark.clone())))?;
+            let target = round
+                .target()
+                .map(|target| app.label(&Target::Landmark(target.landmark.clone())))?;
             let skip = app.settings.keys.shown(Command::SkipAgain);
-            format!("Click {asked}, as you would label it. {skip} skips it, Esc ends the round.")
+            format!("Click {target}, as you would label it. {skip} skips it, Esc ends the round.")
         }
         Mode::Editing => "Enter keeps the number, Esc restores it.".to_owned(),
     }))

@@ -18,10 +18,10 @@ pub struct ReclickTarget {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reclick {
     /// All landmarks of the round, in order.
-    asked: Vec<ReclickTarget>,
+    targets: Vec<ReclickTarget>,
     /// The index of the present one.
     at: usize,
-    /// The indices in `asked` of the landmarks that were clicked, latest last. The others before
+    /// The indices in `targets` of the landmarks that were clicked, latest last. The others before
     /// `at` were skipped.
     clicked: Vec<usize>,
     /// The number of the round in the document.
@@ -36,14 +36,14 @@ impl Reclick {
     pub fn of(document: &Document) -> Self {
         let frames = document.frames.iter().enumerate();
         let gold = frames.filter(|(_, frame)| frame.gold && frame.status == FrameStatus::Reference);
-        let asked = gold.flat_map(|(index, frame)| {
+        let targets = gold.flat_map(|(index, frame)| {
             frame.asked_again().map(move |id| ReclickTarget {
                 frame: index,
                 landmark: id.clone(),
             })
         });
         Self {
-            asked: asked.collect(),
+            targets: targets.collect(),
             round: document.next_round(),
             ..Self::default()
         }
@@ -51,20 +51,20 @@ impl Reclick {
 
     /// The present landmark; none at the end.
     #[must_use]
-    pub fn asked(&self) -> Option<&ReclickTarget> {
-        self.asked.get(self.at)
+    pub fn target(&self) -> Option<&ReclickTarget> {
+        self.targets.get(self.at)
     }
 
     /// Number of landmarks in the round.
     #[must_use]
     pub const fn len(&self) -> usize {
-        self.asked.len()
+        self.targets.len()
     }
 
     /// Whether the round has no landmarks.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
-        self.asked.is_empty()
+        self.targets.is_empty()
     }
 
     /// The number of the present landmark, from 1.

@@ -77,7 +77,7 @@ pub struct Decoder {
     worker: FrameWorker,
     memory: Memory,
     /// The last request: the current frame and the others.
-    asked: Option<(FrameRef, Vec<FrameRef>)>,
+    requested: Option<(FrameRef, Vec<FrameRef>)>,
 }
 
 /// The owner's side of the decoder.
@@ -124,7 +124,7 @@ impl Decoder {
                 failures: BTreeMap::new(),
                 unpolled: Vec::new(),
             },
-            asked: None,
+            requested: None,
         })
     }
 
@@ -137,7 +137,7 @@ impl Decoder {
     /// repaired.
     pub fn request(&mut self, current: &FrameRef, prefetch: &[FrameRef]) {
         if self
-            .asked
+            .requested
             .as_ref()
             .is_some_and(|(before, others)| before == current && others == prefetch)
         {
@@ -161,13 +161,13 @@ impl Decoder {
                 .collect();
             Choice { wanted, missing }
         });
-        self.asked = Some((current.clone(), prefetch.to_vec()));
+        self.requested = Some((current.clone(), prefetch.to_vec()));
     }
 
     /// Drops all requests, pictures and failures, as when a document is closed.
     pub fn clear(&mut self) {
         self.worker.replace_queue(|_| Choice::default());
-        self.asked = None;
+        self.requested = None;
         self.memory.cache.clear();
         self.memory = Memory {
             current: None,

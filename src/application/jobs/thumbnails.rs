@@ -46,7 +46,7 @@ pub enum ThumbnailReport {
 /// The handle of the thread that makes thumbnails. Dropping it ends and joins the thread.
 pub struct Thumbnails {
     worker: FrameWorker,
-    asked: Vec<FrameRef>,
+    requested: Vec<FrameRef>,
     memory: Memory,
 }
 
@@ -86,7 +86,7 @@ impl Thumbnails {
         });
         Ok(Self {
             worker: FrameWorker::spawn("thumbnails", wake, Some(decoder.worker()), make_small)?,
-            asked: Vec::new(),
+            requested: Vec::new(),
             memory: Memory {
                 cache: FrameCache::new(CACHE_BYTES),
                 failed: BTreeSet::new(),
@@ -98,7 +98,7 @@ impl Thumbnails {
     /// Requests the thumbnails of these frames in this order, visible ones first. Frames of earlier
     /// requests that are not in this one are dropped. Repeating a request costs nothing.
     pub fn request(&mut self, frames: &[FrameRef]) {
-        if self.asked == frames {
+        if self.requested == frames {
             return;
         }
         let memory = &mut self.memory;
@@ -116,7 +116,7 @@ impl Thumbnails {
                 missing,
             }
         });
-        self.asked = frames.to_vec();
+        self.requested = frames.to_vec();
     }
 
     /// The reports that have arrived since the last call. Call it whenever the window is drawn.

@@ -374,7 +374,7 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     app.update(Action::Command(Command::ClickAgain));
     let asked = app
         .round()
-        .and_then(|round| round.asked().cloned())
+        .and_then(|round| round.target().cloned())
         .expect("a round");
     let at = now(&app).frames[asked.frame].clicks[0].image;
     app.update(Action::Pointer(PointerAction::Press { at, on: None }));
@@ -389,7 +389,7 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
         (0, 18.5),
         "nothing else is taken back"
     );
-    let again = app.round().and_then(|round| round.asked().cloned());
+    let again = app.round().and_then(|round| round.target().cloned());
     assert_eq!(
         again.map(|asked| asked.landmark),
         Some(asked.landmark),

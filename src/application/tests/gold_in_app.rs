@@ -69,10 +69,10 @@ impl Bench {
 
     /// Answers the round with click noise of this sigma.
     fn answer(&mut self, sigma_px: f64, rng: &mut Pcg64Mcg) {
-        while let Some(asked) = self.app.round().and_then(|round| round.asked().cloned()) {
-            assert_eq!(self.app.session.frame, asked.frame);
+        while let Some(target) = self.app.round().and_then(|round| round.target().cloned()) {
+            assert_eq!(self.app.session.frame, target.frame);
             self.click(moved(
-                exact(asked.frame, asked.landmark.as_str()),
+                exact(target.frame, target.landmark.as_str()),
                 sigma_px,
                 rng,
             ));
@@ -222,8 +222,12 @@ fn another_document_is_compared_on_the_quality_page() {
     ));
     assert!(bench.app.session.quality.open && bench.app.operations.comparison.is_running());
     bench.started::<Comparison>();
-    let asked = bench.app.operations.comparison.running().unwrap();
-    let (document, with, revision) = (asked.document.clone(), asked.with.clone(), asked.revision);
+    let request = bench.app.operations.comparison.running().unwrap();
+    let (document, with, revision) = (
+        request.document.clone(),
+        request.with.clone(),
+        request.revision,
+    );
     assert_eq!(
         (&document, with.as_path()),
         (bench.document(), Path::new("/other/project.json"))

@@ -317,8 +317,8 @@ fn chosen(app: &App) -> Option<Target> {
         Mode::Naming(naming) => naming.chosen().map(|candidate| candidate.target.clone()),
         Mode::Placing(target) => Some(target.clone()),
         Mode::ClickingAgain(round) => round
-            .asked()
-            .map(|asked| Target::Landmark(asked.landmark.clone())),
+            .target()
+            .map(|target| Target::Landmark(target.landmark.clone())),
         _ => None,
     }
 }

@@ -34,8 +34,8 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
         placement.render_view(),
         vec![picture.clone()],
     );
-    let Some(asked) = round.asked() else { return };
-    let label = panel.app.label(&Target::Landmark(asked.landmark.clone()));
+    let Some(target) = round.target() else { return };
+    let label = panel.app.label(&Target::Landmark(target.landmark.clone()));
     let text = format!("Click: {label}");
     let at = rect.center_top() + vec2(0.0, 18.0);
     plate(

@@ -219,11 +219,11 @@ impl App {
     ///
     /// A camera that was searched for a frame without users' work becomes a suggestion. Anything
     /// else is one step of undo.
-    fn take_camera_on_paint(&mut self, asked: &FrameSnap, found: &CameraOnPaint) {
+    fn take_camera_on_paint(&mut self, request: &FrameSnap, found: &CameraOnPaint) {
         let position = self.open.as_ref().and_then(|open| {
-            let position = open.document.frames.position_of(&asked.frame.id)?;
+            let position = open.document.frames.position_of(&request.frame.id)?;
             open.document.frames[position]
-                .is_same(&asked.frame)
+                .is_same(&request.frame)
                 .then_some(position)
         });
         let Some(position) = position.filter(|_| self.session.mode == Mode::Idle) else {
@@ -234,7 +234,7 @@ impl App {
             return;
         };
         // A result for an untouched frame is a suggestion,
-        if asked.from_scratch && asked.frame.is_open() {
+        if request.from_scratch && request.frame.is_open() {
             self.suggest_camera_on_paint(position, found);
             return;
         }
@@ -242,8 +242,8 @@ impl App {
         let before = self
             .open
             .as_ref()
-            .and_then(|open| open.document.pointed(&asked.frame));
-        let step = if asked.from_scratch {
+            .and_then(|open| open.document.pointed(&request.frame));
+        let step = if request.from_scratch {
             "Search the painted lines"
         } else {
             "Snap to the painted lines"
@@ -256,26 +256,26 @@ impl App {
             .as_mut()
             .and_then(|open| open.document.frames.get_mut(position))
         {
-            let record = if asked.from_scratch {
+            let record = if request.from_scratch {
                 record_found_by_paint
             } else {
                 record_snapped
             };
             record(frame, &found.base, &found.found);
-            if asked.frame.shows_suggestion() && frame.status == FrameStatus::Suggested {
+            if request.frame.shows_suggestion() && frame.status == FrameStatus::Suggested {
                 // Undo does not restore suggestions, but it must undo this command.
                 frame.status = FrameStatus::Draft;
             }
         }
         self.commit();
         if let Some(before) = before {
-            let text = describe_snap(&before, found, &asked.frame);
+            let text = describe_snap(&before, found, &request.frame);
             self.operations
                 .frame_snap
                 .before
-                .insert(asked.frame.id.clone(), before);
+                .insert(request.frame.id.clone(), before);
             self.session.notify(Level::Info, text);
-        } else if asked.from_scratch {
+        } else if request.from_scratch {
             let samples = found.found.samples;
             self.session.notify(
                 Level::Info,

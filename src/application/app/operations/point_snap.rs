@@ -244,19 +244,19 @@ impl App {
 
     /// Moves points onto the paint that was found, as a part of the step that placed them. If the
     /// user has done something else since, they wait again.
-    fn move_points(&mut self, asked: &PointSnap, found: Vec<(usize, SnappedPoint)>) {
+    fn move_points(&mut self, request: &PointSnap, found: Vec<(usize, SnappedPoint)>) {
         let shown = self
             .open
             .as_ref()
             .and_then(|open| open.document.frames.get(self.session.frame));
-        let Some(frame) = shown.filter(|frame| frame.id == asked.frame.id) else {
+        let Some(frame) = shown.filter(|frame| frame.id == request.frame.id) else {
             return;
         };
         let is_as_asked = |(click, _): &(usize, SnappedPoint)| {
             frame
                 .clicks
                 .get(*click)
-                .is_some_and(|here| asked.frame.clicks.get(*click) == Some(here))
+                .is_some_and(|here| request.frame.clicks.get(*click) == Some(here))
         };
         let found: Vec<(usize, SnappedPoint)> = found.into_iter().filter(is_as_asked).collect();
         // By now the frame may have numbers set by hand, a camera aligned to the paint, or the
@@ -265,7 +265,7 @@ impl App {
             return;
         }
         let resumed = self.session.mode == Mode::Idle
-            && asked
+            && request
                 .step
                 .as_ref()
                 .is_some_and(|step| self.open.as_mut().is_some_and(|open| open.resume(step)));

@@ -252,11 +252,11 @@ mod tests {
             document,
             "/match/project.json",
         ))));
-        (app, asked(effects))
+        (app, requests(effects))
     }
 
     /// The requests for templates among the effects.
-    fn asked(effects: Vec<Effect>) -> Vec<Effect> {
+    fn requests(effects: Vec<Effect>) -> Vec<Effect> {
         effects
             .into_iter()
             .filter(|effect| matches!(effect, Effect::ReadTemplate { .. }))
@@ -289,9 +289,9 @@ mod tests {
             Some(Err(FieldError::BeingRead { .. }))
         ));
         assert_eq!(
-            asked(app.update(Action::Navigate(Navigation::GoTo(1)))),
+            requests(app.update(Action::Navigate(Navigation::GoTo(1)))),
             [],
-            "asked once"
+            "requested once"
         );
         app.update(read("/another/project.json", Ok(soccer())));
         assert!(
@@ -300,7 +300,10 @@ mod tests {
         );
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some(), "{:?}", app.current().field);
-        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(0)))), []);
+        assert_eq!(
+            requests(app.update(Action::Navigate(Navigation::GoTo(0)))),
+            []
+        );
     }
 
     #[test]
@@ -322,12 +325,12 @@ mod tests {
         let wanted = "The field's lines are not drawn: own.json: cannot be read: no such file";
         assert_eq!(said, Some(wanted));
         assert_eq!(
-            asked(app.update(Action::Navigate(Navigation::GoTo(0)))),
+            requests(app.update(Action::Navigate(Navigation::GoTo(0)))),
             [],
             "a file is not tried again unasked"
         );
         assert_eq!(
-            asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))).len(),
+            requests(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))).len(),
             1
         );
         assert!(matches!(
@@ -337,7 +340,7 @@ mod tests {
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some());
         assert_eq!(
-            asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))),
+            requests(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))),
             [],
             "what was read stays"
         );

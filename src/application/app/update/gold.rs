@@ -135,7 +135,7 @@ impl App {
 
     /// Shows the frame of the next landmark, or ends the round if there is none.
     fn show_asked(&mut self) {
-        match self.round().map(|round| round.asked().cloned()) {
+        match self.round().map(|round| round.target().cloned()) {
             Some(Some(ReclickTarget { frame, .. })) if frame != self.session.frame => {
                 self.session.frame = frame;
                 self.session.points.hover = None;
@@ -180,11 +180,11 @@ impl App {
         let Some(round) = self.round_mut() else {
             return;
         };
-        let Some((at, asked)) = round.held.take().zip(round.asked().cloned()) else {
+        let Some((at, target)) = round.held.take().zip(round.target().cloned()) else {
             return;
         };
         let number = round.round;
-        let step = self.step_at(self.step_again(&asked), asked.frame);
+        let step = self.step_at(self.step_again(&target), target.frame);
         if !self.begin_step(step) {
             return;
         }
@@ -192,11 +192,11 @@ impl App {
         if let Some(frame) = self
             .open
             .as_mut()
-            .and_then(|open| open.document.frames.get_mut(asked.frame))
+            .and_then(|open| open.document.frames.get_mut(target.frame))
         {
             frame.repeats.push(Repeat {
                 at: time,
-                ..Repeat::new(asked.landmark, at, number)
+                ..Repeat::new(target.landmark, at, number)
             });
         }
         self.commit();
@@ -228,17 +228,17 @@ impl App {
             return;
         }
         round.go_back();
-        let (asked, number) = (round.asked().cloned(), round.round);
-        if let Some(asked) = asked {
-            self.take_back_again(&asked, number);
+        let (target, number) = (round.target().cloned(), round.round);
+        if let Some(target) = target {
+            self.take_back_again(&target, number);
         }
         self.show_asked();
     }
 
     /// Removes the click of a landmark in this round. This is an undo if the click is the last step
     /// in the history, otherwise a new step.
-    fn take_back_again(&mut self, asked: &ReclickTarget, round: u32) {
-        let step = self.step_at(self.step_again(asked), asked.frame);
+    fn take_back_again(&mut self, target: &ReclickTarget, round: u32) {
+        let step = self.step_at(self.step_again(target), target.frame);
         let Some(open) = &mut self.open else { return };
         if open.history.next_undo() == Some(&step) {
             open.undo(true);
@@ -246,16 +246,16 @@ impl App {
             return;
         }
         let name = format!("Take back: {}", step.name);
-        if !self.begin_step(self.step_at(name, asked.frame)) {
+        if !self.begin_step(self.step_at(name, target.frame)) {
             return;
         }
         if let Some(frame) = self
             .open
             .as_mut()
-            .and_then(|open| open.document.frames.get_mut(asked.frame))
+            .and_then(|open| open.document.frames.get_mut(target.frame))
         {
             let is_it =
-                |repeat: &Repeat| repeat.landmark == asked.landmark && repeat.round == round;
+                |repeat: &Repeat| repeat.landmark == target.landmark && repeat.round == round;
             if let Some(last) = frame.repeats.iter().rposition(is_it) {
                 frame.repeats.remove(last);
             }
@@ -264,8 +264,8 @@ impl App {
     }
 
     /// The name of the step that clicks a landmark again. Undo recognises the step by it.
-    fn step_again(&self, asked: &ReclickTarget) -> String {
-        let target = Target::Landmark(asked.landmark.clone());
+    fn step_again(&self, target: &ReclickTarget) -> String {
+        let target = Target::Landmark(target.landmark.clone());
         format!("Click {} again", self.label(&target))
     }
 
