@@ -3,7 +3,7 @@
 
 use super::align::align_frames;
 use super::candidates::{
-    PosesFrom, RUNNER_UP_RATIO, SAME_POSITION_M, find_candidates, sort_best_first,
+    PosesFrom, RUNNER_UP_RATIO, SAME_POSITION_M, apart_m, find_candidates, sort_best_first,
 };
 use super::clicked::GroundClick;
 use super::deciding_landmark::deciding_landmark;
@@ -225,7 +225,11 @@ impl Search<'_> {
         let [best, runner_up] = match refined {
             // Candidates that converge to one position differed only in the size of the field.
             [Some(best), Some(runner_up)]
-                if (best.position_m() - runner_up.position_m()).norm() < SAME_POSITION_M =>
+                if apart_m(
+                    best.position_m(),
+                    runner_up.position_m(),
+                    &best.camera.field,
+                ) < SAME_POSITION_M =>
             {
                 let best = align_frames(best, matched, picture, self.progress)?;
                 return self.judge(best.camera, matched, MIN_ALIGNED_WITH_RUNNER_UP);
@@ -436,7 +440,8 @@ fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
     let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
     // Candidates in the position of the best are the same answer.
     let is_elsewhere = |other: &Hypothesis| {
-        (other.position_m() - best.position_m()).norm() > SAME_POSITION_M && other.score() > 0.0
+        let apart_m = apart_m(other.position_m(), best.position_m(), &best.camera.field);
+        apart_m > SAME_POSITION_M && other.score() > 0.0
     };
     let elsewhere = candidates.find(is_elsewhere);
     best.camera.evidence.rival = elsewhere.as_ref().map_or(0.0, Hypothesis::score);
@@ -478,6 +483,19 @@ mod tests {
             chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89)]),
             (0.0, None)
         );
+    }
+
+    /// From behind a goal, the position opposite is the same answer on a field that looks the same
+    /// after half a turn.
+    #[test]
+    fn the_position_opposite_is_no_runner_up() {
+        let opposite = |score: f64| {
+            let mut hypothesis = beside(0.0, score);
+            let at_m = &mut hypothesis.camera.base.position_m;
+            (at_m.x, at_m.y) = (-at_m.x, -at_m.y);
+            hypothesis
+        };
+        assert_eq!(chosen(vec![beside(0.0, 0.9), opposite(0.89)]), (0.0, None));
     }
 
     #[test]

@@ -31,7 +31,8 @@ use super::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use touchline_core::field::FieldModel;
+use touchline_core::field::{FieldModel, Symmetry};
+use touchline_core::geometry::Vec3;
 use touchline_core::progress::Progress;
 
 /// Maximum number of hypotheses that are adjusted with all frames.
@@ -48,6 +49,26 @@ pub(super) const SAME_POSITION_M: f64 = 1.5;
 
 /// There is no runner-up if the score of the best candidate is this many times that of the next.
 pub(super) const RUNNER_UP_RATIO: f64 = 1.35;
+
+/// Distance between two positions of the camera, m. A field that looks the same after half a turn
+/// does so from the position opposite, too, so the nearer of both counts.
+pub(super) fn apart_m(one_m: Vec3, other_m: Vec3, field: &FieldModel) -> f64 {
+    let direct_m = (one_m - other_m).norm();
+    let opposite_m = Vec3::new(-other_m.x, -other_m.y, other_m.z);
+    let turn = Symmetry::Turn180;
+    let looks_the_same = || {
+        field
+            .lines
+            .iter()
+            .all(|line| turn.line_twin(field, line).is_some())
+    };
+    let turned_m = (one_m - opposite_m).norm();
+    if turned_m < direct_m && looks_the_same() {
+        turned_m
+    } else {
+        direct_m
+    }
+}
 
 /// Where the poses come from.
 pub(super) enum PosesFrom<'a> {
@@ -166,7 +187,8 @@ fn place_panoramas<'a>(
     for candidate in placed {
         let position_m = candidate.fit.pose.position_m;
         let is_near = |other: &PlacedPanorama<'_>| {
-            (other.fit.pose.position_m - position_m).norm() < SAME_POSITION_M
+            let field = &fields[candidate.pose.scored.field];
+            apart_m(other.fit.pose.position_m, position_m, field) < SAME_POSITION_M
         };
         if distinct.len() < MAX_REFINED && !distinct.iter().any(is_near) {
             distinct.push(candidate);
