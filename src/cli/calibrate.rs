@@ -18,7 +18,7 @@ use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::store;
 use touchline_documents::store::Location;
-use touchline_vision::media::{FrameReader, FrameSource};
+use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 
 /// Makes a project from a folder of images or a video and finds its camera without a click: where
 /// it stands, its lens, and each frame's pan, tilt and focal length, as suggestions. The frames
@@ -132,7 +132,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         &mut document,
         &folder,
         &camera,
-        &mut FrameReader::new(),
+        &mut CachedReader::new(FrameReader::new(), KEPT_BYTES),
         &options,
         &progress,
     );

@@ -18,7 +18,7 @@ use touchline_core::geometry::counted;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
-use touchline_vision::media::{FrameReader, Picture};
+use touchline_vision::media::{CachedReader, FrameReader, KEPT_BYTES, Picture};
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the
 /// rejected ones; every frame is solved with them, statuses stay.
@@ -285,7 +285,7 @@ fn estimate(
 struct Pictures<'a> {
     folder: &'a Path,
     messages: Messages,
-    reader: FrameReader,
+    reader: CachedReader<FrameReader>,
     unreadable: BTreeSet<String>,
 }
 
@@ -294,7 +294,7 @@ impl<'a> Pictures<'a> {
         Self {
             folder,
             messages,
-            reader: FrameReader::new(),
+            reader: CachedReader::new(FrameReader::new(), KEPT_BYTES),
             unreadable: BTreeSet::new(),
         }
     }
