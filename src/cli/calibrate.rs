@@ -112,6 +112,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         messages.frame_failed(name, &error.to_string());
     }
     let mut document = made.document;
+    messages.name_video_backend(&document);
     let camera = document
         .cameras
         .first()

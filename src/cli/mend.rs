@@ -80,6 +80,7 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         Some(cameras) => read_cameras(args, cameras, messages)?,
         None => read_document(&args.video, messages)?,
     };
+    messages.name_video_backend(&document);
     let before = document.clone();
     let interrupt = Interrupt::listen();
     let report = Mutex::new(MendReport::new(messages));

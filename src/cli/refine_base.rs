@@ -90,6 +90,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         location,
         mut document,
     } = args.document.load(messages)?;
+    messages.name_video_backend(&document);
     let original = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());

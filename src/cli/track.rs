@@ -78,6 +78,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         location,
         mut document,
     } = args.document.load(messages)?;
+    messages.name_video_backend(&document);
     let before = document.clone();
     let clip = TrackClipOptions {
         smooth: args.smooth,
