@@ -244,7 +244,7 @@ fn path_of(program: &str) -> String {
 /// Starts the program in a folder, with a shell script in place of `ffmpeg` or `ffprobe`. In it
 /// `REAL "$@"` does what the replaced program would do; its version is stated as ever.
 #[cfg(unix)]
-fn started_with(folder: &Path, replaced: &str, script: &str, arguments: &str) -> Child {
+fn start_with(folder: &Path, replaced: &str, script: &str, arguments: &str) -> Child {
     use std::os::unix::fs::PermissionsExt as _;
     let real = path_of(replaced);
     let script = script.replace("REAL", &real);
@@ -266,7 +266,7 @@ fn started_with(folder: &Path, replaced: &str, script: &str, arguments: &str) ->
 
 /// The command lines of running programs that name a folder.
 #[cfg(target_os = "linux")]
-fn running_with(folder: &Path) -> Vec<String> {
+fn find_running(folder: &Path) -> Vec<String> {
     let processes = std::fs::read_dir("/proc").unwrap();
     processes
         .filter_map(|process| std::fs::read(process.ok()?.path().join("cmdline")).ok())
@@ -303,7 +303,7 @@ fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
         let calibrate = "calibrate a.mp4 -o made --force";
         let children: Vec<Child> = cases
             .iter()
-            .map(|(replaced, script, _)| started_with(folder, replaced, script, calibrate))
+            .map(|(replaced, script, _)| start_with(folder, replaced, script, calibrate))
             .collect();
         for ((replaced, script, reason), child) in cases.iter().zip(children) {
             let output = child.wait_with_output().unwrap();
@@ -320,7 +320,7 @@ fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
         let after = std::fs::read(folder.join("made/project.json")).unwrap();
         assert_eq!(before, after);
         #[cfg(target_os = "linux")]
-        assert_eq!(running_with(folder), [""; 0]);
+        assert_eq!(find_running(folder), [""; 0]);
     }
 }
 

@@ -151,7 +151,7 @@ mod tests {
     }
 
     /// Reads frames, checks what they show, and returns which of them were decoded for it.
-    fn decoded(reader: &mut CachedReader<Numbered>, frames: &[usize]) -> Vec<usize> {
+    fn frames_decoded(reader: &mut CachedReader<Numbered>, frames: &[usize]) -> Vec<usize> {
         for &index in frames {
             let picture = reader.read(&frame(index)).unwrap();
             assert_eq!(usize::from(picture.rgba()[0]), index);
@@ -162,37 +162,37 @@ mod tests {
     #[test]
     fn what_fits_is_decoded_once() {
         let mut reader = CachedReader::new(Numbered::default(), 4 * BYTES);
-        assert_eq!(decoded(&mut reader, &[3, 7, 11]), [3, 7, 11]);
-        assert_eq!(decoded(&mut reader, &[3, 7, 11]), [0; 0]);
-        assert_eq!(decoded(&mut reader, &[11, 7, 5]), [5]);
+        assert_eq!(frames_decoded(&mut reader, &[3, 7, 11]), [3, 7, 11]);
+        assert_eq!(frames_decoded(&mut reader, &[3, 7, 11]), [0; 0]);
+        assert_eq!(frames_decoded(&mut reader, &[11, 7, 5]), [5]);
     }
 
     #[test]
     fn passes_over_more_than_fits_find_the_first_frames_again() {
         let mut reader = CachedReader::new(Numbered::default(), 4 * BYTES);
         let pass: Vec<usize> = (0..10).collect();
-        assert_eq!(decoded(&mut reader, &pass), pass);
+        assert_eq!(frames_decoded(&mut reader, &pass), pass);
         for _ in 0..3 {
-            assert_eq!(decoded(&mut reader, &pass), [4, 5, 6, 7, 8, 9]);
+            assert_eq!(frames_decoded(&mut reader, &pass), [4, 5, 6, 7, 8, 9]);
         }
     }
 
     #[test]
     fn frames_that_are_no_longer_read_make_room() {
         let mut reader = CachedReader::new(Numbered::default(), 4 * BYTES);
-        decoded(&mut reader, &[0, 10, 20, 30]);
+        frames_decoded(&mut reader, &[0, 10, 20, 30]);
         // 5 drops 0, which was skipped. For 15 there is no room, because 20 and 30 may yet come.
         // 25 drops 20.
-        assert_eq!(decoded(&mut reader, &[5, 10, 15, 25]), [5, 15, 25]);
+        assert_eq!(frames_decoded(&mut reader, &[5, 10, 15, 25]), [5, 15, 25]);
         // 15 drops 30, which was not read in two passes, and 30 drops 25.
-        assert_eq!(decoded(&mut reader, &[5, 10, 15, 30]), [15, 30]);
-        assert_eq!(decoded(&mut reader, &[5, 10, 15, 30]), [0; 0]);
+        assert_eq!(frames_decoded(&mut reader, &[5, 10, 15, 30]), [15, 30]);
+        assert_eq!(frames_decoded(&mut reader, &[5, 10, 15, 30]), [0; 0]);
     }
 
     #[test]
     fn frames_read_in_passing_and_those_that_failed_are_not_kept() {
         let mut reader = CachedReader::new(Numbered::default(), 4 * BYTES);
-        decoded(&mut reader, &[2]);
+        frames_decoded(&mut reader, &[2]);
         for index in 0..4 {
             let picture = reader.read_in_passing(&frame(index)).unwrap();
             assert_eq!(usize::from(picture.rgba()[0]), index);
@@ -209,7 +209,7 @@ mod tests {
         ) {
             let mut reader = CachedReader::new(Numbered::default(), budget);
             for index in frames {
-                decoded(&mut reader, &[index]);
+                frames_decoded(&mut reader, &[index]);
                 let kept: usize = reader.kept.values().map(|kept| kept.picture.bytes()).sum();
                 assert_eq!(kept, reader.kept_bytes);
                 assert!(kept <= budget);

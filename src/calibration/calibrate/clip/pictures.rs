@@ -116,7 +116,7 @@ impl ClipPictures<'_> {
         let mut frames =
             FrameStream::new(self.clip.frames.iter().map(|frame| frame.source.clone()))
                 .with_reader(reader)
-                .with_read_again(self.searched_for_paint(options.paint_every))
+                .with_read_again(self.pictures_of_paint_search(options.paint_every))
                 .with_progress(
                     progress.part(|Share { done, of }| ClipProgress::Following(done, of)),
                 );
@@ -137,19 +137,21 @@ impl ClipPictures<'_> {
         Ok(follower.finished())
     }
 
-    /// The pictures that are read again after the points were tracked: every n-th one, and those
-    /// whose camera was known before.
-    fn searched_for_paint(&self, paint_every: usize) -> BTreeSet<FrameRef> {
+    /// The pictures that are read again after the points were tracked, to search their paint:
+    /// every n-th one, and those whose camera was known before.
+    fn pictures_of_paint_search(&self, paint_every: usize) -> BTreeSet<FrameRef> {
         let frames = self.clip.frames.iter().enumerate();
-        let is_known = |frame: &ClipFrame| {
-            let of_document = frame.place.and_then(|at| self.at.document.frames.get(at));
-            of_document.is_some_and(|frame| is_anchor(frame))
-        };
         frames
-            .filter(|(at, frame)| at.is_multiple_of(paint_every) || is_known(frame))
+            .filter(|(at, frame)| at.is_multiple_of(paint_every) || self.is_known(frame))
             .filter(|_| paint_every > 0)
             .map(|(_, frame)| frame.source.clone())
             .collect()
+    }
+
+    /// Whether the document has a camera of a frame that is propagated.
+    fn is_known(&self, frame: &ClipFrame) -> bool {
+        let of_document = frame.place.and_then(|at| self.at.document.frames.get(at));
+        of_document.is_some_and(|frame| is_anchor(frame))
     }
 
     /// The verdicts of the paint of some frames on their cameras. Verdicts on nearby cameras in

@@ -169,21 +169,23 @@ mod tests {
         assert_eq!(killed.to_string(), "it was ended: signal: 9 (SIGKILL)");
     }
 
+    /// A shell script that is given up after a second and a half without output.
+    fn start_impatiently(script: &str) -> Process {
+        let mut command = Command::new("sh");
+        command.args(["-c", script]);
+        let patience = Duration::from_millis(1500);
+        Process::start_with_patience(&mut command, patience).unwrap()
+    }
+
     #[test]
     fn a_program_that_hangs_is_given_up_before_and_after_the_end_of_its_output() {
-        let hanging = |script: &str| {
-            let mut command = Command::new("sh");
-            command.args(["-c", script]);
-            let patience = Duration::from_millis(1500);
-            Process::start_with_patience(&mut command, patience).unwrap()
-        };
         let mut output = String::new();
-        let mut silent = hanging("echo a line; exec sleep 1000");
+        let mut silent = start_impatiently("echo a line; exec sleep 1000");
         let error = silent.output.read_to_string(&mut output).unwrap_err();
         assert_eq!(output, "a line\n");
         assert_eq!(error.to_string(), "it gave nothing for 1 s");
         output.clear();
-        let mut endless = hanging("echo a line; exec sleep 1000 >&-");
+        let mut endless = start_impatiently("echo a line; exec sleep 1000 >&-");
         endless.output.read_to_string(&mut output).unwrap();
         assert_eq!(output, "a line\n");
         let error = endless.wait().unwrap_err().to_string();
