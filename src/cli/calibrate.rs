@@ -18,7 +18,7 @@ use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::store;
 use touchline_documents::store::Location;
-use touchline_vision::media::{FrameReader, FrameSource};
+use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 
 /// Makes a project from a folder of images or a video and finds its camera without a click: where
 /// it stands, its lens, and each frame's pan, tilt and focal length, as suggestions. The frames
@@ -112,6 +112,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         messages.frame_failed(name, &error.to_string());
     }
     let mut document = made.document;
+    messages.name_video_backend(&document);
     let camera = document
         .cameras
         .first()
@@ -132,7 +133,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         &mut document,
         &folder,
         &camera,
-        &mut FrameReader::new(),
+        &mut CachedReader::new(FrameReader::new(), KEPT_BYTES),
         &options,
         &progress,
     );

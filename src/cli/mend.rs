@@ -21,7 +21,7 @@ use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{Format, ImportOptions, import, recognize_format};
 use touchline_documents::report::{Cell, Table};
-use touchline_vision::media::{FrameReader, FrameSource};
+use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 
 /// Mends cameras that another program gave for the frames of a video: one place, base and lens for
 /// all of them, each frame on its painted lines, and what was absurd carried from its neighbours.
@@ -80,6 +80,7 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         Some(cameras) => read_cameras(args, cameras, messages)?,
         None => read_document(&args.video, messages)?,
     };
+    messages.name_video_backend(&document);
     let before = document.clone();
     let interrupt = Interrupt::listen();
     let report = Mutex::new(MendReport::new(messages));
@@ -89,7 +90,7 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         interrupt.check()
     });
     let options = MendOptions { shifts };
-    let mut reader = FrameReader::new();
+    let mut reader = CachedReader::new(FrameReader::new(), KEPT_BYTES);
     let mended = match mend_document(&mut document, &folder, &mut reader, &options, &progress) {
         Ok(mended) => mended,
         Err(MendError::Stopped) => {

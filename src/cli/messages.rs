@@ -5,6 +5,8 @@ use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use touchline_core::files::plain;
 use touchline_core::progress::Progress;
+use touchline_documents::document::Document;
+use touchline_vision::media::VideoBackend;
 
 /// The format of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +31,17 @@ impl Messages {
     /// Reports why the whole command failed.
     pub fn error(self, message: &str) {
         self.write("error", None, message);
+    }
+
+    /// Says with JSON by which program the videos of a document are read, if it has any.
+    pub fn name_video_backend(self, document: &Document) {
+        let has_video = document.frames.iter().any(|frame| frame.video.is_some());
+        if self == Self::Text || !has_video {
+            return;
+        }
+        if let Some(backend) = VideoBackend::available().next() {
+            self.note(&format!("videos are read by {backend}"));
+        }
     }
 
     /// A progress bar for `count` steps. Visible only on a terminal, and not with JSON.

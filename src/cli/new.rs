@@ -77,6 +77,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     for (name, error) in &made.left_out {
         messages.frame_failed(name, &error.to_string());
     }
+    messages.name_video_backend(&made.document);
     ensure!(
         !made.document.frames.is_empty(),
         "{}: none of the images can be read",

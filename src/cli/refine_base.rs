@@ -18,7 +18,7 @@ use touchline_core::geometry::counted;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
-use touchline_vision::media::{FrameReader, Picture};
+use touchline_vision::media::{CachedReader, FrameReader, KEPT_BYTES, Picture};
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the
 /// rejected ones; every frame is solved with them, statuses stay.
@@ -90,6 +90,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         location,
         mut document,
     } = args.document.load(messages)?;
+    messages.name_video_backend(&document);
     let original = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
@@ -285,7 +286,7 @@ fn estimate(
 struct Pictures<'a> {
     folder: &'a Path,
     messages: Messages,
-    reader: FrameReader,
+    reader: CachedReader<FrameReader>,
     unreadable: BTreeSet<String>,
 }
 
@@ -294,7 +295,7 @@ impl<'a> Pictures<'a> {
         Self {
             folder,
             messages,
-            reader: FrameReader::new(),
+            reader: CachedReader::new(FrameReader::new(), KEPT_BYTES),
             unreadable: BTreeSet::new(),
         }
     }

@@ -98,6 +98,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         skipped,
     } = read_input(args, taught.clone(), messages)?;
     adopt_bases(&mut document, &taught, &model)?;
+    messages.name_video_backend(&document);
     let before = document.clone();
     // Choose the frames: undecided ones, with `--resume` without an answer, with `--key-frames` not
     // between key frames.

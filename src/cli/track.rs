@@ -19,7 +19,7 @@ use touchline_core::geometry::counted;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document};
-use touchline_vision::media::{FrameReader, FrameRef};
+use touchline_vision::media::{CachedReader, FrameReader, FrameRef, KEPT_BYTES};
 
 /// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip
 /// together.
@@ -78,6 +78,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         location,
         mut document,
     } = args.document.load(messages)?;
+    messages.name_video_backend(&document);
     let before = document.clone();
     let clip = TrackClipOptions {
         smooth: args.smooth,
@@ -146,7 +147,7 @@ pub fn track_and_report(
             .hear(event);
         interrupt.map_or(ControlFlow::Continue(()), Interrupt::check)
     });
-    let mut reader = FrameReader::new();
+    let mut reader = CachedReader::new(FrameReader::new(), KEPT_BYTES);
     Ok(track_clips(
         document,
         folder,

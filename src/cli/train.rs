@@ -96,6 +96,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         "{}: there are no references to train with; accept solved frames first",
         location.file().display()
     );
+    messages.name_video_backend(&document);
     let store = args.kept.store(Some(location.file()));
     let pictures = FramePictures {
         document: &document,

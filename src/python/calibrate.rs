@@ -27,7 +27,9 @@ use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{
     Camera, CameraId, Document, FieldSpec, Frame, VideoFrame, document_from_frames,
 };
-use touchline_vision::media::{CountProgress, FrameReader, FrameSource, ReadFrames};
+use touchline_vision::media::{
+    CachedReader, CountProgress, FrameReader, FrameSource, KEPT_BYTES, ReadFrames,
+};
 use touchline_vision::paint::{GroundPicture, SnapOptions};
 
 /// How many frames the camera may be found from, as `touchline calibrate --look-at`.
@@ -127,7 +129,7 @@ fn label(
     });
     let mut reader: Box<dyn ReadFrames> = match decoded {
         Some(decoded) => Box::new(decoded),
-        None => Box::new(FrameReader::new()),
+        None => Box::new(CachedReader::new(FrameReader::new(), KEPT_BYTES)),
     };
     label_match(document, folder, camera, &mut *reader, options, &events)
 }
@@ -281,7 +283,7 @@ fn track_all(
         show_tracking(steps, &event)
     });
     let clips = clips(document.at(folder), within);
-    let mut reader = FrameReader::new();
+    let mut reader = CachedReader::new(FrameReader::new(), KEPT_BYTES);
     let found = track_clips(
         document,
         folder,

@@ -2,14 +2,20 @@
 
 use crate::files::{behind_path, cut, written};
 use crate::parts::{Test, tests};
+use crate::program::touchline;
 use std::path::Path;
-use std::process::Command;
-use touchline::media::{MediaError, Video};
+use std::process::{Child, Command, Stdio};
+use touchline::geometry::ImageSize;
+use touchline::media::{MediaError, Video, VideoBackend, load_image};
 
 pub const TESTS: &[Test] = tests![
     [Ffmpeg] each_broken_video_has_its_message;
     [Ffmpeg] a_video_cut_off_is_read_as_far_as_it_goes;
     [Ffmpeg] frames_behind_damaged_ones_keep_their_numbers;
+    [Ffmpeg] an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else;
+    [Ffmpeg] a_path_that_begins_with_a_dash_is_a_path;
+    [Ffmpeg] frames_of_8k_are_read;
+    [Ffmpeg] json_names_what_reads_the_video;
 ];
 
 /// What ffmpeg makes.
@@ -226,4 +232,162 @@ fn frames_behind_damaged_ones_keep_their_numbers() {
         }
     }
     assert!((1..40).contains(&damaged), "{damaged}");
+}
+
+/// The path of a program, as a shell finds it.
+fn path_of(program: &str) -> String {
+    let script = format!("command -v {program}");
+    let found = Command::new("sh").args(["-c", &script]).output().unwrap();
+    String::from_utf8(found.stdout).unwrap().trim().to_owned()
+}
+
+/// Starts the program in a folder, with a shell script in place of `ffmpeg` or `ffprobe`. In it
+/// `REAL "$@"` does what the replaced program would do; its version is stated as ever.
+#[cfg(unix)]
+fn start_with(folder: &Path, replaced: &str, script: &str, arguments: &str) -> Child {
+    use std::os::unix::fs::PermissionsExt as _;
+    let real = path_of(replaced);
+    let script = script.replace("REAL", &real);
+    let text =
+        format!("#!/bin/sh\nif [ \"$1\" = -version ]; then exec {real} \"$@\"; fi\n{script}\n");
+    let bin = tempfile::tempdir_in(folder).unwrap().keep();
+    let file = written(&bin, replaced, text.as_bytes());
+    std::fs::set_permissions(file, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let path = std::env::var("PATH").unwrap();
+    Command::new(env!("CARGO_BIN_EXE_touchline"))
+        .args(arguments.split(' '))
+        .current_dir(folder)
+        .env("PATH", format!("{}:{path}", bin.display()))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// The command lines of running programs that name a folder.
+#[cfg(target_os = "linux")]
+fn find_running(folder: &Path) -> Vec<String> {
+    let processes = std::fs::read_dir("/proc").unwrap();
+    processes
+        .filter_map(|process| std::fs::read(process.ok()?.path().join("cmdline")).ok())
+        .map(|line| String::from_utf8_lossy(&line).replace('\0', " "))
+        .filter(|line| line.contains(&*folder.to_string_lossy()))
+        .collect()
+}
+
+/// The decoder hangs before its first frame, after 40 frames, or where it describes the video, and
+/// dies at the same places. All at once, because each hanging one is given 30 s.
+fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
+    #[cfg(unix)]
+    {
+        const HANG: &str = "exec sleep 1000";
+        const DIE: &str = "kill -9 $$";
+        const SILENT: &str = "it gave nothing for 30 s";
+        const KILLED: &str = "it was ended: signal: 9 (SIGKILL)";
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        written(folder, "a.mp4", &made(folder, "a.mp4", CARD));
+        let project = touchline(folder, "new made --field soccer --frames a.mp4");
+        assert_eq!(project.code, 0, "{}", project.stderr);
+        let before = std::fs::read(folder.join("made/project.json")).unwrap();
+        // 40 frames of 160 × 90 px, RGBA.
+        let some_frames = format!("REAL \"$@\" | head -c {}", 40 * 160 * 90 * 4);
+        let cases = [
+            ("ffmpeg", HANG.to_owned(), SILENT),
+            ("ffmpeg", format!("{some_frames}; {HANG}"), SILENT),
+            ("ffprobe", HANG.to_owned(), SILENT),
+            ("ffmpeg", DIE.to_owned(), KILLED),
+            ("ffmpeg", format!("{some_frames}; {DIE}"), KILLED),
+            ("ffprobe", DIE.to_owned(), KILLED),
+        ];
+        let calibrate = "calibrate a.mp4 -o made --force";
+        let children: Vec<Child> = cases
+            .iter()
+            .map(|(replaced, script, _)| start_with(folder, replaced, script, calibrate))
+            .collect();
+        for ((replaced, script, reason), child) in cases.iter().zip(children) {
+            let output = child.wait_with_output().unwrap();
+            let said = String::from_utf8(output.stderr).unwrap();
+            let expected = format!(
+                "touchline: a.mp4: {replaced} broke down while reading it ({reason}); open the video again\n"
+            );
+            assert_eq!(
+                (output.status.code(), said),
+                (Some(2), expected),
+                "{script}"
+            );
+        }
+        let after = std::fs::read(folder.join("made/project.json")).unwrap();
+        assert_eq!(before, after);
+        #[cfg(target_os = "linux")]
+        assert_eq!(find_running(folder), [""; 0]);
+    }
+}
+
+fn a_path_that_begins_with_a_dash_is_a_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    written(folder, "-a.mp4", &made(folder, "a.mp4", CARD));
+    std::fs::create_dir(folder.join("-pictures")).unwrap();
+    written(folder, "-pictures/-1.png", &picture());
+    for (frames, count) in [
+        ("-a.mp4", "100 frames"),
+        ("-pictures", "1 frame"),
+        ("-pictures/-1.png", "1 frame"),
+    ] {
+        let ran = touchline(
+            folder,
+            &format!("new --field soccer --frames={frames} --force -- -made"),
+        );
+        assert_eq!(ran.code, 0, "{frames}: {}", ran.stderr);
+        assert!(
+            ran.stderr.ends_with(&format!(": {count}\n")),
+            "{}",
+            ran.stderr
+        );
+    }
+}
+
+fn frames_of_8k_are_read() {
+    const SIZE: ImageSize = ImageSize::new(7680, 4320);
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let card = "-f lavfi -i testsrc2=size=7680x4320:rate=25 -frames:v";
+    made(
+        folder,
+        "8k.mp4",
+        &format!("{card} 3 -c:v libx264 -preset ultrafast -pix_fmt yuv420p"),
+    );
+    made(folder, "8k.jpg", &format!("{card} 1 -update 1"));
+    let mut video = Video::open(&folder.join("made-8k.mp4")).unwrap();
+    assert_eq!((video.info().decoded_frames, video.info().size), (3, SIZE));
+    assert_eq!(video.frame(2).unwrap().size(), SIZE);
+    let image = load_image(&folder.join("made-8k.jpg")).unwrap();
+    assert_eq!(image.size(), SIZE);
+    // A test card shows no field: one line says so, and no project is made.
+    let ran = touchline(folder, "calibrate made-8k.mp4 -o found");
+    assert_eq!(
+        (ran.code, ran.stderr.lines().count()),
+        (1, 1),
+        "{}",
+        ran.stderr
+    );
+    assert!(!folder.join("found").exists());
+}
+
+fn json_names_what_reads_the_video() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    written(folder, "a.mp4", &made(folder, "a.mp4", CARD));
+    let backend = VideoBackend::available().next().unwrap();
+    let line = format!(r#"{{"level":"note","message":"videos are read by {backend}"}}"#);
+    let ran = touchline(folder, "--json new made --field soccer --frames a.mp4");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(
+        ran.stderr.lines().any(|said| said == line),
+        "{}",
+        ran.stderr
+    );
+    let text = touchline(folder, "new made --field soccer --frames a.mp4 --force");
+    assert!(!text.stderr.contains("read by"), "{}", text.stderr);
 }

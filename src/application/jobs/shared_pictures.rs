@@ -150,6 +150,13 @@ impl ReadFrames for SharedReader {
         Ok(picture)
     }
 
+    fn read_in_passing(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+        match self.pictures.get(frame) {
+            Some(picture) => Ok(picture),
+            None => self.own.read_in_passing(frame),
+        }
+    }
+
     fn take_notices(&mut self) -> Vec<Notice> {
         self.own.take_notices()
     }
@@ -185,9 +192,13 @@ mod tests {
         trainer.read(&frame(1)).unwrap();
         window.read(&frame(1)).unwrap();
         assert_eq!(*read.lock().unwrap(), [frame(1)], "once for both");
+        trainer.read_in_passing(&frame(1)).unwrap();
+        trainer.read_in_passing(&frame(2)).unwrap();
+        assert_eq!(*read.lock().unwrap(), [frame(1), frame(2)]);
+        assert!(!pictures.contains(&frame(2)), "read in passing");
         pictures.clear();
         window.read(&frame(1)).unwrap();
-        assert_eq!(read.lock().unwrap().len(), 2);
+        assert_eq!(read.lock().unwrap().len(), 3);
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! | [`Video`], [`VideoInfo`] | frames of a video by their index among the frames that decode (through `ffmpeg`, or OpenCV if built in) |
 //! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; reading of frames |
 //! | [`FrameStream`] | a list of frames, read in order |
+//! | [`CachedReader`] | reading of frames several times that decodes them once, within a byte budget |
 //! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
 //! | [`letterboxed`] | thumbnails |
 //! | [`Notice`] | remarks for the user about a usable source |
@@ -16,6 +17,7 @@
 //! Pixel coordinates of pictures follow [`touchline_core::conventions`].
 
 mod cache;
+mod cached_reader;
 mod digest;
 mod error;
 mod folder;
@@ -32,6 +34,7 @@ mod thumbnail;
 mod video;
 
 pub use cache::FrameCache;
+pub use cached_reader::{CachedReader, KEPT_BYTES};
 pub use digest::{sha256_of_bytes, sha256_of_file};
 pub use error::MediaError;
 pub use folder::{FolderListing, list_images};

@@ -14,6 +14,15 @@ pub trait ReadFrames {
     /// The frame cannot be read.
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError>;
 
+    /// The pixels of a frame that will hardly be read again: a reader that keeps pictures does not
+    /// keep this one.
+    ///
+    /// # Errors
+    /// The frame cannot be read.
+    fn read_in_passing(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+        self.read(frame)
+    }
+
     /// Remarks for the user about the videos opened since the last call.
     fn take_notices(&mut self) -> Vec<Notice> {
         Vec::new()
@@ -23,6 +32,10 @@ pub trait ReadFrames {
 impl<R: ReadFrames + ?Sized> ReadFrames for &mut R {
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
         (**self).read(frame)
+    }
+
+    fn read_in_passing(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+        (**self).read_in_passing(frame)
     }
 
     fn take_notices(&mut self) -> Vec<Notice> {

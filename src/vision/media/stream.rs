@@ -1,6 +1,7 @@
 //! A list of frames, read one after the other.
 
 use super::{FrameReader, FrameRef, MediaError, Picture, ReadFrames};
+use std::collections::BTreeSet;
 use std::fmt;
 use touchline_core::progress::{Progress, Share};
 
@@ -17,6 +18,8 @@ use touchline_core::progress::{Progress, Share};
 pub struct FrameStream<'a, I> {
     reader: Box<dyn ReadFrames + 'a>,
     frames: I,
+    /// The frames that will be read again; none if this is not known.
+    read_again: Option<BTreeSet<FrameRef>>,
     progress: Progress<'a, Share>,
     /// Number of frames requested so far, of all.
     asked: Share,
@@ -43,6 +46,7 @@ impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
         Self {
             reader: Box::new(FrameReader::new()),
             frames,
+            read_again: None,
             progress: Progress::default(),
             asked,
         }
@@ -54,6 +58,16 @@ impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
     pub fn with_reader(self, reader: impl ReadFrames + 'a) -> Self {
         Self {
             reader: Box::new(reader),
+            ..self
+        }
+    }
+
+    /// States which frames will be read again with the same decoder later. It need not keep the
+    /// pictures of the others: see [`ReadFrames::read_in_passing`].
+    #[must_use]
+    pub fn with_read_again(self, frames: BTreeSet<FrameRef>) -> Self {
+        Self {
+            read_again: Some(frames),
             ..self
         }
     }
@@ -85,7 +99,15 @@ impl<I: ExactSizeIterator<Item = FrameRef>> Iterator for FrameStream<'_, I> {
         let source = self.frames.next()?;
         self.progress.report(self.asked).continue_value()?;
         self.asked.done += 1;
-        let picture = self.reader.read(&source);
+        let is_in_passing = self
+            .read_again
+            .as_ref()
+            .is_some_and(|read_again| !read_again.contains(&source));
+        let picture = if is_in_passing {
+            self.reader.read_in_passing(&source)
+        } else {
+            self.reader.read(&source)
+        };
         Some(StreamedFrame { source, picture })
     }
 }
@@ -102,6 +124,7 @@ impl<I> fmt::Debug for FrameStream<'_, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::media::CachedReader;
     use std::ops::ControlFlow;
     use std::path::Path;
     use std::sync::Mutex;
@@ -202,6 +225,19 @@ mod tests {
         drop(stream);
         assert_eq!(*steps.lock().unwrap(), [[0, 4], [1, 4], [2, 4]]);
         assert_eq!(reader.asked, [4, 5]);
+    }
+
+    #[test]
+    fn only_frames_that_are_read_again_are_kept() {
+        let mut reader = CachedReader::new(Numbered::default(), 1 << 20);
+        let all = frames(&[0, 1, 2, 3]);
+        let read_again = BTreeSet::from([all[1].clone(), all[3].clone()]);
+        let stream = FrameStream::new(all.clone()).with_reader(&mut reader);
+        let streamed: Vec<StreamedFrame> = stream.with_read_again(read_again).collect();
+        let shown: Vec<Option<u8>> = streamed.iter().map(number_in).collect();
+        assert_eq!(shown, [Some(0), Some(1), Some(2), Some(3)]);
+        let kept = all.iter().filter(|frame| reader.is_kept(frame));
+        assert!(kept.eq([&all[1], &all[3]]));
     }
 
     #[test]

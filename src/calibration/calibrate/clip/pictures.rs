@@ -1,11 +1,13 @@
 //! The pictures of a clip: reading in order, tracking points through them, and searching their
 //! paint.
 
+use super::anchors::is_anchor;
 use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, FollowedPictures};
-use super::frames::ClipFrames;
-use super::options::ClipProgress;
+use super::frames::{ClipFrame, ClipFrames};
+use super::options::{ClipProgress, TrackClipOptions};
 use super::paint::{MaskedPicture, Painted};
+use std::collections::BTreeSet;
 use touchline_core::camera::Ptz;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
@@ -14,7 +16,7 @@ use touchline_documents::document::DocumentAt;
 use touchline_vision::media::{
     FrameRef, FrameStream, MediaError, Picture, ReadFrames, StreamedFrame,
 };
-use touchline_vision::track::{ClipCamera, FollowOptions, PointFollower, PointTracks, TrackError};
+use touchline_vision::track::{ClipCamera, PointFollower, PointTracks, TrackError};
 
 /// The pictures of a clip.
 pub(super) struct ClipPictures<'a> {
@@ -76,7 +78,7 @@ impl ClipPictures<'_> {
     pub fn follow_points(
         &self,
         reader: &mut dyn ReadFrames,
-        options: FollowOptions,
+        options: &TrackClipOptions,
         evidence: &mut ClipEvidence,
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
@@ -87,7 +89,7 @@ impl ClipPictures<'_> {
                 .iter()
                 .map(|frame| frame.source.clone())
                 .collect(),
-            options,
+            options: options.follow,
         };
         let masks: Vec<_> = (0..self.clip.frames.len())
             .map(|frame| self.masks(frame))
@@ -106,14 +108,15 @@ impl ClipPictures<'_> {
     fn follow_afresh(
         &self,
         reader: &mut dyn ReadFrames,
-        options: FollowOptions,
+        options: &TrackClipOptions,
         masks: &[Vec<PixelBox>],
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
-        let mut follower = PointFollower::new(self.size, options);
+        let mut follower = PointFollower::new(self.size, options.follow);
         let mut frames =
             FrameStream::new(self.clip.frames.iter().map(|frame| frame.source.clone()))
                 .with_reader(reader)
+                .with_read_again(self.pictures_of_paint_search(options.paint_every))
                 .with_progress(
                     progress.part(|Share { done, of }| ClipProgress::Following(done, of)),
                 );
@@ -132,6 +135,23 @@ impl ClipPictures<'_> {
             return Err(TrackClipError::Stopped);
         }
         Ok(follower.finished())
+    }
+
+    /// The pictures that are read again after the points were tracked, to search their paint:
+    /// every n-th one, and those whose camera was known before.
+    fn pictures_of_paint_search(&self, paint_every: usize) -> BTreeSet<FrameRef> {
+        let frames = self.clip.frames.iter().enumerate();
+        frames
+            .filter(|(at, frame)| at.is_multiple_of(paint_every) || self.is_known(frame))
+            .filter(|_| paint_every > 0)
+            .map(|(_, frame)| frame.source.clone())
+            .collect()
+    }
+
+    /// Whether the document has a camera of a frame that is propagated.
+    fn is_known(&self, frame: &ClipFrame) -> bool {
+        let of_document = frame.place.and_then(|at| self.at.document.frames.get(at));
+        of_document.is_some_and(|frame| is_anchor(frame))
     }
 
     /// The verdicts of the paint of some frames on their cameras. Verdicts on nearby cameras in

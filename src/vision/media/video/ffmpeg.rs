@@ -13,7 +13,7 @@
 
 use super::capture::{Capture, StatedProperties};
 use super::ffprobe::Stream;
-use super::process::{Patient, Process, as_file, output_of};
+use super::process::{Patient, Process, as_file, fail_if_killed, output_of};
 use crate::media::picture::byte_count;
 use crate::media::{MediaError, Picture};
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
@@ -38,8 +38,8 @@ pub(super) struct Ffmpeg {
 /// The programs; `None` if one of them cannot be run.
 pub(super) fn ffmpeg() -> Option<&'static Ffmpeg> {
     static FFMPEG: LazyLock<Option<Ffmpeg>> = LazyLock::new(|| {
-        let version = stated_version(&output_of(Command::new("ffmpeg").arg("-version"))?)?;
-        output_of(Command::new("ffprobe").arg("-version"))?;
+        let version = stated_version(&version_text("ffmpeg")?)?;
+        version_text("ffprobe")?;
         let pass_through = if is_before_5_1(&version) {
             "-vsync"
         } else {
@@ -51,6 +51,11 @@ pub(super) fn ffmpeg() -> Option<&'static Ffmpeg> {
         })
     });
     FFMPEG.as_ref()
+}
+
+/// What a program says of its version; `None` if it cannot be run.
+fn version_text(program: &str) -> Option<String> {
+    output_of(Command::new(program).arg("-version")).ok()?
 }
 
 /// The version in `ffmpeg version 5.1.9 Copyright …`.
@@ -281,14 +286,9 @@ impl Decoder {
 
     /// Fails if the process was killed.
     fn check_end(&mut self) -> io::Result<()> {
-        let status = self.process.wait()?;
         // A damaged file makes it exit with an error code, after all frames that decode; that is no
-        // failure here. A killed process has no exit code.
-        if status.code().is_some() {
-            Ok(())
-        } else {
-            Err(io::Error::other(format!("it was ended: {status}")))
-        }
+        // failure here.
+        fail_if_killed(self.process.wait()?)
     }
 }
 

@@ -25,14 +25,18 @@ impl Stream {
     /// Reads the properties of the stream with `ffprobe`.
     ///
     /// # Errors
-    /// It finds no video in the file.
+    /// It finds no video in the file, hangs, or was killed.
     pub fn probe(path: &Path) -> Result<Self, MediaError> {
         let entries = "stream=codec_name,width,height,avg_frame_rate,r_frame_rate,nb_frames,start_pts,start_time,time_base,\
                        sample_aspect_ratio,duration:stream_side_data=rotation:format=duration,start_time";
         let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
         let mut command = probe_command(entries);
-        let described = output_of(command.arg(file))
-            .and_then(|output| Self::described_in(&Properties::read(&output)));
+        let output = output_of(command.arg(file)).map_err(|error| MediaError::ReaderFailed {
+            path: path.to_path_buf(),
+            reader: "ffprobe".to_owned(),
+            reason: error.to_string(),
+        })?;
+        let described = output.and_then(|output| Self::described_in(&Properties::read(&output)));
         described.ok_or_else(|| MediaError::NotAVideo {
             path: path.to_path_buf(),
         })

@@ -1,6 +1,7 @@
 //! Programs that run beside this one, such as `ffmpeg`. Their output is read with a limit on the time
 //! without any, and none outlives the value that stands for it.
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::io::{self, Read};
 use std::path::Path;
@@ -15,6 +16,7 @@ pub(super) struct Process {
     child: Child,
     /// Its standard output.
     pub output: Patient<ChildStdout>,
+    patience: Duration,
 }
 
 impl Process {
@@ -23,29 +25,59 @@ impl Process {
     /// # Errors
     /// It cannot be run.
     pub fn start(command: &mut Command) -> io::Result<Self> {
+        Self::start_with_patience(command, PATIENCE)
+    }
+
+    fn start_with_patience(command: &mut Command, patience: Duration) -> io::Result<Self> {
         let mut child = command
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .spawn()?;
-        let output = child
+        let pipe = child
             .stdout
             .take()
             .ok_or_else(|| io::Error::other("it has no output"))?;
         Ok(Self {
             child,
-            output: Patient(output),
+            output: Patient { pipe, patience },
+            patience,
         })
     }
 
     /// Its standard error, if the command pipes it; once.
     pub fn take_errors(&mut self) -> Option<Patient<ChildStderr>> {
-        self.child.stderr.take().map(Patient)
+        let patience = self.patience;
+        let pipe = self.child.stderr.take()?;
+        Some(Patient { pipe, patience })
+    }
+
+    /// Waits until it has ended, which is soon after the end of its output.
+    ///
+    /// # Errors
+    /// It does not end, or the system does not tell.
+    #[cfg(unix)]
+    pub fn wait(&mut self) -> io::Result<ExitStatus> {
+        use rustix::event::{Timespec, poll};
+        const INTERVAL: Duration = Duration::from_millis(5);
+        let interval = Timespec::try_from(INTERVAL).map_err(io::Error::other)?;
+        for _ in 0..self.patience.as_millis() / INTERVAL.as_millis() {
+            if let Some(status) = self.child.try_wait()? {
+                return Ok(status);
+            }
+            // Nothing to poll: this only passes the time.
+            poll(&mut [], Some(&interval))?;
+        }
+        Err(io::Error::other(format!(
+            "it gave all its output and did not end for {} s",
+            self.patience.as_secs()
+        )))
     }
 
     /// Waits until it has ended.
     ///
     /// # Errors
     /// The system does not tell.
+    #[cfg(not(unix))]
     pub fn wait(&mut self) -> io::Result<ExitStatus> {
         self.child.wait()
     }
@@ -59,13 +91,27 @@ impl Drop for Process {
     }
 }
 
-/// The whole output of a short-lived program; `None` if it cannot be run, fails or hangs.
-pub(super) fn output_of(command: &mut Command) -> Option<String> {
-    let mut process = Process::start(command.stderr(Stdio::null())).ok()?;
+/// The whole output of a short-lived program; `None` if it states by its exit code that it failed.
+///
+/// # Errors
+/// It cannot be run, hangs, or was killed.
+pub(super) fn output_of(command: &mut Command) -> io::Result<Option<String>> {
+    let mut process = Process::start(command.stderr(Stdio::null()))?;
     let mut output = Vec::new();
-    process.output.read_to_end(&mut output).ok()?;
-    let has_succeeded = process.wait().is_ok_and(|status| status.success());
-    has_succeeded.then(|| String::from_utf8_lossy(&output).into_owned())
+    process.output.read_to_end(&mut output)?;
+    let status = process.wait()?;
+    fail_if_killed(status)?;
+    let text = status.success().then(|| String::from_utf8_lossy(&output));
+    Ok(text.map(Cow::into_owned))
+}
+
+/// Fails if a program was killed, and did not end by itself: it then has no exit code.
+pub(super) fn fail_if_killed(status: ExitStatus) -> io::Result<()> {
+    if status.code().is_some() {
+        Ok(())
+    } else {
+        Err(io::Error::other(format!("it was ended: {status}")))
+    }
 }
 
 /// A path that `ffmpeg` cannot mistake for a protocol, as `a:b.mp4`, or for an option.
@@ -75,30 +121,36 @@ pub(super) fn as_file(path: &Path) -> io::Result<OsString> {
     Ok(file)
 }
 
-/// A pipe that is read with [`PATIENCE`].
-pub(super) struct Patient<R>(R);
+/// A pipe that is read with a limit on the time without any data.
+pub(super) struct Patient<R> {
+    pipe: R,
+    patience: Duration,
+}
 
 #[cfg(unix)]
 impl<R: Read + std::os::fd::AsFd> Read for Patient<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         use rustix::event::{PollFd, PollFlags, Timespec, poll};
-        let patience = Timespec::try_from(PATIENCE).map_err(io::Error::other)?;
+        let patience = Timespec::try_from(self.patience).map_err(io::Error::other)?;
         // Wait for data with a timeout: a plain read would block forever if the process hangs.
-        let ready = poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&patience))?;
+        let ready = poll(
+            &mut [PollFd::new(&self.pipe, PollFlags::IN)],
+            Some(&patience),
+        )?;
         if ready == 0 {
             return Err(io::Error::other(format!(
                 "it gave nothing for {} s",
-                PATIENCE.as_secs()
+                self.patience.as_secs()
             )));
         }
-        self.0.read(buffer)
+        self.pipe.read(buffer)
     }
 }
 
 #[cfg(not(unix))]
 impl<R: Read> Read for Patient<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.0.read(buffer)
+        self.pipe.read(buffer)
     }
 }
 
@@ -110,9 +162,34 @@ mod tests {
     #[test]
     fn the_output_of_a_program_is_read_and_a_failing_or_missing_one_has_none() {
         let shell = |script: &str| output_of(Command::new("sh").args(["-c", script]));
-        assert_eq!(shell("echo a line").as_deref(), Some("a line\n"));
-        assert_eq!(shell("echo a line; exit 3"), None);
-        assert_eq!(output_of(&mut Command::new("/no/such/program")), None);
+        assert_eq!(shell("echo a line").unwrap().as_deref(), Some("a line\n"));
+        assert_eq!(shell("echo a line; exit 3").unwrap(), None);
+        assert!(output_of(&mut Command::new("/no/such/program")).is_err());
+        let killed = shell("echo a line; kill -9 $$").unwrap_err();
+        assert_eq!(killed.to_string(), "it was ended: signal: 9 (SIGKILL)");
+    }
+
+    /// A shell script that is given up after a second and a half without output.
+    fn start_impatiently(script: &str) -> Process {
+        let mut command = Command::new("sh");
+        command.args(["-c", script]);
+        let patience = Duration::from_millis(1500);
+        Process::start_with_patience(&mut command, patience).unwrap()
+    }
+
+    #[test]
+    fn a_program_that_hangs_is_given_up_before_and_after_the_end_of_its_output() {
+        let mut output = String::new();
+        let mut silent = start_impatiently("echo a line; exec sleep 1000");
+        let error = silent.output.read_to_string(&mut output).unwrap_err();
+        assert_eq!(output, "a line\n");
+        assert_eq!(error.to_string(), "it gave nothing for 1 s");
+        output.clear();
+        let mut endless = start_impatiently("echo a line; exec sleep 1000 >&-");
+        endless.output.read_to_string(&mut output).unwrap();
+        assert_eq!(output, "a line\n");
+        let error = endless.wait().unwrap_err().to_string();
+        assert_eq!(error, "it gave all its output and did not end for 1 s");
     }
 
     /// Dropping waits for the end, so that this would take as long as the program sleeps.
