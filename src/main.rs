@@ -36,8 +36,7 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
                 .to_owned(),
         );
     }
-    #[cfg(target_os = "linux")]
-    give_runtime_folder();
+    cli::give_runtime_folder();
     // Who started the program from a desktop sees no terminal.
     let refuse = |why: String| {
         if !std::io::stdin().is_terminal() && !std::io::stderr().is_terminal() {
@@ -59,25 +58,6 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
             "the window cannot open, for neither a Vulkan nor an OpenGL driver can be used (Debian: \
              mesa-vulkan-drivers libegl1): {error}. The commands work without, see touchline --help"
         )),
-    }
-}
-
-/// Starts the program again with a runtime folder if its session names none. Without one the
-/// libraries of Wayland and Vulkan write an error each time they look for a display, although X11
-/// needs none; and a process cannot set a variable of its own once it may have threads.
-#[cfg(all(feature = "gui", target_os = "linux"))]
-fn give_runtime_folder() {
-    use std::os::unix::process::CommandExt as _;
-    const VARIABLE: &str = "XDG_RUNTIME_DIR";
-    if std::env::var_os(VARIABLE).is_some() {
-        return;
-    }
-    if let Ok(program) = std::env::current_exe() {
-        // It returns only if it failed: then the program goes on as it is.
-        let _ = std::process::Command::new(program)
-            .args(std::env::args_os().skip(1))
-            .env(VARIABLE, std::env::temp_dir())
-            .exec();
     }
 }
 

@@ -34,6 +34,7 @@ mod output;
 mod refine_base;
 mod relocalize;
 mod render;
+mod runtime_folder;
 mod snap;
 mod solve;
 mod split;
@@ -43,6 +44,7 @@ mod train;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use messages::Messages;
+pub use runtime_folder::give_runtime_folder;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -146,7 +148,10 @@ pub fn run() -> Next {
         Command::New(args) => new::new(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),
-        Command::Render(args) => render::render(&args, messages),
+        Command::Render(args) => {
+            give_runtime_folder();
+            render::render(&args, messages)
+        }
         Command::Snap(args) => snap::snap(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
         Command::Split(args) => split::split(&args, messages),

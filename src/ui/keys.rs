@@ -65,7 +65,7 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
         Focus::Free
     };
     let (events, window_focused) = ctx.input(|input| (input.events.clone(), input.focused));
-    let mut pressed: Vec<Action> = Vec::new();
+    let mut typed: Vec<Action> = Vec::new();
     for event in &events {
         let Event::Key {
             key,
@@ -84,7 +84,7 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
             repeat: *repeat,
             modifiers: *modifiers,
         };
-        pressed.extend(meaning(app, stroke, focus));
+        typed.extend(meaning(app, stroke, focus));
     }
     let steps_clicks = |action: &Action| {
         matches!(
@@ -93,18 +93,18 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
         )
     };
     // egui moves the focus with Tab by itself.
-    if pressed.iter().any(steps_clicks) {
+    if typed.iter().any(steps_clicks) {
         // Tab was a command here, so the focus must not move.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
     // A key that goes up over another window sends no event. So the loss of the focus ends all
     // commands that last while a key is down.
     if !window_focused && app.session.picture.held != Held::default() {
-        pressed.push(Action::Hold(Command::HideOverlay, false));
-        pressed.push(Action::Hold(Command::Compare, false));
-        pressed.push(Action::Hold(Command::Snap, false));
+        typed.push(Action::Hold(Command::HideOverlay, false));
+        typed.push(Action::Hold(Command::Compare, false));
+        typed.push(Action::Hold(Command::Snap, false));
     }
-    actions.extend(pressed);
+    actions.extend(typed);
 }
 
 /// The action of a key stroke in the present state, if any.
