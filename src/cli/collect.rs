@@ -2,16 +2,19 @@
 
 use super::Outcome;
 use super::messages::Messages;
+use super::relocalize::probability;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use touchline_core::geometry::{counted, thousands};
 use touchline_core::progress::Progress;
-use touchline_season::collect::{CollectEvent, CollectOptions, QUEUE_FILE, collect as collect_parts};
+use touchline_season::collect::{
+    CollectEvent, CollectOptions, QUEUE_FILE, collect as collect_parts,
+};
 use touchline_season::plan::Plan;
 
-/// Makes a project for each match of a season from the parts of its shards, a queue of the frames to
-/// look at, worst first, and a table. What is missing is named. May be run again when there are more
-/// parts: what people did in the projects stays.
+/// Makes a project for each match of a season from the parts of its shards, a queue of the frames
+/// to look at, worst first, and a table. What is missing is named. May be run again when there are
+/// more parts: what people did in the projects stays.
 #[derive(clap::Args, Debug)]
 pub struct CollectArgs {
     /// The plan that `touchline plan` wrote.
@@ -24,16 +27,21 @@ pub struct CollectArgs {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Suggestions below this confidence, from 0 to 1, are in the queue and counted as uncertain.
-    #[arg(long, value_name = "0..1", default_value_t = CollectOptions::default().below, value_parser = super::relocalize::probability)]
+    #[arg(
+        long,
+        value_name = "0..1",
+        default_value_t = CollectOptions::default().below,
+        value_parser = probability
+    )]
     below: f64,
 }
 
-/// Collects the parts. [`Outcome::SomeFailed`] if a shard has no whole part, or a project was left as
-/// it is.
+/// Collects the parts. [`Outcome::SomeFailed`] if a shard has no whole part, or a project was left
+/// as it is.
 ///
 /// # Errors
-/// The plan or the parts cannot be read, the folder holds other things, another process collects into
-/// it, or something cannot be written.
+/// The plan or the parts cannot be read, the folder holds other things, another process collects
+/// into it, or something cannot be written.
 pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let plan = Plan::read(&args.plan)?;
     let bar = messages.progress(plan.matches.len(), "Collecting matches");

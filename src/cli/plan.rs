@@ -23,7 +23,12 @@ pub struct PlanArgs {
     #[arg(long, value_name = "FILE")]
     commands: Option<PathBuf>,
     /// The folder of parts that these lines name.
-    #[arg(long, value_name = "DIR", default_value = "parts", requires = "commands")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "parts",
+        requires = "commands"
+    )]
     parts: PathBuf,
     /// Allow machines of any processor class to do the shards. The bytes of their parts may then
     /// differ in last digits.
@@ -37,10 +42,13 @@ pub struct PlanArgs {
 /// Reads the season, makes its plan and writes it.
 ///
 /// # Errors
-/// The season file has a mistake, something that it names cannot be read, or a file exists or cannot
-/// be written.
+/// The season file has a mistake, something that it names cannot be read, or a file exists or
+/// cannot be written.
 pub fn plan(args: &PlanArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    for path in [Some(&args.output), args.commands.as_ref()].into_iter().flatten() {
+    for path in [Some(&args.output), args.commands.as_ref()]
+        .into_iter()
+        .flatten()
+    {
         refuse_existing(path, args.force)?;
     }
     let season = Season::read(&args.season)?;

@@ -11,9 +11,9 @@ use touchline_season::parent::die_with_parent;
 use touchline_season::plan::Plan;
 use touchline_season::shard::{ShardDone, ShardError, ShardEvent, do_shard};
 
-/// Does one shard of a plan and writes its part. A part that is there and whole is left as it is, so
-/// a shard may be started again at any time and on several machines. It ends when the process that
-/// started it does.
+/// Does one shard of a plan and writes its part. A part that is there and whole is left as it is,
+/// so a shard may be started again at any time and on several machines. It ends when the process
+/// that started it does.
 #[derive(clap::Args, Debug)]
 pub struct ShardArgs {
     /// The plan that `touchline plan` wrote.

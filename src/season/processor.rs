@@ -5,12 +5,15 @@
 //!
 //! | what | why |
 //! |---|---|
-//! | instruction set | the program's own loops, OpenCV and the C library choose fused multiply–add and wider vectors where the processor has them, which rounds and sums differently |
-//! | libraries | sine, logarithm and power are the C library's, features and flow are OpenCV's; other versions round the last bit differently |
+//! | instruction set | wider vectors and fused multiply–add round and sum differently |
+//! | libraries | sine and power are the C library's, features and flow are OpenCV's |
 //! | ffmpeg | decodes the frames and converts their colours |
 //!
-//! All three are in a plan's *processor class* and so in the name of each shard. A machine of another
-//! class refuses the shard rather than mixing its bytes with others'.
+//! The program's own loops, OpenCV and the C library choose instructions by the processor that they
+//! run on; other versions of the libraries round the last bit differently.
+//!
+//! All three are in a plan's *processor class* and so in the name of each shard. A machine of
+//! another class refuses the shard rather than mixing its bytes with others'.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -70,7 +73,9 @@ fn instruction_set() -> String {
 fn hash_of_libraries() -> String {
     let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
     // Names stand behind five columns and may contain blanks.
-    let paths = maps.lines().filter_map(|line| line.find('/').map(|at| PathBuf::from(&line[at..])));
+    let paths = maps
+        .lines()
+        .filter_map(|line| line.find('/').map(|at| PathBuf::from(&line[at..])));
     let libraries: BTreeSet<PathBuf> = paths
         .filter(|path| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -95,9 +100,10 @@ fn ffmpeg_version() -> String {
         .stdin(Stdio::null())
         .stderr(Stdio::null())
         .output();
-    let text = output.map_or_else(|_| String::new(), |output| {
-        String::from_utf8_lossy(&output.stdout).into_owned()
-    });
+    let text = output.map_or_else(
+        |_| String::new(),
+        |output| String::from_utf8_lossy(&output.stdout).into_owned(),
+    );
     text.strip_prefix("ffmpeg version ")
         .and_then(|rest| rest.split_whitespace().next())
         .unwrap_or("none")

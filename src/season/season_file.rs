@@ -20,8 +20,8 @@
 //! options = { look_at = 100 }
 //! ```
 //!
-//! Paths are relative to the season file's folder. Every mistake is one line that names the file, the
-//! line in it and the way to mend it.
+//! Paths are relative to the season file's folder. Every mistake is one line that names the file,
+//! the line in it and the way to mend it.
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -135,7 +135,9 @@ pub enum SeasonMistake {
     #[error("the file names no match; write a [[match]] with its video")]
     NoMatch,
     /// A match has the name of another one.
-    #[error("the match {name:?} has the name of the one in line {other}; name one of them otherwise")]
+    #[error(
+        "the match {name:?} has the name of the one in line {other}; name one of them otherwise"
+    )]
     SameName {
         /// The name.
         name: String,
@@ -151,9 +153,7 @@ pub enum SeasonMistake {
         other: usize,
     },
     /// A name cannot be the name of a folder.
-    #[error(
-        "{name:?} cannot be the name of a match, for a folder is named after it; use letters, digits, blanks, - and _"
-    )]
+    #[error("{name:?} cannot be the name of a match and its folder; use letters, digits, - and _")]
     Name {
         /// The name.
         name: String,
@@ -171,7 +171,7 @@ pub enum SeasonMistake {
         name: String,
     },
     /// A file that is named is not there.
-    #[error("there is no {}; correct the path, which is relative to the season file", path.display())]
+    #[error("there is no {}; paths are relative to the season file", path.display())]
     Missing {
         /// The file or folder.
         path: PathBuf,
@@ -180,7 +180,9 @@ pub enum SeasonMistake {
     #[error(transparent)]
     Field(#[from] FieldError),
     /// A venue has a template that is not built in.
-    #[error("{template}: a venue takes the templates that are built in (`touchline fields` lists them)")]
+    #[error(
+        "{template}: a venue takes the templates that are built in (`touchline fields` lists them)"
+    )]
     OwnTemplate {
         /// The template.
         template: String,

@@ -1,9 +1,10 @@
 //! Hash and length of a match's frames, kept beside them.
 //!
-//! Hashing a match of several gigabytes takes seconds to minutes, and counting its frames, too. Both
-//! are written into a small file beside the video or folder (`match.mp4.touchline`), with the names,
-//! sizes and times of the files that they are of. As long as these are the same, nothing is read
-//! again. The file may be deleted at any time; where it cannot be written, each run hashes anew.
+//! Hashing a match of several gigabytes takes seconds to minutes, and counting its frames, too.
+//! Both are written into a small file beside the video or folder (`match.mp4.touchline`), with the
+//! names, sizes and times of the files that they are of. As long as these are the same, nothing is
+//! read again. The file may be deleted at any time; where it cannot be written, each run hashes
+//! anew.
 
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -82,7 +83,7 @@ struct Kept {
 /// # Errors
 /// The frames cannot be read, or there is none.
 pub fn examine_source(path: &Path) -> Result<SourceState, SourceError> {
-    let kept_at = kept_path(path);
+    let kept_at = sidecar_path(path);
     let files = files_of(path)?;
     if let Some(kept) = read_kept(&kept_at)
         && kept.files == files.hash
@@ -145,7 +146,7 @@ fn program() -> String {
     touchline_documents::document::generator()
 }
 
-fn kept_path(path: &Path) -> PathBuf {
+fn sidecar_path(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(SUFFIX);
     PathBuf::from(name)

@@ -33,7 +33,10 @@ pub enum CollectError {
         output: PathBuf,
     },
     /// Another process collects into the same folder.
-    #[error("another touchline collects into {} ({holder}); wait until it has ended", output.display())]
+    #[error(
+        "another touchline collects into {} ({holder}); wait until it has ended",
+        output.display()
+    )]
     Busy {
         /// The output.
         output: PathBuf,

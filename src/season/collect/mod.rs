@@ -6,11 +6,10 @@
 //! OUT/season.csv, .md     a row for each match
 //! ```
 //!
-//! Parts may be collected while others are still being made, and again later. A project that is there
-//! already is brought up to date: what a person did in a frame stays, and only frames that show a
-//! suggestion, or nothing, take that of the parts (`project`). A project that is
-//! open in the window, or in which a camera has another base than in the parts, is left alone and
-//! named.
+//! Parts may be collected while others are still being made, and again later. A project that is
+//! there already is brought up to date: what a person did in a frame stays, and only frames that
+//! show a suggestion, or nothing, take that of the parts (`project`). A project that is open in the
+//! window, or in which a camera has another base than in the parts, is left alone and named.
 //!
 //! Only parts are read, no videos. What has no whole part is a gap: it is named, its frames are not
 //! in the project, and the table counts them.
@@ -151,7 +150,10 @@ pub fn collect(
     collected.queued = queue.entries().len();
     write(&output.join(QUEUE_FILE), &queue.to_text())?;
     let table = table.finish();
-    for (file, text) in TABLE_FILES.iter().zip([table.to_csv(), table.to_markdown()]) {
+    for (file, text) in TABLE_FILES
+        .iter()
+        .zip([table.to_csv(), table.to_markdown()])
+    {
         write(&output.join(file), &text)?;
     }
     Ok(collected)
@@ -182,7 +184,9 @@ fn refuse_other_folder(output: &Path) -> Result<(), CollectError> {
         };
     };
     // A first collection that was killed, or is going on, has left at least its lock.
-    let is_season = [QUEUE_FILE, LOCK_FILE].iter().any(|file| output.join(file).exists());
+    let is_season = [QUEUE_FILE, LOCK_FILE]
+        .iter()
+        .any(|file| output.join(file).exists());
     if is_season || entries.next().is_none() {
         return Ok(());
     }

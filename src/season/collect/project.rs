@@ -15,7 +15,9 @@ use touchline_core::progress::Progress;
 use touchline_documents::document::{
     Camera, CameraId, Document, Frame, FrameId, Frames, History, Shared, Suggestion, resolved,
 };
-use touchline_documents::store::{Access, Location, Opened, PROJECT_FILE, open, read, write_document};
+use touchline_documents::store::{
+    Access, Location, Opened, PROJECT_FILE, open, read, write_document,
+};
 
 /// A match whose parts are to be collected.
 pub(super) struct MatchToCollect<'a> {
@@ -64,7 +66,7 @@ impl MatchToCollect<'_> {
             }
         };
         collected.reason.clone_from(&found.about.reason);
-        let labelled = self.labelled_frames(&mut collected.gaps, progress);
+        let labelled = self.read_windows(&mut collected.gaps, progress);
         // Without a project the find shard's frames are those of windows, and come with these.
         let mut made = found.document;
         if self.of_match.project.is_none() {
@@ -91,7 +93,7 @@ impl MatchToCollect<'_> {
 
     /// The frames of all windows that have a whole part. Neighbouring windows without one are
     /// reported as one gap.
-    fn labelled_frames(
+    fn read_windows(
         &self,
         gaps: &mut usize,
         progress: &Progress<'_, CollectEvent>,
@@ -168,8 +170,8 @@ const fn is_missing(why: &PartError) -> bool {
     matches!(why, PartError::Missing { .. })
 }
 
-/// Brings a project that was collected before up to date and writes it. Returns the project, and why
-/// it was left as it is, if it was.
+/// Brings a project that was collected before up to date and writes it. Returns the project, and
+/// why it was left as it is, if it was.
 fn bring_up_to_date(
     before: Opened,
     made: Document,
@@ -182,7 +184,10 @@ fn bring_up_to_date(
         Access::ReadOnly(reason) => return Ok((document, Some(format!("it is {reason}")))),
     };
     if let Some(camera) = camera_with_other_base(&document, &made) {
-        let why = format!("camera {} has another base than in the parts", camera.as_str());
+        let why = format!(
+            "camera {} has another base than in the parts",
+            camera.as_str()
+        );
         return Ok((document, Some(why)));
     }
     let labelled: Vec<Shared<Frame>> = made.frames.iter().cloned().collect();
@@ -202,7 +207,10 @@ fn camera_with_other_base(document: &Document, made: &Document) -> Option<Camera
     let differs = |camera: &&Shared<Camera>| {
         document.camera(&camera.id).and_then(Camera::base) != camera.base()
     };
-    made.cameras.iter().find(differs).map(|camera| camera.id.clone())
+    made.cameras
+        .iter()
+        .find(differs)
+        .map(|camera| camera.id.clone())
 }
 
 /// The frames of a project with those of the parts, which are in the order of time: frames of both
@@ -279,8 +287,7 @@ mod tests {
         ]
         .into_iter()
         .collect();
-        let labelled =
-            ["a", "b", "c", "d", "e"].map(|name| frame(name, Some(2.0), Suggested));
+        let labelled = ["a", "b", "c", "d", "e"].map(|name| frame(name, Some(2.0), Suggested));
         let merged = merge_frames(&project, &labelled, update_by_part);
         let shown = |frame: &Shared<Frame>| {
             let pan_deg = frame.ptz.as_ref().map(|ptz| ptz.pan_deg);

@@ -100,8 +100,7 @@ impl Queue {
             path: path.to_path_buf(),
             reason,
         };
-        let queue: Self =
-            serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?;
+        let queue: Self = serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?;
         if queue.format == FORMAT && queue.version == VERSION {
             Ok(queue)
         } else {
@@ -126,7 +125,7 @@ impl Queue {
         for stretch in frames.chunk_by(is_same_stretch) {
             let doubtful = stretch.iter().filter(|(_, frame)| self.is_doubtful(frame));
             let worst = doubtful.min_by(|(_, one), (_, other)| {
-                shown_confidence(one).total_cmp(&shown_confidence(other))
+                least_confidence(one).total_cmp(&least_confidence(other))
             });
             let Some((position, frame)) = worst else {
                 continue;
@@ -145,7 +144,7 @@ impl Queue {
 
     /// Whether a frame has a suggested camera below the confidence.
     fn is_doubtful(&self, frame: &Frame) -> bool {
-        frame.is_open() && frame.ptz.is_some() && shown_confidence(frame) < self.below
+        frame.is_open() && frame.ptz.is_some() && least_confidence(frame) < self.below
     }
 
     /// Puts the worst first; of equals the larger stretch, then the order of the season.
@@ -163,11 +162,9 @@ impl Queue {
         let line = |entry: &QueueEntry| serde_json::to_string(entry).unwrap_or_default();
         let entries: Vec<String> = self.entries.iter().map(line).collect();
         let separator = if entries.is_empty() { "" } else { "\n" };
-        format!(
-            "{{\"format\":\"{FORMAT}\",\"version\":{VERSION},\"below\":{},\"entries\":[{separator}{}{separator}]}}\n",
-            self.below,
-            entries.join(",\n")
-        )
+        let head = format!("\"format\":\"{FORMAT}\",\"version\":{VERSION}");
+        let (below, entries) = (self.below, entries.join(",\n"));
+        format!("{{{head},\"below\":{below},\"entries\":[{separator}{entries}{separator}]}}\n")
     }
 }
 
@@ -177,7 +174,7 @@ pub(super) fn confidence_of(frame: &Frame) -> Option<f64> {
 }
 
 /// The confidence in a frame's camera; 0 if none is stated.
-fn shown_confidence(frame: &Frame) -> f64 {
+fn least_confidence(frame: &Frame) -> f64 {
     confidence_of(frame).unwrap_or(0.0)
 }
 

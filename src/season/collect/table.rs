@@ -69,7 +69,10 @@ impl SeasonTable {
         };
         let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
         if let Some(document) = &found.document {
-            let with_base = document.cameras.iter().filter(|camera| camera.base().is_some());
+            let with_base = document
+                .cameras
+                .iter()
+                .filter(|camera| camera.base().is_some());
             counts.cameras = with_base.count();
             for frame in &document.frames {
                 if frame.ptz.is_none() {
@@ -84,7 +87,11 @@ impl SeasonTable {
         }
         let counted = counts.certain + counts.uncertain + counts.none;
         counts.gap = planned.num_frames.saturating_sub(counted);
-        self.push(&planned.name, &counts, why(found.reason.as_deref(), &reasons));
+        self.push(
+            &planned.name,
+            &counts,
+            why(found.reason.as_deref(), &reasons),
+        );
         self.sums.add(&counts);
     }
 
@@ -136,14 +143,25 @@ fn reason_of(frame: &Frame) -> &str {
 
 /// Why frames have no camera: the reason for the match, and the numbers for each reason of a frame.
 fn why(of_match: Option<&str>, reasons: &BTreeMap<&str, usize>) -> String {
-    let counted = reasons.iter().map(|(reason, count)| format!("{reason} {count}"));
-    let all: Vec<String> = of_match.map(str::to_owned).into_iter().chain(counted).collect();
+    let counted = reasons
+        .iter()
+        .map(|(reason, count)| format!("{reason} {count}"));
+    let all: Vec<String> = of_match
+        .map(str::to_owned)
+        .into_iter()
+        .chain(counted)
+        .collect();
     all.join("; ")
 }
 
 /// What the shards of a match cost, as far as it is stated beside their parts.
 fn core_hours(planned: &PlannedMatch, parts: &Path) -> f64 {
     let labels = planned.labels.iter().map(|label| &label.shard);
-    let costs = labels.chain([&planned.find]).filter_map(|shard| Cost::read(parts, shard));
-    costs.map(|cost| cost.cpu_s.unwrap_or(cost.wall_s)).sum::<f64>() / HOUR_S
+    let costs = labels
+        .chain([&planned.find])
+        .filter_map(|shard| Cost::read(parts, shard));
+    costs
+        .map(|cost| cost.cpu_s.unwrap_or(cost.wall_s))
+        .sum::<f64>()
+        / HOUR_S
 }

@@ -5,13 +5,13 @@
 //! about (JSON) | document (JSON) | forest (bytes)
 //! ```
 //!
-//! The first line states the shard, the lengths of what follows and its SHA-256, so that a part that
-//! is cut off, damaged or of another shard is seen as such and never used. A part is written under
-//! a temporary name, flushed and renamed, and never replaces one that is there: two processes that do
-//! one shard may both finish, and whoever comes second finds the same bytes.
+//! The first line states the shard, the lengths of what follows and its SHA-256, so that a part
+//! that is cut off, damaged or of another shard is seen as such and never used. A part is written
+//! under a temporary name, flushed and renamed, and never replaces one that is there: two processes
+//! that do one shard may both finish, and whoever comes second finds the same bytes.
 //!
-//! The part does not name a plan. Its shard is named by everything that goes in, so the part is that
-//! of every plan that has the shard: a season that grows by a match keeps what was done.
+//! The part does not name a plan. Its shard is named by everything that goes in, so the part is
+//! that of every plan that has the shard: a season that grows by a match keeps what was done.
 
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -37,14 +37,20 @@ const COST_ENDING: &str = "cost";
 const MAX_BYTES: u64 = 4 << 30;
 /// Maximum length of the first line, bytes.
 const MAX_HEADER_BYTES: usize = 4096;
+/// How a file that may be of use elsewhere is mended.
+const MOVE_AWAY: &str = "move it away and run this shard again";
+/// How a file that is of no use is mended.
+const DELETE: &str = "delete it and run its shard again";
+/// What to do about two machines of one class with different arithmetic.
+const REPORT: &str = "the two machines differ although their class is the same: please report it";
 
 /// The result of a shard.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// What is not in the document.
     pub about: AboutPart,
-    /// Field, cameras, and frames with their suggestions; paths are relative to the folder that holds
-    /// the match's video or folder of images.
+    /// Field, cameras, and frames with their suggestions; paths are relative to the folder that
+    /// holds the match's video or folder of images.
     pub document: Document,
     /// Of a find shard: the forest that label shards query; empty if none could be trained.
     pub forest: Vec<u8>,
@@ -115,13 +121,19 @@ pub enum PartError {
         source: io::Error,
     },
     /// It has no first line that states a part.
-    #[error("{} is not a part, or one that another version wrote; move it away and run its shard again", path.display())]
+    #[error(
+        "{} is not a part, or one that another version wrote; {MOVE_AWAY}",
+        path.display()
+    )]
     NotAPart {
         /// The file.
         path: PathBuf,
     },
     /// It states another shard than its name.
-    #[error("{} is the part of another shard, {found}, of this or another plan; move it away and run this shard again", path.display())]
+    #[error(
+        "{} is the part of another shard, {found}, of this or another plan; {MOVE_AWAY}",
+        path.display()
+    )]
     OtherShard {
         /// The file.
         path: PathBuf,
@@ -129,7 +141,10 @@ pub enum PartError {
         found: String,
     },
     /// It is shorter or longer than it states.
-    #[error("{} is cut off: it has {found} of {stated} bytes; delete it and run its shard again", path.display())]
+    #[error(
+        "{} is cut off: it has {found} of {stated} bytes; {DELETE}",
+        path.display()
+    )]
     CutOff {
         /// The file.
         path: PathBuf,
@@ -139,7 +154,7 @@ pub enum PartError {
         stated: usize,
     },
     /// Its bytes are not those that were written.
-    #[error("{} is damaged: its checksum is wrong; delete it and run its shard again", path.display())]
+    #[error("{} is damaged: its checksum is wrong; {DELETE}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -162,7 +177,7 @@ pub enum PartError {
     },
     /// There is another part of this shard with other bytes.
     #[error(
-        "{} was made by another process meanwhile, with other bytes; it stays. One of the two machines has other libraries than its processor class says: please report it",
+        "{} was made by another process meanwhile, with other bytes, and stays; {REPORT}",
         path.display()
     )]
     Differs {
@@ -185,8 +200,8 @@ pub fn shard_of_path(path: &Path) -> Option<&str> {
 }
 
 impl Part {
-    /// Writes the part of a shard into a folder of parts, whole or not at all. If another process has
-    /// written it meanwhile, with the same bytes, nothing is done.
+    /// Writes the part of a shard into a folder of parts, whole or not at all. If another process
+    /// has written it meanwhile, with the same bytes, nothing is done.
     ///
     /// # Errors
     /// It cannot be written, or there is one with other bytes.
@@ -231,7 +246,9 @@ impl Part {
             forest_bytes: self.forest.len(),
             sha256: sha256_of_bytes(&body),
         };
-        let mut bytes = serde_json::to_string(&header).unwrap_or_default().into_bytes();
+        let mut bytes = serde_json::to_string(&header)
+            .unwrap_or_default()
+            .into_bytes();
         bytes.push(b'\n');
         bytes.append(&mut body);
         Ok(bytes)
@@ -240,8 +257,8 @@ impl Part {
     /// Reads the part of a shard.
     ///
     /// # Errors
-    /// [`PartError::Missing`] if it is not there; else it cannot be read, or is not the whole part of
-    /// this shard.
+    /// [`PartError::Missing`] if it is not there; else it cannot be read, or is not the whole part
+    /// of this shard.
     pub fn read(parts: &Path, shard: &str) -> Result<Self, PartError> {
         let path = part_path(parts, shard);
         let bytes = read_bytes(&path)?;
@@ -285,10 +302,12 @@ impl<'a> Sections<'a> {
     fn split(path: &Path, bytes: &'a [u8], shard: &str) -> Result<Self, PartError> {
         let path = || path.to_path_buf();
         let not_a_part = || PartError::NotAPart { path: path() };
-        let end = bytes.iter().take(MAX_HEADER_BYTES).position(|byte| *byte == b'\n');
+        let end = bytes
+            .iter()
+            .take(MAX_HEADER_BYTES)
+            .position(|byte| *byte == b'\n');
         let end = end.ok_or_else(not_a_part)?;
-        let header: Header =
-            serde_json::from_slice(&bytes[..end]).map_err(|_| not_a_part())?;
+        let header: Header = serde_json::from_slice(&bytes[..end]).map_err(|_| not_a_part())?;
         if header.format != FORMAT || header.version != VERSION {
             return Err(not_a_part());
         }
@@ -404,10 +423,7 @@ mod tests {
         let said_of = |bytes: &[u8]| {
             fs::write(&path, bytes).unwrap();
             let refusal = Part::read(parts, "a1").unwrap_err().to_string();
-            assert_eq!(
-                is_part_whole(parts, "a1").unwrap_err().to_string(),
-                refusal
-            );
+            assert_eq!(is_part_whole(parts, "a1").unwrap_err().to_string(), refusal);
             refusal
         };
         for length in 0..whole.len() {

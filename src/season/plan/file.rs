@@ -1,6 +1,6 @@
 //! The file of a plan.
 
-use super::shard_id::{find_id, label_id};
+use super::shard_id::{FindInput, label_id};
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -124,7 +124,10 @@ pub enum PlanError {
         reason: String,
     },
     /// A shard's name is not that of what goes into it.
-    #[error("{} was edited: what goes into a shard of {name} is not what the shard is named by; make the plan again", path.display())]
+    #[error(
+        "{} was edited: a shard of {name} is not named by what goes into it; make the plan again",
+        path.display()
+    )]
     Edited {
         /// The plan.
         path: PathBuf,
@@ -158,8 +161,7 @@ impl Plan {
             path: path.to_path_buf(),
             reason,
         };
-        let plan: Self =
-            serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?;
+        let plan: Self = serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?;
         if plan.format != FORMAT {
             return Err(refuse(format!("`format` is {:?}", plan.format)));
         }
@@ -186,13 +188,36 @@ impl Plan {
         Ok(text)
     }
 
+    /// Names the shards of a match by what goes into them.
+    pub(super) fn name_shards(&self, planned: &mut PlannedMatch) {
+        planned.find = self.find_id(planned);
+        for label in &mut planned.labels {
+            label.shard = label_id(&planned.find, label.first, label.last);
+        }
+    }
+
+    fn find_id(&self, planned: &PlannedMatch) -> String {
+        let input = FindInput {
+            program: &self.program,
+            processor: &self.processor,
+            frames_name: &planned.frames_name,
+            frames_sha256: &planned.frames_sha256,
+            num_frames: planned.num_frames,
+            field: &planned.field,
+            project: planned.project.as_ref().map(|file| file.sha256.as_str()),
+            forest: planned.forest.as_ref().map(|file| file.sha256.as_str()),
+            look_at: planned.look_at,
+        };
+        input.id()
+    }
+
     fn has_true_ids(&self, planned: &PlannedMatch) -> bool {
         let has_true_id = |label: &LabelShard| {
             label.shard == label_id(&planned.find, label.first, label.last)
                 && label.first <= label.last
                 && label.last < planned.num_frames
         };
-        planned.find == find_id(self, planned) && planned.labels.iter().all(has_true_id)
+        planned.find == self.find_id(planned) && planned.labels.iter().all(has_true_id)
     }
 
     /// The shard with an id.

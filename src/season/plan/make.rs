@@ -1,7 +1,6 @@
 //! From a season to its plan.
 
 use super::file::{LabelShard, Plan, PlannedFile, PlannedMatch};
-use super::shard_id::{find_id, label_id};
 use crate::season_file::{Match, Season};
 use crate::source::{SourceError, SourceState, examine_source, place_of_source};
 use std::path::{Path, PathBuf};
@@ -44,7 +43,8 @@ pub enum MakePlanError {
     },
     /// The project of a match has no camera that could be used.
     #[error(
-        "{name}: {} has no camera with a base; estimate it there first, or take the project out of the season, and it is found", project.display()
+        "{name}: {} has no camera with a base; estimate it there, or name no project",
+        project.display()
     )]
     NoBase {
         /// The match.
@@ -66,8 +66,8 @@ pub enum MakePlanError {
 }
 
 /// Plans a season: hashes what is named in it and divides its matches. The plan is for a file at
-/// `plan`, to which its paths are relative, and for machines of `processor` class. Each match that is
-/// done is reported.
+/// `plan`, to which its paths are relative, and for machines of `processor` class. Each match that
+/// is done is reported.
 ///
 /// # Errors
 /// A video, project or forest cannot be used, or `progress` cancelled it.
@@ -81,10 +81,7 @@ pub fn make_plan(
     let mut made = Plan::new(generator(), processor.to_owned());
     for of_season in &season.matches {
         let mut planned = plan_match(of_season, &folder)?;
-        planned.find = find_id(&made, &planned);
-        for label in &mut planned.labels {
-            label.shard = label_id(&planned.find, label.first, label.last);
-        }
+        made.name_shards(&mut planned);
         made.matches.push(planned);
         if progress.report(()).is_break() {
             return Err(MakePlanError::Stopped);
@@ -126,7 +123,11 @@ fn windows(state: &SourceState, of_season: &Match) -> Vec<LabelShard> {
     let options = &of_season.options;
     let length = state.fps.map_or(options.images, |fps| {
         let frames = (options.window_s * fps).round();
-        if frames.is_finite() { frames as usize } else { 1 }
+        if frames.is_finite() {
+            frames as usize
+        } else {
+            1
+        }
     });
     let length = length.max(1);
     let label = |first: usize| LabelShard {
@@ -138,11 +139,10 @@ fn windows(state: &SourceState, of_season: &Match) -> Vec<LabelShard> {
 }
 
 fn plan_project(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, MakePlanError> {
-    let (location, document, _) =
-        store::read(path).map_err(|source| MakePlanError::Project {
-            name: name.to_owned(),
-            source: Box::new(source),
-        })?;
+    let (location, document, _) = store::read(path).map_err(|source| MakePlanError::Project {
+        name: name.to_owned(),
+        source: Box::new(source),
+    })?;
     let has_base = |camera: &Camera| camera.base().is_some();
     if !document.cameras.iter().any(|camera| has_base(camera)) {
         return Err(MakePlanError::NoBase {
@@ -150,11 +150,10 @@ fn plan_project(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, M
             project: path.to_path_buf(),
         });
     }
-    let sha256 =
-        hash_of_project(&location, &document).map_err(|source| MakePlanError::Write {
-            name: name.to_owned(),
-            source,
-        })?;
+    let sha256 = hash_of_project(&location, &document).map_err(|source| MakePlanError::Write {
+        name: name.to_owned(),
+        source,
+    })?;
     Ok(PlannedFile {
         path: path_for(path, folder),
         sha256,
@@ -179,7 +178,10 @@ fn plan_forest(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, Ma
 /// The document cannot be written.
 pub fn hash_of_project(location: &Location, document: &Document) -> Result<String, WriteError> {
     let mut text = document_to_string(document)?;
-    let of_cameras = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
+    let of_cameras = document
+        .cameras
+        .iter()
+        .filter_map(|camera| camera.field.as_ref());
     let own: Vec<&FieldSpec> = of_cameras
         .chain([&document.field])
         .filter(|field| field.is_file())

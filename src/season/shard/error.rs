@@ -12,12 +12,19 @@ use touchline_documents::document::{ReadError, WriteError};
 use touchline_documents::store::StoreError;
 use touchline_vision::relocalize::ForestFileError;
 
+/// What to do on a machine of another class than the plan's.
+const OTHER_CLASS: &str =
+    "bytes would differ; use such a machine, or make the plan again with --any-processor";
+
 /// Why a shard was not done. Nothing was written then.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ShardError {
     /// The plan has no shard of this id.
-    #[error("{} has no shard {id}; its shards are what touchline plan --commands writes", plan.display())]
+    #[error(
+        "{} has no shard {id}; touchline plan --commands writes its shards",
+        plan.display()
+    )]
     NotInPlan {
         /// The plan.
         plan: PathBuf,
@@ -25,7 +32,9 @@ pub enum ShardError {
         id: String,
     },
     /// Another program made the plan.
-    #[error("the plan was made by {planned}, and this is {here}: bytes would differ; make the plan again")]
+    #[error(
+        "the plan was made by {planned}, and this is {here}: bytes would differ; make the plan again"
+    )]
     OtherProgram {
         /// The program that made the plan.
         planned: String,
@@ -34,7 +43,7 @@ pub enum ShardError {
     },
     /// This machine is of another processor class than the plan.
     #[error(
-        "the plan is for machines of class \"{planned}\", and this is one of \"{here}\": bytes would differ; run the shard on such a machine, or make the plan again with --any-processor"
+        "the plan is for machines of class \"{planned}\", and this is one of \"{here}\": {OTHER_CLASS}"
     )]
     OtherProcessor {
         /// The plan's class.

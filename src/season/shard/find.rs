@@ -38,7 +38,10 @@ impl Work<'_> {
     fn find_without_click(&self) -> Result<Part, ShardError> {
         let mut document = self.document_of(&self.source.frames, &self.of_match.field);
         let Some(camera) = document.cameras.first().map(|camera| camera.id.clone()) else {
-            return Ok(without_camera(document, "not one image can be read".to_owned()));
+            return Ok(without_camera(
+                document,
+                "not one image can be read".to_owned(),
+            ));
         };
         let options = MatchOptions {
             sampled_frames: self.of_match.look_at,
@@ -137,8 +140,8 @@ impl Work<'_> {
         })
     }
 
-    /// Which camera took which frames, by the frames of a document. Where it has none of this match,
-    /// the first camera with a base took all.
+    /// Which camera took which frames, by the frames of a document. Where it has none of this
+    /// match, the first camera with a base took all.
     fn about(&self, document: &Document) -> AboutPart {
         let numbered = document.frames.iter().filter_map(|frame| {
             let number = self.source.number_of(frame)?;
@@ -146,7 +149,10 @@ impl Work<'_> {
         });
         let mut cameras_of_frames = runs_of(numbered);
         if cameras_of_frames.is_empty() {
-            let with_base = document.cameras.iter().find(|camera| camera.base().is_some());
+            let with_base = document
+                .cameras
+                .iter()
+                .find(|camera| camera.base().is_some());
             cameras_of_frames = runs_of(with_base.map(|camera| (0, camera.id.clone())));
         }
         AboutPart {
@@ -187,7 +193,10 @@ pub(super) fn read_model(bytes: &[u8], what: &str) -> Result<ForestModel, ShardE
 
 /// The part of a match without a camera. Its frames keep the name of the camera that was searched.
 fn without_camera(mut document: Document, reason: String) -> Part {
-    let camera = document.cameras.first().map(|camera| (0, camera.id.clone()));
+    let camera = document
+        .cameras
+        .first()
+        .map(|camera| (0, camera.id.clone()));
     document.frames.retain(|_| false);
     Part {
         about: AboutPart {

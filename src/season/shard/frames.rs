@@ -29,7 +29,8 @@ impl OpenSource {
         })
     }
 
-    /// The number of a document's frame among all frames of the match; none if it is not one of them.
+    /// The number of a document's frame among all frames of the match; none if it is not one of
+    /// them.
     pub(super) fn number_of(&self, frame: &Frame) -> Option<usize> {
         match (&self.frames, frame.picture_source(&self.folder)?) {
             (FrameSource::Video(info), FrameRef::Video { path, index }) => {

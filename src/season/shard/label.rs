@@ -3,7 +3,8 @@
 //! 1. Frames that the find shard looked at keep their cameras; the others begin as new.
 //! 2. The forest is queried for key frames a second apart, the first and the last frame among them,
 //!    and its answers are aligned to their paint; of a folder it is queried for every image.
-//! 3. Frames of a video between them are tracked from those that are certain, and never across a cut.
+//! 3. Frames of a video between them are tracked from those that are certain, and never across a
+//!    cut.
 //!
 //! No camera's base and no field's size changes, because all windows of a match must share them.
 

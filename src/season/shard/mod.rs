@@ -2,14 +2,14 @@
 //!
 //! | step | where |
 //! |---|---|
-//! | check that the machine, the video and the project are those of the plan; leave a whole part alone | here |
+//! | check machine, video and project against the plan; leave a whole part alone | here |
 //! | find the cameras of a match, train its forest | `find` |
 //! | label the frames of a window | `label` |
 //! | measure what it cost | `cost` |
 //!
 //! Shards may run in any order and on any machine that sees the frames and the folder of parts. A
-//! label shard whose find part is not there yet makes that part first; an engine that knows the order
-//! never comes to that, and one that does not is merely slower.
+//! label shard whose find part is not there yet makes that part first; an engine that knows the
+//! order never comes to that, and one that does not is merely slower.
 
 mod cost;
 mod error;
@@ -65,8 +65,8 @@ pub enum ShardDone {
     },
 }
 
-/// Does a shard of the plan at `plan_path` and writes its part into the folder `parts`, which is made
-/// if necessary. Temporary files of processes that were killed a day ago are removed from it.
+/// Does a shard of the plan at `plan_path` and writes its part into the folder `parts`, which is
+/// made if necessary. Temporary files of processes that were killed a day ago are removed from it.
 ///
 /// # Errors
 /// The plan has no such shard or is of another program or processor class, the frames changed after
