@@ -305,12 +305,11 @@ impl SeasonFile<'_> {
         fields: &BTreeMap<String, FieldSpec>,
     ) -> Result<Match, SeasonError> {
         let frames = self.existing(&text.frames)?;
-        let (name, span) = match text.name {
-            Some(name) => (name.get_ref().clone(), name.span()),
-            None => {
-                let stem = frames.file_stem().unwrap_or_default();
-                (stem.to_string_lossy().into_owned(), text.frames.span())
-            }
+        let (name, span) = if let Some(name) = text.name {
+            (name.get_ref().clone(), name.span())
+        } else {
+            let stem = frames.file_stem().unwrap_or_default();
+            (stem.to_string_lossy().into_owned(), text.frames.span())
         };
         if !is_folder_name(&name) {
             return Err(self.mistake(&span, SeasonMistake::Name { name }));
@@ -446,8 +445,8 @@ impl SeasonFile<'_> {
     }
 
     fn line_of(&self, span: &Range<usize>) -> usize {
-        let before = self.text.as_bytes().get(..span.start).unwrap_or_default();
-        1 + before.iter().filter(|byte| **byte == b'\n').count()
+        let before = self.text.get(..span.start).unwrap_or_default();
+        1 + before.matches('\n').count()
     }
 }
 

@@ -7,6 +7,7 @@
 //! anew.
 
 use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -182,7 +183,8 @@ fn files_of(path: &Path) -> Result<Files, SourceError> {
         })?;
         let since = modified.duration_since(UNIX_EPOCH).unwrap_or_default();
         let name = image.file_name().unwrap_or_default().to_string_lossy();
-        text.push_str(&format!("{name}\0{bytes}\0{}\n", since.as_nanos()));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name}\0{bytes}\0{}", since.as_nanos());
         newest = newest.max(modified);
     }
     Ok(Files {
@@ -195,7 +197,7 @@ fn hash_of_images(images: &[PathBuf]) -> Result<String, MediaError> {
     let mut text = String::new();
     for image in images {
         let name = image.file_name().unwrap_or_default().to_string_lossy();
-        text.push_str(&format!("{name}\0{}\n", sha256_of_file(image)?));
+        let _ = writeln!(text, "{name}\0{}", sha256_of_file(image)?);
     }
     Ok(sha256_of_bytes(text.as_bytes()))
 }

@@ -81,7 +81,7 @@ impl MatchToCollect<'_> {
             return Ok(collected);
         }
         let before = open(&folder)?;
-        let (document, left) = bring_up_to_date(before, made)?;
+        let (document, left) = bring_up_to_date(before, &made)?;
         collected.is_left_alone = left.is_some();
         if let Some(why) = left {
             let name = name.clone();
@@ -174,7 +174,7 @@ const fn is_missing(why: &PartError) -> bool {
 /// why it was left as it is, if it was.
 fn bring_up_to_date(
     before: Opened,
-    made: Document,
+    made: &Document,
 ) -> Result<(Document, Option<String>), CollectError> {
     let Opened {
         document, access, ..
@@ -183,7 +183,7 @@ fn bring_up_to_date(
         Access::Writable(store) => store,
         Access::ReadOnly(reason) => return Ok((document, Some(format!("it is {reason}")))),
     };
-    if let Some(camera) = camera_with_other_base(&document, &made) {
+    if let Some(camera) = camera_with_other_base(&document, made) {
         let why = format!(
             "camera {} has another base than in the parts",
             camera.as_str()
