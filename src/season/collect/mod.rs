@@ -183,9 +183,11 @@ fn refuse_other_folder(output: &Path) -> Result<(), CollectError> {
             Ok(())
         };
     };
-    // A first collection that was killed, or is going on, has left at least its lock.
+    // A first collection that was killed, or is going on, has left at least its lock. Snakemake
+    // deletes the queue before it collects again.
     let is_season = [QUEUE_FILE, LOCK_FILE]
         .iter()
+        .chain(&TABLE_FILES)
         .any(|file| output.join(file).exists());
     if is_season || entries.next().is_none() {
         return Ok(());

@@ -1,7 +1,7 @@
 //! The file that a shard writes: `PARTS/ID.part`.
 //!
 //! ```text
-//! {"format": "touchline part", "version": 1, "shard": ID, "about_bytes": …, …, "sha256": …}\n
+//! {"format": "touchline part", "version": 1, "shard": ID, …, "sha256": …}\n
 //! about (JSON) | document (JSON) | forest (bytes)
 //! ```
 //!

@@ -33,7 +33,7 @@ pub enum ShardError {
     },
     /// Another program made the plan.
     #[error(
-        "the plan was made by {planned}, and this is {here}: bytes would differ; make the plan again"
+        "the plan is of {planned}, and this is {here}: bytes would differ; make the plan again"
     )]
     OtherProgram {
         /// The program that made the plan.
@@ -43,7 +43,7 @@ pub enum ShardError {
     },
     /// This machine is of another processor class than the plan.
     #[error(
-        "the plan is for machines of class \"{planned}\", and this is one of \"{here}\": {OTHER_CLASS}"
+        "the plan is for machines of class \"{planned}\", this is one of \"{here}\": {OTHER_CLASS}"
     )]
     OtherProcessor {
         /// The plan's class.
