@@ -64,14 +64,13 @@ def do_shard(plan: str, shard: str, place: str, touchline: Optional[str], found:
     begun, kept = time.time(), Parts(place)
     scratch = os.path.join(tempfile.gettempdir(), f"touchline-{os.getuid()}-{hashlib.sha256(plan.encode()).hexdigest()[:16]}")
     parts = os.path.join(scratch, "parts") if kept.remote else kept.folder
-    for made in (scratch, parts):
-        os.makedirs(made, exist_ok=True)
-    path = os.path.join(scratch, f"plan-{os.getpid()}.json")
-    with open(path, "w") as file:
+    os.makedirs(scratch, exist_ok=True)
+    os.makedirs(parts, exist_ok=True)
+    with open(os.path.join(scratch, f"plan-{os.getpid()}.json"), "w") as file:
         file.write(plan)
     if found is not None:
         kept.fetch(found[0], parts)
-    command = [touchline or program() or "touchline", "shard", path, shard, "-o", parts]
+    command = [touchline or program() or "touchline", "shard", file.name, shard, "-o", parts]
     ran = subprocess.run(command, stderr=subprocess.PIPE, universal_newlines=True)
     if ran.returncode < 0:
         raise Killed(f"{shard}: ended by signal {-ran.returncode}")
@@ -97,7 +96,10 @@ def watch_head(address: str) -> None:
 
 def run(plan: Dict[str, Any], place: str, address: Optional[str], touchline: Optional[str]) -> int:
     ray: Any = importlib.import_module("ray")
-    ray.init(address=address, log_to_driver=False, logging_level="ERROR")
+    try:
+        ray.init(address=address, log_to_driver=False, logging_level="FATAL")
+    except (ConnectionError, RuntimeError) as error:
+        sys.exit(f"touchline: {str(error).strip().splitlines()[0]}")
     threading.Thread(target=watch_head, args=(ray.get_runtime_context().gcs_address,), daemon=True).start()
     task = ray.remote(max_retries=-1, retry_exceptions=[Killed], scheduling_strategy="SPREAD", num_cpus=1)(do_shard)
     kept, text = Parts(place), ray.put(json.dumps(plan))
@@ -117,27 +119,24 @@ def run(plan: Dict[str, Any], place: str, address: Optional[str], touchline: Opt
         done, left = ray.wait(left, timeout=REPORT_S)
         for shard in done:
             try:
-                seconds += ray.get(shard)[1]
-                frames += frames_of[shard]
+                seconds, frames = seconds + ray.get(shard)[1], frames + frames_of[shard]
             except Exception as error:
                 failed += 1
                 print(f"touchline: {str(error).strip().splitlines()[-1]}", file=sys.stderr)
         if time.time() - reported > REPORT_S or not left:
             reported = time.time()
-            rate = frames / (reported - begun)
-            print(f"touchline: {rate:.1f} frames/s, {len(left)} shards left, {seconds / 3600:.2f} core hours", file=sys.stderr)
+            print(f"touchline: {frames / (reported - begun):.1f} frames/s, {len(left)} shards left, {seconds / 3600:.2f} core hours", file=sys.stderr)
     return 1 if failed else 0
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m touchline.season", description="The shards of a season's plan by Ray.")
+    parser = argparse.ArgumentParser(prog="python -m touchline.season", description="Does a season's shards by Ray.")
     parser.add_argument("plan", help="the plan that touchline plan wrote")
     parser.add_argument("--parts", required=True, help="the folder of parts, or s3://… or gs://…")
     parser.add_argument("--address", help="the head of a Ray cluster; this machine alone if absent")
     parser.add_argument("--touchline", help="the program on every node, if it is not beside the Python module")
     given = parser.parse_args()
-    with open(given.plan) as file:
-        plan = json.load(file)
+    plan = json.loads(open(given.plan).read())
     # Nodes have the plan from Ray, at another place. Shards are not named by paths.
     folder = os.path.dirname(os.path.abspath(given.plan))
     for match in plan["matches"]:
