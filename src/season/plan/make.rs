@@ -133,7 +133,7 @@ fn windows(state: &SourceState, of_season: &Match) -> Vec<LabelShard> {
     let label = |first: usize| LabelShard {
         shard: String::new(),
         first,
-        last: (first + length).min(state.num_frames) - 1,
+        last: first.saturating_add(length).min(state.num_frames) - 1,
     };
     (0..state.num_frames).step_by(length).map(label).collect()
 }
@@ -201,4 +201,47 @@ fn path_for(path: &Path, folder: &Path) -> String {
         return path.to_string_lossy().into_owned();
     }
     path_between(folder, &resolved(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::season_file::ShardOptions;
+
+    /// First and last frame of each window.
+    fn windows_of(num_frames: usize, fps: Option<f64>, options: ShardOptions) -> Vec<[usize; 2]> {
+        let state = SourceState {
+            sha256: String::new(),
+            num_frames,
+            fps,
+        };
+        let of_season = Match {
+            name: "a".to_owned(),
+            line: 1,
+            frames: "a.mp4".into(),
+            field: FieldSpec::new("soccer"),
+            project: None,
+            forest: None,
+            options,
+        };
+        let ends = |label: &LabelShard| [label.first, label.last];
+        windows(&state, &of_season).iter().map(ends).collect()
+    }
+
+    #[test]
+    fn windows_are_of_equal_length_and_cover_every_frame_once() {
+        let options = ShardOptions::default();
+        let minutes = windows_of(3700, Some(25.0), options);
+        assert_eq!(minutes, [[0, 1499], [1500, 2999], [3000, 3699]]);
+        assert_eq!(windows_of(1500, Some(25.0), options), [[0, 1499]]);
+        assert_eq!(
+            windows_of(801, None, options),
+            [[0, 399], [400, 799], [800, 800]]
+        );
+        assert_eq!(windows_of(2, Some(1e300), options), [[0, 1]]);
+        // Rates that a damaged file may state.
+        for fps in [0.0, f64::NAN, f64::INFINITY, 1e-9] {
+            assert_eq!(windows_of(2, Some(fps), options), [[0, 0], [1, 1]], "{fps}");
+        }
+    }
 }
