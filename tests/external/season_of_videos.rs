@@ -34,7 +34,7 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
     assert!(encoded.unwrap().success());
     let video = File::options().write(true).open(path("match.mp4")).unwrap();
     video
-        .set_modified(SystemTime::now() - Duration::from_secs(60))
+        .set_modified(SystemTime::now() - Duration::from_mins(1))
         .unwrap();
 
     // A person has labelled every fifth frame; the document names no other.
