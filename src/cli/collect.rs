@@ -1,14 +1,14 @@
 //! `touchline collect`: projects, a review queue and a table from the parts of a season.
 
 use super::Outcome;
+use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::relocalize::probability;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use touchline_core::geometry::{counted, thousands};
 use touchline_core::progress::Progress;
 use touchline_season::collect::{
-    CollectEvent, CollectOptions, QUEUE_FILE, collect as collect_parts,
+    CollectError, CollectEvent, CollectOptions, QUEUE_FILE, collect as collect_parts,
 };
 use touchline_season::plan::Plan;
 
@@ -44,6 +44,7 @@ pub struct CollectArgs {
 /// into it, or something cannot be written.
 pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let plan = Plan::read(&args.plan)?;
+    let interrupt = Interrupt::listen();
     let bar = messages.progress(plan.matches.len(), "Collecting matches");
     let progress = Progress::new(|event| {
         match event {
@@ -57,7 +58,7 @@ pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome
                 path.display()
             )),
         }
-        ControlFlow::Continue(())
+        interrupt.check()
     });
     let options = CollectOptions { below: args.below };
     let collected = collect_parts(
@@ -70,7 +71,13 @@ pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome
     );
     drop(progress);
     bar.finish_and_clear();
-    let collected = collected?;
+    let collected = match collected {
+        Err(CollectError::Stopped) => {
+            messages.note(&CollectError::Stopped.to_string());
+            return Ok(Outcome::Stopped);
+        }
+        collected => collected?,
+    };
     messages.note(&format!(
         "{}: {} with {}, {} of them with a camera; {} in {QUEUE_FILE}, {} without a whole part",
         args.output.display(),

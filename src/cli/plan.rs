@@ -1,11 +1,13 @@
 //! `touchline plan`: the shards of a season.
 
 use super::Outcome;
-use super::messages::{Messages, count_steps};
+use super::interrupt::Interrupt;
+use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::counted;
-use touchline_season::plan::{Plan, make_plan};
+use touchline_core::progress::Progress;
+use touchline_season::plan::{MakePlanError, Plan, make_plan};
 use touchline_season::processor::{ANY, processor_class};
 use touchline_season::season_file::Season;
 
@@ -58,9 +60,20 @@ pub fn plan(args: &PlanArgs, messages: Messages) -> anyhow::Result<Outcome> {
         processor_class()
     };
     let bar = messages.progress(season.matches.len(), "Hashing matches");
-    let plan = make_plan(&season, &args.output, &processor, &count_steps(&bar));
+    let interrupt = Interrupt::listen();
+    let progress = Progress::new(|()| {
+        bar.inc(1);
+        interrupt.check()
+    });
+    let plan = make_plan(&season, &args.output, &processor, &progress);
     bar.finish_and_clear();
-    let plan = plan?;
+    let plan = match plan {
+        Err(MakePlanError::Stopped) => {
+            messages.note(&MakePlanError::Stopped.to_string());
+            return Ok(Outcome::Stopped);
+        }
+        plan => plan?,
+    };
     write_file(&args.output, plan.to_text()?.as_bytes(), args.force)?;
     if let Some(commands) = &args.commands {
         let text = commands_of(&plan, &args.output, &args.parts);

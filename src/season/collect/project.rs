@@ -72,7 +72,7 @@ impl MatchToCollect<'_> {
         if self.of_match.project.is_none() {
             made.frames = Frames::new();
         }
-        made.frames = merge_frames(&made.frames, &labelled, update_by_part);
+        made.frames = merge_frames(&made.frames, &labelled);
         let location = Location::for_new_document(&folder.join(""))?;
         let made = made.relocated(&self.source_folder(), location.folder());
         if !is_there {
@@ -192,7 +192,7 @@ fn bring_up_to_date(
     }
     let labelled: Vec<Shared<Frame>> = made.frames.iter().cloned().collect();
     let updated = Document {
-        frames: merge_frames(&document.frames, &labelled, update_by_part),
+        frames: merge_frames(&document.frames, &labelled),
         ..document.clone()
     };
     if updated != document {
@@ -215,11 +215,7 @@ fn camera_with_other_base(document: &Document, made: &Document) -> Option<Camera
 
 /// The frames of a project with those of the parts, which are in the order of time: frames of both
 /// are updated, new ones come after the frame before them.
-fn merge_frames(
-    project: &Frames,
-    labelled: &[Shared<Frame>],
-    update: fn(&Shared<Frame>, &Shared<Frame>) -> Shared<Frame>,
-) -> Frames {
+fn merge_frames(project: &Frames, labelled: &[Shared<Frame>]) -> Frames {
     let in_parts: BTreeSet<&FrameId> = labelled.iter().map(|frame| &frame.id).collect();
     let mut merged = Vec::with_capacity(project.len().max(labelled.len()));
     let mut next = 0;
@@ -235,7 +231,7 @@ fn merge_frames(
             }
             next += 1;
         }
-        merged.push(update(&project[position], frame));
+        merged.push(update_by_part(&project[position], frame));
     }
     let rest = project.iter().skip(next);
     merged.extend(rest.filter(|frame| !in_parts.contains(&frame.id)).cloned());
@@ -288,7 +284,7 @@ mod tests {
         .into_iter()
         .collect();
         let labelled = ["a", "b", "c", "d", "e"].map(|name| frame(name, Some(2.0), Suggested));
-        let merged = merge_frames(&project, &labelled, update_by_part);
+        let merged = merge_frames(&project, &labelled);
         let shown = |frame: &Shared<Frame>| {
             let pan_deg = frame.ptz.as_ref().map(|ptz| ptz.pan_deg);
             (frame.image.clone().unwrap(), pan_deg)
@@ -307,7 +303,7 @@ mod tests {
             .map(|(name, pan_deg)| (name.to_owned(), pan_deg))
             .to_vec();
         assert_eq!(found, wanted);
-        let again = merge_frames(&merged, &labelled, update_by_part);
+        let again = merge_frames(&merged, &labelled);
         assert_eq!(again, merged, "nothing changes the second time");
     }
 }
