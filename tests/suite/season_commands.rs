@@ -2,14 +2,16 @@
 #![cfg(all(feature = "opencv", target_os = "linux"))]
 
 use crate::drawn_clip::{document, write};
+use crate::headless::Headless;
 use crate::program::{Ran, touchline};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{self, Child, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-use touchline::document::{Document, Frame, FrameStatus};
+use touchline::app::{Action, App, Command, OpenProject};
+use touchline::document::{Document, Frame, FrameId, FrameStatus};
 use touchline::season::collect::Queue;
 use touchline::season::part::part_path;
 use touchline::season::plan::Plan;
@@ -103,7 +105,7 @@ impl Season {
     }
 
     fn start_shard(&self, id: &str, parts: &str) -> Child {
-        Command::new(env!("CARGO_BIN_EXE_touchline"))
+        process::Command::new(env!("CARGO_BIN_EXE_touchline"))
             .args(["shard", "plan.json", id, "-o", parts])
             .current_dir(self.folder.path())
             .stderr(Stdio::null())
@@ -344,13 +346,13 @@ fn a_plan_is_for_one_processor_class_unless_it_says_otherwise() {
     fs::create_dir(&fake).unwrap();
     let script = "#!/bin/sh\necho ffmpeg version 0.1-other";
     fs::write(fake.join("ffmpeg"), script).unwrap();
-    let is_made = Command::new("chmod")
+    let is_made = process::Command::new("chmod")
         .arg("+x")
         .arg(fake.join("ffmpeg"))
         .status();
     assert!(is_made.unwrap().success());
     let path = format!("{}:{}", fake.display(), std::env::var("PATH").unwrap());
-    let ran = Command::new(env!("CARGO_BIN_EXE_touchline"))
+    let ran = process::Command::new(env!("CARGO_BIN_EXE_touchline"))
         .args(["shard", "plan.json", &own.matches[1].find, "-o", "parts"])
         .current_dir(season.folder.path())
         .env("PATH", path)
@@ -393,7 +395,7 @@ fn a_shard_that_is_killed_or_has_no_space_leaves_nothing_and_is_done_again() {
         "trap '' XFSZ; ulimit -f 16; exec {} shard plan.json {find} -o full",
         env!("CARGO_BIN_EXE_touchline")
     );
-    let ran = Command::new("sh")
+    let ran = process::Command::new("sh")
         .args(["-c", &script])
         .current_dir(season.folder.path())
         .output()
@@ -416,7 +418,7 @@ fn a_shard_ends_with_the_process_that_started_it() {
         env!("CARGO_BIN_EXE_touchline"),
         plan.matches[0].find
     );
-    let mut shell = Command::new("sh")
+    let mut shell = process::Command::new("sh")
         .args(["-c", &script])
         .current_dir(season.folder.path())
         .stdout(Stdio::piped())
@@ -444,4 +446,68 @@ fn a_shard_ends_with_the_process_that_started_it() {
         std::thread::sleep(Duration::from_millis(5));
     }
     assert_eq!(bytes_of(&season.path("parts"), &[".part"]).len(), 0);
+}
+
+#[test]
+fn in_the_application_the_queue_leads_from_match_to_match() {
+    let (season, plan) = Season::planned();
+    season.all_shards(&plan, "parts");
+    let collected = season.run("collect plan.json parts -o out");
+    assert_eq!(collected.code, 0, "{}", collected.stderr);
+    // A second match with the same frames.
+    fs::create_dir(season.path("out/south")).unwrap();
+    let [north, south] =
+        ["north", "south"].map(|name| season.path(&format!("out/{name}/project.json")));
+    fs::copy(&north, &south).unwrap();
+    let frames = document(&north).frames;
+    let [first, second, third] = [4, 7, 10].map(|index: usize| frames[index].id.clone());
+    let entry = |name: &str, frame: &FrameId| {
+        let frame = frame.as_str();
+        format!(
+            r#"{{"match":"{name}","project":"{name}/project.json","frame":"{frame}","number":0,"confidence":0.5,"frames":1}}"#
+        )
+    };
+    let entries = [
+        entry("north", &first),
+        entry("south", &second),
+        entry("north", &third),
+    ];
+    let text = format!(
+        r#"{{"format":"touchline queue","version":1,"below":0.9,"entries":[{}]}}"#,
+        entries.join(",")
+    );
+    let queue = season.path("out/queue.json");
+    fs::write(&queue, text).unwrap();
+
+    let shows = |app: &App, project: &Path, frame: &FrameId| {
+        let is_of = |open: &OpenProject| open.file == project.canonicalize().unwrap();
+        app.open().is_some_and(is_of) && app.frame().is_some_and(|shown| shown.id == *frame)
+    };
+    let mut headless = Headless::opened(&queue);
+    assert!(shows(&headless.app, &north, &first));
+    headless.act(Action::Command(Command::NextNeedsMe));
+    headless.wait_until("the other match", |app| shows(app, &south, &second));
+    headless.wait_for_picture();
+    // Accepting goes on to the next frame, which is in the first match again.
+    headless.act(Action::Command(Command::Accept));
+    headless.wait_until("the first match", |app| shows(app, &north, &third));
+    let (_, corrected, _) = touchline::store::read(&south).unwrap();
+    let accepted = corrected.frames.by_id(&second).unwrap();
+    assert_eq!(accepted.status, FrameStatus::Reference);
+    headless.act(Action::Command(Command::PreviousNeedsMe));
+    headless.wait_until("back", |app| shows(app, &south, &second));
+    headless.act(Action::Command(Command::NextNeedsMe));
+    headless.wait_until("the last frame", |app| shows(app, &north, &third));
+    headless.act(Action::Command(Command::NextNeedsMe));
+    let notices = &headless.app.session.messages.notices;
+    let is_end = notices
+        .iter()
+        .any(|notice| notice.text.contains("the last frame of the queue"));
+    assert!(
+        is_end && shows(&headless.app, &north, &third),
+        "{notices:?}"
+    );
+    // The queue has ended: now the key goes to the next frame to do of this match.
+    headless.act(Action::Command(Command::NextNeedsMe));
+    assert!(headless.app.frame().unwrap().id != third);
 }

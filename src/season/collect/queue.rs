@@ -5,10 +5,10 @@
 //! frames has thousands of entries.
 
 use serde::{Deserialize, Serialize};
-use std::io;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
-use touchline_core::files::read_named_text;
+use touchline_core::files::{open_named, read_named_text};
 use touchline_documents::document::{Document, Frame};
 use touchline_documents::store::PROJECT_FILE;
 
@@ -85,6 +85,15 @@ impl Queue {
     #[must_use]
     pub fn entries(&self) -> &[QueueEntry] {
         &self.entries
+    }
+
+    /// Whether the file at a path begins as a queue does.
+    #[must_use]
+    pub fn is_at(path: &Path) -> bool {
+        let mut beginning = Vec::new();
+        let read = open_named(path).and_then(|file| file.take(64).read_to_end(&mut beginning));
+        let begins = format!("{{\"format\":\"{FORMAT}\"");
+        read.is_ok() && beginning.starts_with(begins.as_bytes())
     }
 
     /// Reads a queue's file.
@@ -224,9 +233,11 @@ mod tests {
         let path = folder.path().join("queue.json");
         for queue in [queue, Queue::new(0.5)] {
             std::fs::write(&path, queue.to_text()).unwrap();
+            assert!(Queue::is_at(&path));
             assert_eq!(Queue::read(&path).unwrap(), queue);
         }
         std::fs::write(&path, "{}").unwrap();
+        assert!(!Queue::is_at(&path) && !Queue::is_at(folder.path()));
         let refusal = Queue::read(&path).unwrap_err().to_string();
         assert!(refusal.contains("is not a queue"), "{refusal}");
     }
