@@ -22,7 +22,7 @@ VIDEO_PACKAGES = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats python check schema dist dist-test opencv bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
+.PHONY: help run test test-formats python check schema dist dist-test opencv bench no-click reliability season-test fuzz demo film pictures experiments experiments-real build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -77,6 +77,9 @@ no-click: build-packages ## the camera without a click: all drawn matches and in
 
 reliability: run-packages ## kills, failing and full disks, damaged files (tests/reliability/README.md)
 	@.ci/reliability
+
+season-test: run-packages ## a season by a loop, xargs, Snakemake and Ray, with kills, each to the same bytes (Ray's part wants root)
+	@.ci/season/test
 
 SECONDS ?= 60
 fuzz: build-packages ## every reader fuzzed with coverage, SECONDS=60 each (tests/fuzz/README.md)

@@ -24,7 +24,7 @@
 //! documented defaults, made with `..Default::default()`; errors and other enums that grow are
 //! `#[non_exhaustive]`. `tests/examples` has complete programs. Without default features neither
 //! wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`,
-//! `experiments`, `jobs`, `render`, `report`, `scene`, `ui`) are public for its binary and tests
+//! `experiments`, `jobs`, `render`, `report`, `scene`, `season`, `ui`) are public for its binary and tests
 //! alone and may change at any time.
 //!
 //! # Crates, rooms and floors
@@ -38,6 +38,7 @@
 //! | `touchline` | `ui`, `cli` |
 //! | `touchline-python` | the library as a Python module |
 //! | `touchline-experiments` | the paper's tables and figures, measured again |
+//! | `touchline-season` | `season` (a season of matches in shards that any engine runs: plan, shard, collect) |
 //! | `touchline-application` | `app` (the whole application without a window), `jobs` (the only detached threads), `render` (wgpu, no egui), `scene` (what is drawn, as plain data) |
 //! | `touchline-calibration` | [`calibrate`] (document to solved document), [`autocalibrate`] (the base of a rotating camera from its frames alone), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`pipelines`] (whole jobs that window and command line share) |
 //! | `touchline-documents` | [`document`] (typed schema, edits, history), [`store`] (where a document lives), [`exchange`] (foreign formats), `report` (tables, figures, Markdown) |
@@ -81,6 +82,9 @@ pub use touchline_documents::{document, exchange, store};
 #[cfg(feature = "experiments")]
 #[doc(hidden)]
 pub use touchline_experiments as experiments;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub use touchline_season as season;
 #[doc(inline)]
 pub use touchline_vision::{features, media, paint, relocalize, synthetic, track};
 

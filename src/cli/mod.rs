@@ -12,6 +12,7 @@
 mod attached_labels;
 mod calibrate;
 mod check;
+mod collect;
 mod dataset;
 mod document;
 mod evaluate;
@@ -31,10 +32,12 @@ mod merge;
 mod messages;
 mod new;
 mod output;
+mod plan;
 mod refine_base;
 mod relocalize;
 mod render;
 mod runtime_folder;
+mod shard;
 mod snap;
 mod solve;
 mod split;
@@ -65,6 +68,7 @@ struct Cli {
 enum Command {
     Calibrate(calibrate::CalibrateArgs),
     Check(check::CheckArgs),
+    Collect(collect::CollectArgs),
     Evaluate(evaluate::EvaluateArgs),
     #[cfg_attr(not(feature = "experiments"), command(hide = true))]
     Experiment(experiment::ExperimentArgs),
@@ -74,9 +78,11 @@ enum Command {
     Mend(mend::MendArgs),
     Merge(merge::MergeArgs),
     New(new::NewArgs),
+    Plan(plan::PlanArgs),
     RefineBase(refine_base::RefineBaseArgs),
     Relocalize(relocalize::RelocalizeArgs),
     Render(render::RenderArgs),
+    Shard(shard::ShardArgs),
     Snap(snap::SnapArgs),
     Solve(solve::SolveArgs),
     Split(split::SplitArgs),
@@ -138,6 +144,7 @@ pub fn run() -> Next {
     let result: anyhow::Result<Outcome> = match command {
         Command::Calibrate(args) => calibrate::calibrate(&args, messages),
         Command::Check(args) => check::check(&args, messages),
+        Command::Collect(args) => collect::collect(&args, messages),
         Command::Evaluate(args) => evaluate::evaluate(&args, messages),
         Command::Experiment(args) => experiment::experiment(&args, messages),
         Command::Export(args) => export::export(&args, messages),
@@ -146,12 +153,14 @@ pub fn run() -> Next {
         Command::Mend(args) => mend::mend(&args, messages),
         Command::Merge(args) => merge::merge(&args, messages),
         Command::New(args) => new::new(&args, messages),
+        Command::Plan(args) => plan::plan(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),
         Command::Render(args) => {
             give_runtime_folder();
             render::render(&args, messages)
         }
+        Command::Shard(args) => shard::shard(&args, messages),
         Command::Snap(args) => snap::snap(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
         Command::Split(args) => split::split(&args, messages),

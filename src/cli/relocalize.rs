@@ -69,7 +69,8 @@ pub struct RelocalizeArgs {
     seed: u64,
 }
 
-fn probability(text: &str) -> Result<f64, String> {
+/// Parses a probability.
+pub(super) fn probability(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
         _ => Err("a probability is a number from 0 to 1".to_owned()),

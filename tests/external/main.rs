@@ -36,6 +36,7 @@ mod real_trust;
 mod real_video;
 mod real_wood;
 mod render_command;
+mod season_of_videos;
 #[path = "../shared/seeded.rs"]
 mod seeded;
 #[cfg(feature = "gui")]
@@ -67,6 +68,8 @@ fn main() -> ExitCode {
         #[cfg(feature = "opencv")]
         real_wood::TESTS,
         render_command::TESTS,
+        #[cfg(feature = "opencv")]
+        season_of_videos::TESTS,
     ];
     #[cfg(feature = "gui")]
     let modules = &[modules, window::TESTS].concat();

@@ -17,11 +17,12 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// The crates by their folders, lowest first.
-pub const CRATES: [&str; 8] = [
+pub const CRATES: [&str; 9] = [
     "src/core",
     "src/vision",
     "src/documents",
     "src/calibration",
+    "src/season",
     "src/application",
     "src/experiments",
     "src/python",
@@ -104,6 +105,7 @@ const FILES: &[&str] = &[
     "experiments/given.rs",
     "experiments/homographies/read.rs",
     "experiments/sets/published.rs",
+    "season",
 ];
 
 /// Statics whose value changes while the program runs; every other state has an owner.

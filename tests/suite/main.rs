@@ -52,6 +52,7 @@ mod paint_in_app;
 mod random_kills;
 mod refine_base_command;
 mod relocalize_command;
+mod season_commands;
 mod snapped_suggestions;
 mod soak;
 mod steps;

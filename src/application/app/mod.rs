@@ -45,6 +45,7 @@ pub mod quality;
 pub mod reclick;
 pub mod review;
 mod review_choice;
+mod review_queue;
 pub mod selection;
 mod sentence;
 pub mod session;
@@ -74,6 +75,7 @@ pub use open_project::OpenProject;
 pub use opened::{Opened, OutsideChoice};
 pub use operations::{PaintSays, transfer};
 pub use proposed_base::WithProposal;
+pub use review_queue::{QueuedFrame, ReviewQueue};
 pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, WindowPlace};
@@ -118,6 +120,8 @@ pub struct App {
     clock: Option<fn() -> jiff::Timestamp>,
     /// Labels of another program that are imported as soon as their pictures are open.
     waiting_labels: Option<ForeignLabels>,
+    /// The review queue of a season that is being looked through.
+    queue: Option<ReviewQueue>,
     /// Whether the tour begins as soon as the demo match is open.
     tour_waits: bool,
     /// The number of the last request; see [`RequestId`].

@@ -2,6 +2,7 @@
 
 use super::notice::Level;
 use super::prepared::Prepared;
+use super::review_queue::ReviewQueue;
 use std::path::{Path, PathBuf};
 use touchline_documents::document::{Document, History};
 use touchline_documents::store::Orphan;
@@ -34,6 +35,8 @@ pub struct Opened {
     pub notices: Vec<(Level, String)>,
     /// Edits that belong to another version of the document and were set aside.
     pub orphans: Vec<Orphan>,
+    /// The review queue of a season that leads to this document, if it was opened by one.
+    pub queue: Option<ReviewQueue>,
     /// Whether the project was just created; then the user is asked for the sport.
     pub is_new: bool,
 }
@@ -54,6 +57,7 @@ impl Opened {
             read_only: None,
             notices: Vec::new(),
             orphans: Vec::new(),
+            queue: None,
             is_new: false,
         }
     }

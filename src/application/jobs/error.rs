@@ -6,6 +6,7 @@ use thiserror::Error;
 use touchline_core::field::FieldError;
 use touchline_documents::document::WriteError;
 use touchline_documents::store::StoreError;
+use touchline_season::collect::QueueError;
 use touchline_vision::media::MediaError;
 
 /// Why a job failed.
@@ -50,6 +51,15 @@ pub enum JobError {
     AlreadyOpen {
         /// The document's file.
         file: PathBuf,
+    },
+    /// The review queue of a season cannot be read.
+    #[error(transparent)]
+    Queue(#[from] QueueError),
+    /// The review queue of a season has no frame.
+    #[error("{}: no frame of the season is left to look at", path.display())]
+    EmptyQueue {
+        /// The queue.
+        path: PathBuf,
     },
     /// A folder or video has no readable frame.
     #[error("{}: there is no frame that can be read{}", path.display(), in_brackets(reason.as_deref()))]

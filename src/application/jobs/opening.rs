@@ -1,17 +1,19 @@
 //! Opens the path that a user names: a project, a dataset, a folder of frames, or a video.
 
 use super::JobError;
-use crate::app::Opened;
 use crate::app::session::Level;
+use crate::app::{Opened, QueuedFrame, ReviewQueue};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_core::files::folder_of;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::store::{
     self, Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read,
 };
+use touchline_season::collect::{Queue, QueueEntry};
 use touchline_vision::media::{CountProgress, FrameSource, MediaError, sha256_of_bytes};
 
 /// Maximum number of frames of a new project; beyond it every n-th is used. A match of 90 minutes
@@ -49,6 +51,9 @@ pub fn open_anything(
         return Err(JobError::Missing {
             path: path.to_path_buf(),
         });
+    }
+    if Queue::is_at(path) {
+        return open_queue(path, held);
     }
     // A project or dataset opens as it is.
     let is_document = path
@@ -221,6 +226,28 @@ pub(super) fn user_projects() -> Option<PathBuf> {
             .data_dir()
             .join("projects"),
     )
+}
+
+/// Opens the review queue of a season: the project of its first frame.
+fn open_queue(path: &Path, held: Option<&Location>) -> Result<Ready, JobError> {
+    let folder = folder_of(path);
+    let queued = |entry: &QueueEntry| {
+        let project = folder.join(&entry.project);
+        QueuedFrame {
+            project: std::fs::canonicalize(&project).unwrap_or(project),
+            frame: entry.frame.clone(),
+        }
+    };
+    let read = Queue::read(path)?;
+    let queue = ReviewQueue::new(read.entries().iter().map(queued).collect());
+    let Some(first) = queue.current() else {
+        return Err(JobError::EmptyQueue {
+            path: path.to_path_buf(),
+        });
+    };
+    let mut ready = open_document(&first.project, held, Vec::new())?;
+    ready.opened.queue = Some(queue);
+    Ok(ready)
 }
 
 /// Opens an existing project or dataset, with the edits in its journal.

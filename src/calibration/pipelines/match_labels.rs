@@ -8,7 +8,8 @@
 //!    frames that lie on their paint, and queried.
 
 use super::forest_labels::{
-    ForestRequest, LearnForestError, LearningProgress, PictureFiles, label_frames, learn_forest,
+    ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames,
+    learn_forest,
 };
 use super::other_cameras::split_off;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
@@ -265,6 +266,41 @@ pub fn label_match(
     }))
 }
 
+/// Trains a forest on those frames of found cameras that are aligned to their own paint, as if the
+/// user had accepted them; in the document they stay suggestions. The document holds the cameras
+/// as `found` has them. None if `progress` cancelled it.
+///
+/// # Errors
+/// No frame gives a training sample, or the document's cameras cannot be serialised.
+pub fn learn_from_found(
+    at: DocumentAt<'_>,
+    found: &[Arc<AutocalibratedCamera>],
+    reader: &mut dyn ReadFrames,
+    store: &FeatureStore,
+    progress: &Progress<'_, LearningProgress>,
+) -> Result<Option<LearntForest>, LearnForestError> {
+    let frames = found.iter().flat_map(|found| &found.frames);
+    // The training frames, in the document's order.
+    let mut on_paint: Vec<usize> = frames
+        .filter(|frame| frame.snapped.is_some())
+        .map(|frame| frame.index)
+        .collect();
+    on_paint.sort_unstable();
+    // Training uses references, so mark these frames as such in a copy.
+    let mut accepted = at.document.clone();
+    for &index in &on_paint {
+        accepted.frames[index].status = FrameStatus::Reference;
+    }
+    let options = LearnOptions::default();
+    let pictures = FramePictures {
+        document: &accepted,
+        folder: at.folder,
+        options: options.features,
+        store,
+    };
+    learn_forest(&pictures, reader, &on_paint, &options, progress)
+}
+
 /// The state while a match is labelled.
 struct Labelling<'a> {
     document: &'a mut Document,
@@ -397,33 +433,15 @@ impl Labelling<'_> {
         Ok(())
     }
 
-    /// Trains a forest on the frames that are aligned to their own paint, as if the user had
-    /// accepted them, and queries it for the rest. In the document they stay suggestions.
+    /// Trains a forest on the frames that were found and queries it for the rest.
     fn label_by_forest(
         &mut self,
         found: &[Arc<AutocalibratedCamera>],
     ) -> Result<(), LabelMatchError> {
-        let frames = found.iter().flat_map(|found| &found.frames);
-        // The training frames: those that were aligned to their own paint, in the document's order.
-        let mut on_paint: Vec<usize> = frames
-            .filter(|frame| frame.snapped.is_some())
-            .map(|frame| frame.index)
-            .collect();
-        on_paint.sort_unstable();
-        // Training uses references, so mark these frames as such in a copy.
-        let mut accepted = self.document.clone();
-        for &index in &on_paint {
-            accepted.frames[index].status = FrameStatus::Reference;
-        }
-        let (options, store) = (LearnOptions::default(), FeatureStore::in_memory());
-        let pictures = FramePictures {
-            document: &accepted,
-            folder: self.folder,
-            options: options.features,
-            store: &store,
-        };
+        let store = FeatureStore::in_memory();
+        let at = self.document.at(self.folder);
         let progress = self.progress.part(MatchEvent::Learning);
-        let Some(learnt) = learn_forest(&pictures, self.reader, &on_paint, &options, &progress)?
+        let Some(learnt) = learn_from_found(at, found, &mut *self.reader, &store, &progress)?
         else {
             return Ok(());
         };

@@ -1,4 +1,4 @@
-//! Locks a document for writing. A second program can only read it.
+//! Locks a document, or a folder of results, for writing. A second program can only read it.
 
 use super::ReadOnly;
 use super::{Location, calls, file_id::is_at};
@@ -10,10 +10,10 @@ use std::path::PathBuf;
 /// locking it.
 const ATTEMPTS: usize = 10;
 
-/// An exclusive lock on a document's lock file. The system releases it when the process ends, even
+/// An exclusive lock on a lock file. The system releases it when the process ends, even
 /// after a crash. Dropping it deletes the file; a killed process leaves the file unlocked.
 #[derive(Debug)]
-pub(super) struct Lock {
+pub struct Lock {
     path: PathBuf,
     file: File,
 }
@@ -39,9 +39,6 @@ impl Drop for Lock {
 
 /// Locks a document for writing, or returns the reason why it is read-only.
 pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
-    let not_writable = |error: &io::Error| ReadOnly::NotWritable {
-        reason: error.to_string(),
-    };
     if let Ok(metadata) = location.file().metadata()
         && metadata.permissions().readonly()
     {
@@ -49,7 +46,18 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
             reason: "the file is write-protected".to_owned(),
         });
     }
-    let path = location.lock();
+    lock_file(location.lock())
+}
+
+/// Locks a file that is made for that, such as one in a folder of results. The name of this process
+/// is written into it.
+///
+/// # Errors
+/// Another process has the lock, or the file cannot be made.
+pub fn lock_file(path: PathBuf) -> Result<Lock, ReadOnly> {
+    let not_writable = |error: &io::Error| ReadOnly::NotWritable {
+        reason: error.to_string(),
+    };
     for _ in 0..ATTEMPTS {
         let opened = calls::open(&path);
         let mut file = opened.map_err(|error| not_writable(&error))?;

@@ -59,6 +59,7 @@ pub use document_store::{DocumentStore, Others, Outside};
 pub use error::StoreError;
 pub use history_file::HistoryLeftOut;
 pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX};
+pub use lock::{Lock, lock_file};
 pub use orphan::{orphans, put_orphan_away, read_orphan, save_orphan};
 pub use orphan_edits::{Orphan, OrphanEdits};
 pub use read_only::ReadOnly;

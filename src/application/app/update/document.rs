@@ -78,6 +78,7 @@ impl App {
             folder,
             file,
             read_only,
+            queue,
             ..
         } = opened;
         // The document itself, and the derived values of the former one reset.
@@ -89,6 +90,7 @@ impl App {
         self.review = super::Review::default();
         self.quality = super::Quality::default();
         self.session.unticked.clear();
+        self.continue_queue(queue);
         // What starts on opening: a tour that was requested, and operations.
         self.begin_waiting_tour();
         self.offer_tour();

@@ -9,7 +9,7 @@ use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 impl App {
     /// Shows a frame; an index beyond the last means the last. Commits the open step and ends the
     /// mode.
-    pub(super) fn go_to(&mut self, frame: usize) {
+    pub(in crate::app) fn go_to(&mut self, frame: usize) {
         let count = self
             .open
             .as_ref()

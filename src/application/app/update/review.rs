@@ -20,8 +20,11 @@ impl App {
     }
 
     /// Shows the next frame to do. While the review panel is open, this is the next row of its
-    /// list.
+    /// list; while a season's queue is open, its next frame.
     pub(super) fn go_to_next_that_needs_me(&mut self, forward: bool) {
+        if self.go_on_in_queue(forward) {
+            return;
+        }
         let listed = self
             .review
             .next(self.session.frame, forward)

@@ -1,0 +1,127 @@
+//! `touchline plan`: the shards of a season.
+
+use super::Outcome;
+use super::interrupt::Interrupt;
+use super::messages::Messages;
+use super::output::{refuse_existing, write_file};
+use std::path::{Path, PathBuf};
+use touchline_core::geometry::counted;
+use touchline_core::progress::Progress;
+use touchline_season::plan::{MakePlanError, Plan, make_plan};
+use touchline_season::processor::{ANY, processor_class};
+use touchline_season::season_file::Season;
+
+/// Divides a season into shards, which `touchline shard` does one by one on any machine. The season
+/// file names the matches; videos are hashed once, and the hashes are kept beside them.
+#[derive(clap::Args, Debug)]
+pub struct PlanArgs {
+    /// The season file.
+    #[arg(value_name = "SEASON.toml")]
+    season: PathBuf,
+    /// The plan to write.
+    #[arg(short, long, value_name = "plan.json")]
+    output: PathBuf,
+    /// Also write a file with one shell line for each shard, those that find cameras first.
+    #[arg(long, value_name = "FILE")]
+    commands: Option<PathBuf>,
+    /// The folder of parts that these lines name.
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "parts",
+        requires = "commands"
+    )]
+    parts: PathBuf,
+    /// Allow machines of any processor class to do the shards. The bytes of their parts may then
+    /// differ in last digits.
+    #[arg(long)]
+    any_processor: bool,
+    /// Replace existing files.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Reads the season, makes its plan and writes it.
+///
+/// # Errors
+/// The season file has a mistake, something that it names cannot be read, or a file exists or
+/// cannot be written.
+pub fn plan(args: &PlanArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    for path in [Some(&args.output), args.commands.as_ref()]
+        .into_iter()
+        .flatten()
+    {
+        refuse_existing(path, args.force)?;
+    }
+    let season = Season::read(&args.season)?;
+    let processor = if args.any_processor {
+        ANY.to_owned()
+    } else {
+        processor_class()
+    };
+    let bar = messages.progress(season.matches.len(), "Hashing matches");
+    let interrupt = Interrupt::listen();
+    let progress = Progress::new(|()| {
+        bar.inc(1);
+        interrupt.check()
+    });
+    let plan = make_plan(&season, &args.output, &processor, &progress);
+    bar.finish_and_clear();
+    let plan = match plan {
+        Err(MakePlanError::Stopped) => {
+            messages.note(&MakePlanError::Stopped.to_string());
+            return Ok(Outcome::Stopped);
+        }
+        plan => plan?,
+    };
+    write_file(&args.output, plan.to_text()?.as_bytes(), args.force)?;
+    if let Some(commands) = &args.commands {
+        let text = commands_of(&plan, &args.output, &args.parts);
+        write_file(commands, text.as_bytes(), args.force)?;
+    }
+    let finds = plan.matches.len();
+    let labels = plan.shard_ids().count() - finds;
+    messages.note(&format!(
+        "{}: {} that find cameras, {} that label frames",
+        args.output.display(),
+        counted(finds, "shard"),
+        counted(labels, "shard"),
+    ));
+    Ok(Outcome::Done)
+}
+
+/// One shell line for each shard.
+fn commands_of(plan: &Plan, path: &Path, parts: &Path) -> String {
+    let [path, parts] = [path, parts].map(quote);
+    let line = |id: &str| format!("touchline shard {path} {id} -o {parts}\n");
+    plan.shard_ids().map(line).collect()
+}
+
+/// A path as one word of a shell, which `xargs` reads in the same way.
+fn quote(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    let is_plain =
+        |character: char| character.is_ascii_alphanumeric() || "/._-+,:@%".contains(character);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        return text.into_owned();
+    }
+    format!("'{}'", text.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quote;
+    use std::path::Path;
+
+    #[test]
+    fn a_path_is_one_word_of_a_shell() {
+        for (path, quoted) in [
+            ("a/plan.json", "a/plan.json"),
+            ("my plan.json", "'my plan.json'"),
+            ("it's", r"'it'\''s'"),
+            ("$HOME", "'$HOME'"),
+        ] {
+            assert_eq!(quote(Path::new(path)), quoted);
+        }
+    }
+}

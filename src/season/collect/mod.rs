@@ -1,0 +1,223 @@
+//! From the parts of a season to what people work with.
+//!
+//! ```text
+//! OUT/NAME/project.json   one project for each match, with all suggestions
+//! OUT/queue.json          the frames to look at, worst first
+//! OUT/season.csv, .md     a row for each match
+//! ```
+//!
+//! Parts may be collected while others are still being made, and again later. A project that is
+//! there already is brought up to date: what a person did in a frame stays, and only frames that
+//! show a suggestion, or nothing, take that of the parts (`project`). A project that is open in the
+//! window, or in which a camera has another base than in the parts, is left alone and named.
+//!
+//! Only parts are read, no videos. What has no whole part is a gap: it is named, its frames are not
+//! in the project, and the table counts them.
+
+mod error;
+mod project;
+mod queue;
+mod table;
+
+pub use error::CollectError;
+pub use queue::{Queue, QueueEntry, QueueError};
+
+use crate::part::shard_of_path;
+use crate::plan::Plan;
+use project::{CollectedMatch, MatchToCollect};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use table::SeasonTable;
+use touchline_core::progress::Progress;
+use touchline_documents::store::{ReadOnly, lock_file, write_atomically};
+use touchline_vision::relocalize::CERTAIN;
+
+/// The queue's file.
+pub const QUEUE_FILE: &str = "queue.json";
+/// The table's files.
+const TABLE_FILES: [&str; 2] = ["season.csv", "season.md"];
+/// Locked while a folder is written into.
+const LOCK_FILE: &str = "collect.lock";
+
+/// Options of collecting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CollectOptions {
+    /// Suggestions below this confidence are in the queue, 0 to 1. Default: 0.9, from which on an
+    /// answer is called certain.
+    pub below: f64,
+}
+
+impl Default for CollectOptions {
+    fn default() -> Self {
+        Self { below: CERTAIN }
+    }
+}
+
+/// Events while parts are collected.
+#[derive(Debug)]
+pub enum CollectEvent {
+    /// A match was collected.
+    Match,
+    /// A part is missing or cannot be used.
+    Gap {
+        /// The match.
+        name: String,
+        /// Which frames, and why.
+        what: String,
+    },
+    /// The project of a match was left as it is.
+    LeftAlone {
+        /// The match.
+        name: String,
+        /// Why.
+        why: String,
+    },
+    /// A file in the folder of parts is of no shard of this plan. It is not used.
+    NotOfPlan {
+        /// The part.
+        path: PathBuf,
+    },
+}
+
+/// What was collected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Collected {
+    /// Number of matches that have a project.
+    pub projects: usize,
+    /// Number of frames in them.
+    pub frames: usize,
+    /// Number of frames with a camera.
+    pub with_camera: usize,
+    /// Number of shards without a whole part.
+    pub gaps: usize,
+    /// Number of projects that were left as they are.
+    pub left_alone: usize,
+    /// Number of entries of the queue.
+    pub queued: usize,
+}
+
+/// Collects the parts of a plan at `plan_path` into the folder `output`.
+///
+/// # Errors
+/// The folder holds other things than a collected season, another process collects into it, or
+/// something cannot be written. Projects that were written before stay.
+pub fn collect(
+    plan_path: &Path,
+    plan: &Plan,
+    parts: &Path,
+    output: &Path,
+    options: &CollectOptions,
+    progress: &Progress<'_, CollectEvent>,
+) -> Result<Collected, CollectError> {
+    refuse_other_folder(output)?;
+    fs::create_dir_all(output).map_err(|source| CollectError::from_io("make", output, source))?;
+    let lock_path = output.join(LOCK_FILE);
+    // Dropped, and so unlocked, when the function ends.
+    let _lock = lock_file(lock_path).map_err(|reason| match reason {
+        ReadOnly::OpenElsewhere { holder } => CollectError::Busy {
+            output: output.to_path_buf(),
+            holder,
+        },
+        ReadOnly::NotWritable { reason } => CollectError::NotWritable {
+            output: output.to_path_buf(),
+            reason,
+        },
+    })?;
+    report_parts_of_others(plan, parts, progress)?;
+
+    let mut collected = Collected::default();
+    let mut queue = Queue::new(options.below);
+    let mut table = SeasonTable::new();
+    for of_match in &plan.matches {
+        let to_collect = MatchToCollect {
+            plan_path,
+            of_match,
+            parts,
+            output,
+        };
+        let found = to_collect.collect(progress)?;
+        collected.add(&found);
+        if let Some(document) = &found.document {
+            queue.add_match(&of_match.name, document);
+        }
+        table.add(of_match, &found, parts, options.below);
+        if progress.report(CollectEvent::Match).is_break() {
+            return Err(CollectError::Stopped);
+        }
+    }
+    queue.sort();
+    collected.queued = queue.entries().len();
+    write(&output.join(QUEUE_FILE), &queue.to_text())?;
+    let table = table.finish();
+    for (file, text) in TABLE_FILES
+        .iter()
+        .zip([table.to_csv(), table.to_markdown()])
+    {
+        write(&output.join(file), &text)?;
+    }
+    Ok(collected)
+}
+
+impl Collected {
+    fn add(&mut self, found: &CollectedMatch) {
+        self.gaps += found.gaps;
+        self.left_alone += usize::from(found.is_left_alone);
+        if let Some(document) = &found.document {
+            self.projects += 1;
+            self.frames += document.frames.len();
+            let frames = document.frames.iter();
+            self.with_camera += frames.filter(|frame| frame.ptz.is_some()).count();
+        }
+    }
+}
+
+/// Refuses a folder that holds something, but no queue of an earlier collection.
+fn refuse_other_folder(output: &Path) -> Result<(), CollectError> {
+    let Ok(mut entries) = fs::read_dir(output) else {
+        return if output.exists() {
+            Err(CollectError::NotAFolder {
+                output: output.to_path_buf(),
+            })
+        } else {
+            Ok(())
+        };
+    };
+    // A first collection that was killed, or is going on, has left at least its lock. Snakemake
+    // deletes the queue before it collects again.
+    let is_season = [QUEUE_FILE, LOCK_FILE]
+        .iter()
+        .chain(&TABLE_FILES)
+        .any(|file| output.join(file).exists());
+    if is_season || entries.next().is_none() {
+        return Ok(());
+    }
+    Err(CollectError::OtherFolder {
+        output: output.to_path_buf(),
+    })
+}
+
+fn report_parts_of_others(
+    plan: &Plan,
+    parts: &Path,
+    progress: &Progress<'_, CollectEvent>,
+) -> Result<(), CollectError> {
+    let ids: BTreeSet<&str> = plan.shard_ids().collect();
+    let entries =
+        fs::read_dir(parts).map_err(|source| CollectError::from_io("read", parts, source))?;
+    let mut others: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| shard_of_path(path).is_some_and(|shard| !ids.contains(shard)))
+        .collect();
+    others.sort();
+    for path in others {
+        let _ = progress.report(CollectEvent::NotOfPlan { path });
+    }
+    Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CollectError> {
+    write_atomically(path, text.as_bytes())
+        .map_err(|source| CollectError::from_io("write", path, source))
+}

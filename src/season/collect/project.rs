@@ -1,0 +1,309 @@
+//! The project of one match from its parts.
+//!
+//! 1. The part of the find shard gives cameras and field, and of a match with a project all of the
+//!    project's frames. The parts of label shards give the frames of their windows.
+//! 2. If the season was collected before, the project of then is the one that stays: new frames are
+//!    put between its own, and frames without a person's work take the suggestions of the parts.
+
+use super::{CollectError, CollectEvent};
+use crate::part::{Part, PartError};
+use crate::plan::{LabelShard, PlannedMatch, path_in_plan};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use touchline_core::files::folder_of;
+use touchline_core::progress::Progress;
+use touchline_documents::document::{
+    Camera, CameraId, Document, Frame, FrameId, Frames, History, Shared, Suggestion, resolved,
+};
+use touchline_documents::store::{
+    Access, Location, Opened, PROJECT_FILE, open, read, write_document,
+};
+
+/// A match whose parts are to be collected.
+pub(super) struct MatchToCollect<'a> {
+    pub(super) plan_path: &'a Path,
+    pub(super) of_match: &'a PlannedMatch,
+    pub(super) parts: &'a Path,
+    pub(super) output: &'a Path,
+}
+
+/// What was collected of a match.
+#[derive(Default)]
+pub(super) struct CollectedMatch {
+    /// Its project; none if there is none yet.
+    pub(super) document: Option<Document>,
+    /// Why no camera, or no forest, was found.
+    pub(super) reason: Option<String>,
+    /// Number of shards without a whole part.
+    pub(super) gaps: usize,
+    /// Whether its project was left as it is.
+    pub(super) is_left_alone: bool,
+}
+
+impl MatchToCollect<'_> {
+    /// Collects the parts of the match and writes its project, unless it is as it should be.
+    pub(super) fn collect(
+        &self,
+        progress: &Progress<'_, CollectEvent>,
+    ) -> Result<CollectedMatch, CollectError> {
+        let name = &self.of_match.name;
+        let mut collected = CollectedMatch::default();
+        let folder = self.output.join(name);
+        let is_there = folder.join(PROJECT_FILE).exists();
+        let found = match Part::read(self.parts, &self.of_match.find) {
+            Ok(found) => found,
+            Err(why) => {
+                collected.gaps = 1 + self.of_match.labels.len();
+                let what = format!("no cameras and no frames: {why}");
+                let _ = progress.report(CollectEvent::Gap {
+                    name: name.clone(),
+                    what,
+                });
+                if is_there {
+                    collected.document = Some(read(&folder)?.1);
+                }
+                return Ok(collected);
+            }
+        };
+        collected.reason.clone_from(&found.about.reason);
+        let labelled = self.read_windows(&mut collected.gaps, progress);
+        // Without a project the find shard's frames are those of windows, and come with these.
+        let mut made = found.document;
+        if self.of_match.project.is_none() {
+            made.frames = Frames::new();
+        }
+        made.frames = merge_frames(&made.frames, &labelled);
+        let location = Location::for_new_document(&folder.join(""))?;
+        let made = made.relocated(&self.source_folder(), location.folder());
+        if !is_there {
+            write_document(&location, &made, false)?;
+            collected.document = Some(made);
+            return Ok(collected);
+        }
+        let before = open(&folder)?;
+        let (document, left) = bring_up_to_date(before, &made)?;
+        collected.is_left_alone = left.is_some();
+        if let Some(why) = left {
+            let name = name.clone();
+            let _ = progress.report(CollectEvent::LeftAlone { name, why });
+        }
+        collected.document = Some(document);
+        Ok(collected)
+    }
+
+    /// The frames of all windows that have a whole part. Neighbouring windows without one are
+    /// reported as one gap.
+    fn read_windows(
+        &self,
+        gaps: &mut usize,
+        progress: &Progress<'_, CollectEvent>,
+    ) -> Vec<Shared<Frame>> {
+        let mut frames = Vec::new();
+        let mut gap: Option<Gap<'_>> = None;
+        for label in &self.of_match.labels {
+            let why = match Part::read(self.parts, &label.shard) {
+                Ok(part) => {
+                    frames.extend(part.document.frames.iter().cloned());
+                    self.report_gap(gap.take(), progress);
+                    continue;
+                }
+                Err(why) => why,
+            };
+            *gaps += 1;
+            match &mut gap {
+                // Parts that are not there yet are one gap; each that is not whole is its own.
+                Some(open) if open.is_missing && is_missing(&why) => {
+                    open.last = label;
+                    open.shards += 1;
+                }
+                _ => {
+                    let next = Gap::begin(label, &why);
+                    self.report_gap(gap.replace(next), progress);
+                }
+            }
+        }
+        self.report_gap(gap, progress);
+        frames
+    }
+
+    fn report_gap(&self, gap: Option<Gap<'_>>, progress: &Progress<'_, CollectEvent>) {
+        let Some(gap) = gap else { return };
+        let others = match gap.shards {
+            1 => String::new(),
+            shards => format!(" and of {} shards after it", shards - 1),
+        };
+        let (first, last) = (gap.first.first, gap.last.last);
+        let what = format!("frames {first} to {last}: {}{others}", gap.why);
+        let name = self.of_match.name.clone();
+        let _ = progress.report(CollectEvent::Gap { name, what });
+    }
+
+    /// The folder that the paths in parts begin at. The frames themselves need not be there.
+    fn source_folder(&self) -> PathBuf {
+        let frames = resolved(&path_in_plan(self.plan_path, &self.of_match.frames));
+        folder_of(&frames).to_path_buf()
+    }
+}
+
+/// Windows beside each other that have no whole part.
+struct Gap<'a> {
+    first: &'a LabelShard,
+    last: &'a LabelShard,
+    shards: usize,
+    why: String,
+    is_missing: bool,
+}
+
+impl<'a> Gap<'a> {
+    fn begin(label: &'a LabelShard, why: &PartError) -> Self {
+        Self {
+            first: label,
+            last: label,
+            shards: 1,
+            why: why.to_string(),
+            is_missing: is_missing(why),
+        }
+    }
+}
+
+const fn is_missing(why: &PartError) -> bool {
+    matches!(why, PartError::Missing { .. })
+}
+
+/// Brings a project that was collected before up to date and writes it. Returns the project, and
+/// why it was left as it is, if it was.
+fn bring_up_to_date(
+    before: Opened,
+    made: &Document,
+) -> Result<(Document, Option<String>), CollectError> {
+    let Opened {
+        document, access, ..
+    } = before;
+    let mut store = match access {
+        Access::Writable(store) => store,
+        Access::ReadOnly(reason) => return Ok((document, Some(format!("it is {reason}")))),
+    };
+    if let Some(camera) = camera_with_other_base(&document, made) {
+        let why = format!(
+            "camera {} has another base than in the parts",
+            camera.as_str()
+        );
+        return Ok((document, Some(why)));
+    }
+    let labelled: Vec<Shared<Frame>> = made.frames.iter().cloned().collect();
+    let updated = Document {
+        frames: merge_frames(&document.frames, &labelled),
+        ..document.clone()
+    };
+    if updated != document {
+        store.save(&updated, &History::default())?;
+    }
+    Ok((updated, None))
+}
+
+/// A camera that both documents have, with different bases: cameras of frames in one mean something
+/// else in the other.
+fn camera_with_other_base(document: &Document, made: &Document) -> Option<CameraId> {
+    let differs = |camera: &&Shared<Camera>| {
+        document.camera(&camera.id).and_then(Camera::base) != camera.base()
+    };
+    made.cameras
+        .iter()
+        .find(differs)
+        .map(|camera| camera.id.clone())
+}
+
+/// The frames of a project with those of the parts, which are in the order of time: frames of both
+/// are updated, new ones come after the frame before them.
+fn merge_frames(project: &Frames, labelled: &[Shared<Frame>]) -> Frames {
+    let in_parts: BTreeSet<&FrameId> = labelled.iter().map(|frame| &frame.id).collect();
+    let mut merged = Vec::with_capacity(project.len().max(labelled.len()));
+    let mut next = 0;
+    for frame in labelled {
+        let Some(position) = project.position_of(&frame.id) else {
+            merged.push(frame.clone());
+            continue;
+        };
+        // Frames of the project alone keep their place before the next common one.
+        while next < position {
+            if !in_parts.contains(&project[next].id) {
+                merged.push(project[next].clone());
+            }
+            next += 1;
+        }
+        merged.push(update_by_part(&project[position], frame));
+    }
+    let rest = project.iter().skip(next);
+    merged.extend(rest.filter(|frame| !in_parts.contains(&frame.id)).cloned());
+    merged.into_iter().collect()
+}
+
+/// A frame of a project with the suggestion of a part, unless a person has worked on it or it is
+/// another camera's there.
+fn update_by_part(frame: &Shared<Frame>, part: &Shared<Frame>) -> Shared<Frame> {
+    let is_free = frame.shows_suggestion() || frame.is_untouched();
+    if !is_free || frame.camera != part.camera {
+        return frame.clone();
+    }
+    let mut updated = frame.without_suggestion();
+    if let Some(suggestion) = Suggestion::in_frame(part, None) {
+        suggestion.show_in(&mut updated);
+    }
+    if updated == **frame {
+        return frame.clone();
+    }
+    updated.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FramePtz, FrameStatus};
+
+    fn frame(name: &str, pan_deg: Option<f64>, status: FrameStatus) -> Shared<Frame> {
+        let mut frame = Frame::from_image(name, "main".into(), ImageSize::new(64, 36));
+        let ptz = |pan_deg| FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None);
+        frame.ptz = pan_deg.map(ptz);
+        frame.status = status;
+        frame.into()
+    }
+
+    #[test]
+    fn frames_of_parts_come_between_those_of_the_project_and_peoples_work_stays() {
+        use FrameStatus::{New, Reference, Rejected, Suggested};
+        let project: Frames = [
+            frame("a", None, New),
+            frame("own", None, New),
+            frame("c", Some(1.0), Reference),
+            frame("d", Some(1.0), Suggested),
+            frame("e", None, Rejected),
+            frame("last", None, New),
+        ]
+        .into_iter()
+        .collect();
+        let labelled = ["a", "b", "c", "d", "e"].map(|name| frame(name, Some(2.0), Suggested));
+        let merged = merge_frames(&project, &labelled);
+        let shown = |frame: &Shared<Frame>| {
+            let pan_deg = frame.ptz.as_ref().map(|ptz| ptz.pan_deg);
+            (frame.image.clone().unwrap(), pan_deg)
+        };
+        let found: Vec<_> = merged.iter().map(shown).collect();
+        let wanted = [
+            ("a", Some(2.0)),
+            ("b", Some(2.0)),
+            ("own", None),
+            ("c", Some(1.0)),
+            ("d", Some(2.0)),
+            ("e", None),
+            ("last", None),
+        ];
+        let wanted: Vec<_> = wanted
+            .map(|(name, pan_deg)| (name.to_owned(), pan_deg))
+            .to_vec();
+        assert_eq!(found, wanted);
+        let again = merge_frames(&merged, &labelled);
+        assert_eq!(again, merged, "nothing changes the second time");
+    }
+}

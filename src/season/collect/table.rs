@@ -1,0 +1,167 @@
+//! The table of a season.
+
+use super::project::CollectedMatch;
+use super::queue::confidence_of;
+use crate::part::Cost;
+use crate::plan::PlannedMatch;
+use std::collections::BTreeMap;
+use std::path::Path;
+use touchline_documents::document::{Frame, FrameStatus};
+use touchline_documents::report::{Cell, Table};
+
+/// The columns: key and heading.
+const COLUMNS: [(&str, &str); 9] = [
+    ("match", "Match"),
+    ("cameras", "Cameras"),
+    ("frames", "Frames"),
+    ("certain", "Right by their own evidence"),
+    ("uncertain", "Uncertain"),
+    ("none", "Without a camera"),
+    ("gap", "In gaps"),
+    ("why", "Why"),
+    ("core_hours", "Core hours"),
+];
+
+/// Seconds of an hour.
+const HOUR_S: f64 = 3600.0;
+
+/// Decimals of core hours.
+const DECIMALS: usize = 2;
+
+/// A table that is being filled, with the sums of its rows.
+pub(super) struct SeasonTable {
+    table: Table,
+    sums: Counts,
+}
+
+/// What a row counts.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    cameras: usize,
+    frames: usize,
+    certain: usize,
+    uncertain: usize,
+    none: usize,
+    gap: usize,
+    core_hours: f64,
+}
+
+impl SeasonTable {
+    pub(super) fn new() -> Self {
+        Self {
+            table: Table::new(&COLUMNS),
+            sums: Counts::default(),
+        }
+    }
+
+    /// Adds the row of a match. Frames that a person accepted are right, whatever their confidence.
+    pub(super) fn add(
+        &mut self,
+        planned: &PlannedMatch,
+        found: &CollectedMatch,
+        parts: &Path,
+        below: f64,
+    ) {
+        let mut counts = Counts {
+            frames: planned.num_frames,
+            core_hours: core_hours(planned, parts),
+            ..Counts::default()
+        };
+        let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+        if let Some(document) = &found.document {
+            let with_base = document
+                .cameras
+                .iter()
+                .filter(|camera| camera.base().is_some());
+            counts.cameras = with_base.count();
+            for frame in &document.frames {
+                if frame.ptz.is_none() {
+                    counts.none += 1;
+                    *reasons.entry(reason_of(frame)).or_default() += 1;
+                } else if is_certain(frame, below) {
+                    counts.certain += 1;
+                } else {
+                    counts.uncertain += 1;
+                }
+            }
+        }
+        let counted = counts.certain + counts.uncertain + counts.none;
+        counts.gap = planned.num_frames.saturating_sub(counted);
+        self.push(
+            &planned.name,
+            &counts,
+            why(found.reason.as_deref(), &reasons),
+        );
+        self.sums.add(&counts);
+    }
+
+    /// The table, with the sums as its last row.
+    pub(super) fn finish(mut self) -> Table {
+        let sums = self.sums;
+        self.push("all", &sums, String::new());
+        self.table
+    }
+
+    fn push(&mut self, name: &str, counts: &Counts, why: String) {
+        self.table.push(vec![
+            name.into(),
+            counts.cameras.into(),
+            counts.frames.into(),
+            counts.certain.into(),
+            counts.uncertain.into(),
+            counts.none.into(),
+            counts.gap.into(),
+            why.into(),
+            Cell::Fixed(counts.core_hours, DECIMALS),
+        ]);
+    }
+}
+
+impl Counts {
+    fn add(&mut self, other: &Self) {
+        self.cameras += other.cameras;
+        self.frames += other.frames;
+        self.certain += other.certain;
+        self.uncertain += other.uncertain;
+        self.none += other.none;
+        self.gap += other.gap;
+        self.core_hours += other.core_hours;
+    }
+}
+
+fn is_certain(frame: &Frame, below: f64) -> bool {
+    frame.status == FrameStatus::Reference
+        || confidence_of(frame).is_some_and(|confidence| confidence >= below)
+}
+
+/// Why a frame has no camera, in a word: the code of its first warning.
+fn reason_of(frame: &Frame) -> &str {
+    let warnings = frame.solution.as_ref().map(|solution| &solution.warnings);
+    let first = warnings.and_then(|warnings| warnings.first());
+    first.map_or("not_tracked", |warning| warning.code.as_str())
+}
+
+/// Why frames have no camera: the reason for the match, and the numbers for each reason of a frame.
+fn why(of_match: Option<&str>, reasons: &BTreeMap<&str, usize>) -> String {
+    let counted = reasons
+        .iter()
+        .map(|(reason, count)| format!("{reason} {count}"));
+    let all: Vec<String> = of_match
+        .map(str::to_owned)
+        .into_iter()
+        .chain(counted)
+        .collect();
+    all.join("; ")
+}
+
+/// What the shards of a match cost, as far as it is stated beside their parts.
+fn core_hours(planned: &PlannedMatch, parts: &Path) -> f64 {
+    let labels = planned.labels.iter().map(|label| &label.shard);
+    let costs = labels
+        .chain([&planned.find])
+        .filter_map(|shard| Cost::read(parts, shard));
+    costs
+        .map(|cost| cost.cpu_s.unwrap_or(cost.wall_s))
+        .sum::<f64>()
+        / HOUR_S
+}

@@ -1,0 +1,247 @@
+//! From a season to its plan.
+
+use super::file::{LabelShard, Plan, PlannedFile, PlannedMatch};
+use crate::season_file::{Match, Season};
+use crate::source::{SourceError, SourceState, examine_source, place_of_source};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use touchline_core::files::folder_of;
+use touchline_core::progress::Progress;
+use touchline_documents::document::{
+    Camera, Document, FieldSpec, WriteError, document_to_string, generator, path_between, resolved,
+};
+use touchline_documents::store::{self, Location, StoreError};
+use touchline_vision::media::{MediaError, sha256_of_bytes, sha256_of_file};
+
+/// Why a season has no plan. Each names the match.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum MakePlanError {
+    /// The frames of a match cannot be used.
+    #[error("{name}: {source}")]
+    Source {
+        /// The match.
+        name: String,
+        /// Why.
+        source: SourceError,
+    },
+    /// The project of a match cannot be used.
+    #[error("{name}: {source}")]
+    Project {
+        /// The match.
+        name: String,
+        /// Why.
+        source: Box<StoreError>,
+    },
+    /// The forest of a match cannot be read.
+    #[error("{name}: {source}")]
+    Forest {
+        /// The match.
+        name: String,
+        /// Why.
+        source: MediaError,
+    },
+    /// The project of a match has no camera that could be used.
+    #[error(
+        "{name}: {} has no camera with a base; estimate it there, or name no project",
+        project.display()
+    )]
+    NoBase {
+        /// The match.
+        name: String,
+        /// The project.
+        project: PathBuf,
+    },
+    /// The project of a match cannot be hashed.
+    #[error("{name}: {source}")]
+    Write {
+        /// The match.
+        name: String,
+        /// Why.
+        source: WriteError,
+    },
+    /// `progress` cancelled it.
+    #[error("stopped; no plan was made")]
+    Stopped,
+}
+
+/// Plans a season: hashes what is named in it and divides its matches. The plan is for a file at
+/// `plan`, to which its paths are relative, and for machines of `processor` class. Each match that
+/// is done is reported.
+///
+/// # Errors
+/// A video, project or forest cannot be used, or `progress` cancelled it.
+pub fn make_plan(
+    season: &Season,
+    plan: &Path,
+    processor: &str,
+    progress: &Progress<'_, ()>,
+) -> Result<Plan, MakePlanError> {
+    let folder = resolved(folder_of(plan));
+    let mut made = Plan::new(generator(), processor.to_owned());
+    for of_season in &season.matches {
+        let mut planned = plan_match(of_season, &folder)?;
+        made.name_shards(&mut planned);
+        made.matches.push(planned);
+        if progress.report(()).is_break() {
+            return Err(MakePlanError::Stopped);
+        }
+    }
+    Ok(made)
+}
+
+/// Everything of a match but the ids of its shards.
+fn plan_match(of_season: &Match, folder: &Path) -> Result<PlannedMatch, MakePlanError> {
+    let name = &of_season.name;
+    let refuse = |source| MakePlanError::Source {
+        name: name.clone(),
+        source,
+    };
+    let state = examine_source(&of_season.frames).map_err(refuse)?;
+    let (_, frames_name) = place_of_source(&of_season.frames).map_err(refuse)?;
+    let project = of_season.project.as_deref();
+    let project = project.map(|path| plan_project(name, path, folder));
+    let forest = of_season.forest.as_deref();
+    let forest = forest.map(|path| plan_forest(name, path, folder));
+    Ok(PlannedMatch {
+        name: name.clone(),
+        frames: path_for(&of_season.frames, folder),
+        frames_name,
+        num_frames: state.num_frames,
+        field: of_season.field.clone(),
+        project: project.transpose()?,
+        forest: forest.transpose()?,
+        look_at: of_season.options.look_at,
+        find: String::new(),
+        labels: windows(&state, of_season),
+        frames_sha256: state.sha256,
+    })
+}
+
+/// Divides all frames into windows of equal length; the last one takes what is left.
+fn windows(state: &SourceState, of_season: &Match) -> Vec<LabelShard> {
+    let options = &of_season.options;
+    let length = state.fps.map_or(options.images, |fps| {
+        let frames = (options.window_s * fps).round();
+        if frames.is_finite() {
+            frames as usize
+        } else {
+            1
+        }
+    });
+    let length = length.max(1);
+    let label = |first: usize| LabelShard {
+        shard: String::new(),
+        first,
+        last: first.saturating_add(length).min(state.num_frames) - 1,
+    };
+    (0..state.num_frames).step_by(length).map(label).collect()
+}
+
+fn plan_project(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, MakePlanError> {
+    let (location, document, _) = store::read(path).map_err(|source| MakePlanError::Project {
+        name: name.to_owned(),
+        source: Box::new(source),
+    })?;
+    let has_base = |camera: &Camera| camera.base().is_some();
+    if !document.cameras.iter().any(|camera| has_base(camera)) {
+        return Err(MakePlanError::NoBase {
+            name: name.to_owned(),
+            project: path.to_path_buf(),
+        });
+    }
+    let sha256 = hash_of_project(&location, &document).map_err(|source| MakePlanError::Write {
+        name: name.to_owned(),
+        source,
+    })?;
+    Ok(PlannedFile {
+        path: path_for(path, folder),
+        sha256,
+    })
+}
+
+fn plan_forest(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, MakePlanError> {
+    let sha256 = sha256_of_file(path).map_err(|source| MakePlanError::Forest {
+        name: name.to_owned(),
+        source,
+    })?;
+    Ok(PlannedFile {
+        path: path_for(path, folder),
+        sha256,
+    })
+}
+
+/// The SHA-256 of a project: of the document with the edits of its journal, as it would be written,
+/// and of the field templates of its own.
+///
+/// # Errors
+/// The document cannot be written.
+pub fn hash_of_project(location: &Location, document: &Document) -> Result<String, WriteError> {
+    let mut text = document_to_string(document)?;
+    let of_cameras = document
+        .cameras
+        .iter()
+        .filter_map(|camera| camera.field.as_ref());
+    let own: Vec<&FieldSpec> = of_cameras
+        .chain([&document.field])
+        .filter(|field| field.is_file())
+        .collect();
+    for field in own {
+        // A template that cannot be read stops the shards, which say why.
+        let hash = sha256_of_file(&location.folder().join(&field.template));
+        text.push_str(&hash.unwrap_or_default());
+    }
+    Ok(sha256_of_bytes(text.as_bytes()))
+}
+
+/// A path as the plan names it: relative to the plan's folder if it was given relative, so that
+/// plan and frames may move together.
+fn path_for(path: &Path, folder: &Path) -> String {
+    if path.is_absolute() {
+        return path.to_string_lossy().into_owned();
+    }
+    path_between(folder, &resolved(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::season_file::ShardOptions;
+
+    /// First and last frame of each window.
+    fn windows_of(num_frames: usize, fps: Option<f64>, options: ShardOptions) -> Vec<[usize; 2]> {
+        let state = SourceState {
+            sha256: String::new(),
+            num_frames,
+            fps,
+        };
+        let of_season = Match {
+            name: "a".to_owned(),
+            line: 1,
+            frames: "a.mp4".into(),
+            field: FieldSpec::new("soccer"),
+            project: None,
+            forest: None,
+            options,
+        };
+        let ends = |label: &LabelShard| [label.first, label.last];
+        windows(&state, &of_season).iter().map(ends).collect()
+    }
+
+    #[test]
+    fn windows_are_of_equal_length_and_cover_every_frame_once() {
+        let options = ShardOptions::default();
+        let minutes = windows_of(3700, Some(25.0), options);
+        assert_eq!(minutes, [[0, 1499], [1500, 2999], [3000, 3699]]);
+        assert_eq!(windows_of(1500, Some(25.0), options), [[0, 1499]]);
+        assert_eq!(
+            windows_of(801, None, options),
+            [[0, 399], [400, 799], [800, 800]]
+        );
+        assert_eq!(windows_of(2, Some(1e300), options), [[0, 1]]);
+        // Rates that a damaged file may state.
+        for fps in [0.0, f64::NAN, f64::INFINITY, 1e-9] {
+            assert_eq!(windows_of(2, Some(fps), options), [[0, 0], [1, 1]], "{fps}");
+        }
+    }
+}

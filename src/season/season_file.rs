@@ -1,0 +1,600 @@
+//! The season file: what a person writes.
+//!
+//! ```toml
+//! [options]                     # of all matches; each may be absent
+//! look_at = 40                  # frames from which a match's cameras are found
+//! window_s = 60.0               # seconds of video for a shard
+//! images = 400                  # images for a shard, where a match is a folder of them
+//!
+//! [[venue]]
+//! name = "North Park"
+//! field = "soccer"
+//! set = { length_m = 105.0, width_m = 68.0 }
+//!
+//! [[match]]
+//! name = "north-south"          # the name of the video without its ending if absent
+//! video = "videos/a.mp4"        # or frames = "FOLDER"
+//! venue = "North Park"          # a soccer field of unknown size if absent
+//! project = "north/project.json"  # its cameras are used; without it they are found
+//! forest = "north.tlf"          # trained from that project; else trained from its references
+//! options = { look_at = 100 }
+//! ```
+//!
+//! Paths are relative to the season file's folder. Every mistake is one line that names the file,
+//! the line in it and the way to mend it.
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use toml::Spanned;
+use touchline_core::field::FieldError;
+use touchline_core::files::{folder_of, read_named_text};
+use touchline_documents::document::FieldSpec;
+
+/// Maximum size of a season file, bytes.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// Maximum length of a match's name, bytes: it becomes the name of a folder.
+const MAX_NAME_BYTES: usize = 100;
+
+/// The field of a match without a venue.
+const USUAL_FIELD: &str = "soccer";
+
+/// Numbers of frames from which cameras may be found.
+const LOOK_AT: Range<usize> = 3..301;
+
+/// Lengths of a shard that are allowed, s.
+const WINDOW_S: Range<f64> = 1.0..3600.0;
+
+/// Numbers of images that a shard may have.
+const IMAGES: Range<usize> = 1..100_001;
+
+/// A season: its matches, in the order of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Season {
+    /// The matches; names and frames differ.
+    pub matches: Vec<Match>,
+}
+
+/// A match of a season.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Match {
+    /// Its name, which can be the name of a folder.
+    pub name: String,
+    /// Its line in the season file, for messages.
+    pub line: usize,
+    /// The video or the folder of images; the season file's folder is joined to it.
+    pub frames: PathBuf,
+    /// The field; of a project, the project's field is used instead.
+    pub field: FieldSpec,
+    /// The project whose cameras are used.
+    pub project: Option<PathBuf>,
+    /// The forest that was trained from the project.
+    pub forest: Option<PathBuf>,
+    /// How it is divided and searched.
+    pub options: ShardOptions,
+}
+
+/// How a match is divided into shards and its cameras are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShardOptions {
+    /// Maximum number of frames from which each camera is found. Default: 40.
+    pub look_at: usize,
+    /// Length of a shard of a video, s. Default: 60.
+    pub window_s: f64,
+    /// Number of images of a shard of a folder. Default: 400.
+    pub images: usize,
+}
+
+impl Default for ShardOptions {
+    fn default() -> Self {
+        Self {
+            look_at: 40,
+            window_s: 60.0,
+            images: 400,
+        }
+    }
+}
+
+/// Why a season file is refused.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SeasonError {
+    /// It cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// A line of it is wrong.
+    #[error("{}, line {line}: {mistake}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong there.
+        mistake: Box<SeasonMistake>,
+    },
+}
+
+/// What is wrong in a line of a season file.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SeasonMistake {
+    /// It is not TOML, or not a season's.
+    #[error("{0}")]
+    Toml(String),
+    /// There is no match in the file.
+    #[error("the file names no match; write a [[match]] with its video")]
+    NoMatch,
+    /// A match has the name of another one.
+    #[error(
+        "the match {name:?} has the name of the one in line {other}; name one of them otherwise"
+    )]
+    SameName {
+        /// The name.
+        name: String,
+        /// The line of the other match.
+        other: usize,
+    },
+    /// A match has the frames of another one.
+    #[error("{} is the match of line {other} already; take one of them out", frames.display())]
+    SameFrames {
+        /// The video or folder.
+        frames: PathBuf,
+        /// The line of the other match.
+        other: usize,
+    },
+    /// A name cannot be the name of a folder.
+    #[error("{name:?} cannot be the name of a match and its folder; use letters, digits, - and _")]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// Two venues have one name.
+    #[error("there is a venue {name:?} before; name one of them otherwise")]
+    SameVenue {
+        /// The name.
+        name: String,
+    },
+    /// A match names a venue that is not in the file.
+    #[error("no [[venue]] has the name {name:?}; add one, or correct the name")]
+    UnknownVenue {
+        /// The name.
+        name: String,
+    },
+    /// A file that is named is not there.
+    #[error("there is no {}; paths are relative to the season file", path.display())]
+    Missing {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// The field of a venue is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// A venue has a template that is not built in.
+    #[error(
+        "{template}: a venue takes the templates that are built in (`touchline fields` lists them)"
+    )]
+    OwnTemplate {
+        /// The template.
+        template: String,
+    },
+    /// A number is out of its range.
+    #[error("{option} is {found}; give a number from {least} to {most}")]
+    Range {
+        /// The option.
+        option: &'static str,
+        /// What it is.
+        found: f64,
+        /// The least that is allowed.
+        least: f64,
+        /// The most that is allowed.
+        most: f64,
+    },
+    /// A forest is given without the project that it was trained from.
+    #[error("a forest needs the project that it was trained from; add project = \"…\"")]
+    ForestAlone,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SeasonText {
+    #[serde(default)]
+    options: OptionsText,
+    #[serde(default, rename = "venue")]
+    venues: Vec<VenueText>,
+    #[serde(default, rename = "match")]
+    matches: Vec<MatchText>,
+}
+
+#[derive(Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OptionsText {
+    look_at: Option<Spanned<usize>>,
+    window_s: Option<Spanned<f64>>,
+    images: Option<Spanned<usize>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct VenueText {
+    name: Spanned<String>,
+    field: Spanned<String>,
+    #[serde(default)]
+    set: BTreeMap<String, f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MatchText {
+    name: Option<Spanned<String>>,
+    #[serde(alias = "video")]
+    frames: Spanned<String>,
+    venue: Option<Spanned<String>>,
+    project: Option<Spanned<String>>,
+    forest: Option<Spanned<String>>,
+    #[serde(default)]
+    options: OptionsText,
+}
+
+impl Season {
+    /// Reads a season file and checks everything in it that can be checked without reading videos.
+    ///
+    /// # Errors
+    /// The file cannot be read, or a line of it is wrong.
+    pub fn read(path: &Path) -> Result<Self, SeasonError> {
+        let text = read_named_text(path, MAX_BYTES).map_err(|source| SeasonError::Io {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        let file = SeasonFile { path, text: &text };
+        file.season()
+    }
+}
+
+/// A season file while it is read.
+struct SeasonFile<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl SeasonFile<'_> {
+    fn season(&self) -> Result<Season, SeasonError> {
+        let SeasonText {
+            options,
+            venues,
+            matches,
+        } = self.parse()?;
+        let usual = self.options(ShardOptions::default(), &options)?;
+        let fields = self.fields_of_venues(venues)?;
+        let mut season = Season {
+            matches: Vec::with_capacity(matches.len()),
+        };
+        let mut lines = Lines::default();
+        for text in matches {
+            let found = self.read_match(text, usual, &fields)?;
+            self.refuse_repetition(&found, &mut lines)?;
+            season.matches.push(found);
+        }
+        if season.matches.is_empty() {
+            return Err(self.at_line(1, SeasonMistake::NoMatch));
+        }
+        Ok(season)
+    }
+
+    fn parse<T: DeserializeOwned>(&self) -> Result<T, SeasonError> {
+        toml::from_str(self.text).map_err(|error| {
+            let span = error.span().unwrap_or(0..0);
+            let message = error.message().lines().collect::<Vec<_>>().join("; ");
+            self.mistake(&span, SeasonMistake::Toml(message))
+        })
+    }
+
+    fn read_match(
+        &self,
+        text: MatchText,
+        usual: ShardOptions,
+        fields: &BTreeMap<String, FieldSpec>,
+    ) -> Result<Match, SeasonError> {
+        let frames = self.existing(&text.frames)?;
+        let (name, span) = if let Some(name) = text.name {
+            (name.get_ref().clone(), name.span())
+        } else {
+            let stem = frames.file_stem().unwrap_or_default();
+            (stem.to_string_lossy().into_owned(), text.frames.span())
+        };
+        if !is_folder_name(&name) {
+            return Err(self.mistake(&span, SeasonMistake::Name { name }));
+        }
+        let field = match &text.venue {
+            None => FieldSpec::new(USUAL_FIELD),
+            Some(venue) => fields.get(venue.get_ref()).cloned().ok_or_else(|| {
+                let name = venue.get_ref().clone();
+                self.mistake(&venue.span(), SeasonMistake::UnknownVenue { name })
+            })?,
+        };
+        let project = text.project.map(|path| self.existing(&path)).transpose()?;
+        if let Some(forest) = &text.forest
+            && project.is_none()
+        {
+            return Err(self.mistake(&forest.span(), SeasonMistake::ForestAlone));
+        }
+        Ok(Match {
+            name,
+            line: self.line_of(&span),
+            frames,
+            field,
+            project,
+            forest: text.forest.map(|path| self.existing(&path)).transpose()?,
+            options: self.options(usual, &text.options)?,
+        })
+    }
+
+    /// Refuses a match with the name or the frames of an earlier one. Names that differ in case
+    /// alone are one folder on some systems.
+    fn refuse_repetition(&self, found: &Match, lines: &mut Lines) -> Result<(), SeasonError> {
+        if let Some(other) = lines.of_name.insert(found.name.to_lowercase(), found.line) {
+            let name = found.name.clone();
+            return Err(self.at_line(found.line, SeasonMistake::SameName { name, other }));
+        }
+        let real = found.frames.canonicalize();
+        let real = real.unwrap_or_else(|_| found.frames.clone());
+        if let Some(other) = lines.of_frames.insert(real, found.line) {
+            let frames = found.frames.clone();
+            return Err(self.at_line(found.line, SeasonMistake::SameFrames { frames, other }));
+        }
+        Ok(())
+    }
+
+    fn fields_of_venues(
+        &self,
+        venues: Vec<VenueText>,
+    ) -> Result<BTreeMap<String, FieldSpec>, SeasonError> {
+        let mut fields = BTreeMap::new();
+        for venue in venues {
+            let spec = FieldSpec::with_params(venue.field.get_ref(), venue.set);
+            if spec.is_file() {
+                let template = spec.template;
+                let mistake = SeasonMistake::OwnTemplate { template };
+                return Err(self.mistake(&venue.field.span(), mistake));
+            }
+            spec.model(folder_of(self.path))
+                .map_err(|error| self.mistake(&venue.field.span(), error.into()))?;
+            let name = venue.name.get_ref().clone();
+            if fields.insert(name.clone(), spec).is_some() {
+                let mistake = SeasonMistake::SameVenue { name };
+                return Err(self.mistake(&venue.name.span(), mistake));
+            }
+        }
+        Ok(fields)
+    }
+
+    fn options(
+        &self,
+        usual: ShardOptions,
+        text: &OptionsText,
+    ) -> Result<ShardOptions, SeasonError> {
+        let mut options = usual;
+        if let Some(look_at) = &text.look_at {
+            options.look_at = self.count_within("look_at", look_at, &LOOK_AT)?;
+        }
+        if let Some(images) = &text.images {
+            options.images = self.count_within("images", images, &IMAGES)?;
+        }
+        if let Some(window_s) = &text.window_s {
+            options.window_s = *window_s.get_ref();
+            if !WINDOW_S.contains(&options.window_s) {
+                let mistake = SeasonMistake::Range {
+                    option: "window_s",
+                    found: options.window_s,
+                    least: WINDOW_S.start,
+                    most: WINDOW_S.end,
+                };
+                return Err(self.mistake(&window_s.span(), mistake));
+            }
+        }
+        Ok(options)
+    }
+
+    fn count_within(
+        &self,
+        option: &'static str,
+        count: &Spanned<usize>,
+        range: &Range<usize>,
+    ) -> Result<usize, SeasonError> {
+        let found = *count.get_ref();
+        if range.contains(&found) {
+            return Ok(found);
+        }
+        let mistake = SeasonMistake::Range {
+            option,
+            found: found as f64,
+            least: range.start as f64,
+            most: (range.end - 1) as f64,
+        };
+        Err(self.mistake(&count.span(), mistake))
+    }
+
+    /// A path of the file, from its folder, of something that exists.
+    fn existing(&self, text: &Spanned<String>) -> Result<PathBuf, SeasonError> {
+        let path = folder_of(self.path).join(text.get_ref());
+        if path.exists() {
+            return Ok(path);
+        }
+        Err(self.mistake(&text.span(), SeasonMistake::Missing { path }))
+    }
+
+    fn mistake(&self, span: &Range<usize>, mistake: SeasonMistake) -> SeasonError {
+        self.at_line(self.line_of(span), mistake)
+    }
+
+    fn at_line(&self, line: usize, mistake: SeasonMistake) -> SeasonError {
+        SeasonError::Line {
+            path: self.path.to_path_buf(),
+            line,
+            mistake: Box::new(mistake),
+        }
+    }
+
+    fn line_of(&self, span: &Range<usize>) -> usize {
+        let before = self.text.get(..span.start).unwrap_or_default();
+        1 + before.matches('\n').count()
+    }
+}
+
+/// The lines of matches that were read.
+#[derive(Default)]
+struct Lines {
+    of_name: BTreeMap<String, usize>,
+    of_frames: BTreeMap<PathBuf, usize>,
+}
+
+fn is_folder_name(name: &str) -> bool {
+    let is_plain = |character: char| character.is_alphanumeric() || " -_.,+()".contains(character);
+    !name.is_empty()
+        && name.len() <= MAX_NAME_BYTES
+        && !name.starts_with(['.', ' '])
+        && !name.ends_with(['.', ' '])
+        && name.chars().all(is_plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    /// What is said of a season file beside two videos, behind the file's path.
+    fn refusal(text: &str) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        for video in ["a.mp4", "b.mp4"] {
+            fs::write(folder.path().join(video), "video").unwrap();
+        }
+        let path = folder.path().join("season.toml");
+        fs::write(&path, text).unwrap();
+        let line = Season::read(&path).unwrap_err().to_string();
+        assert!(!line.contains('\n'), "{line}");
+        let folder = format!("{}/", folder.path().display());
+        line.replace(&folder, "").replace("season.toml, ", "")
+    }
+
+    #[test]
+    fn a_season_has_its_defaults_and_takes_its_options() {
+        let folder = tempfile::tempdir().unwrap();
+        for video in ["a.mp4", "b.mp4", "p.json"] {
+            fs::write(folder.path().join(video), "video").unwrap();
+        }
+        let path = folder.path().join("season.toml");
+        let text = "
+            [options]
+            window_s = 30
+            [[venue]]
+            name = 'Park'
+            field = 'soccer'
+            set = { length_m = 101.5 }
+            [[match]]
+            video = 'a.mp4'
+            [[match]]
+            name = 'second leg'
+            frames = 'b.mp4'
+            venue = 'Park'
+            project = 'p.json'
+            options = { look_at = 100 }
+        ";
+        fs::write(&path, text).unwrap();
+        let season = Season::read(&path).unwrap();
+        let [first, second] = &season.matches[..] else {
+            panic!("{season:?}")
+        };
+        assert_eq!(
+            (first.name.as_str(), second.name.as_str()),
+            ("a", "second leg")
+        );
+        assert_eq!((first.line, second.line), (9, 11));
+        assert_eq!(first.frames, folder.path().join("a.mp4"));
+        assert_eq!(second.project, Some(folder.path().join("p.json")));
+        assert_eq!(second.field.params["length_m"], 101.5);
+        let usual = ShardOptions {
+            window_s: 30.0,
+            ..ShardOptions::default()
+        };
+        assert_eq!(first.options, usual);
+        assert_eq!(
+            second.options,
+            ShardOptions {
+                look_at: 100,
+                ..usual
+            }
+        );
+    }
+
+    #[test]
+    fn every_mistake_is_one_line_with_its_line() {
+        let a = "[[match]]\nvideo = 'a.mp4'\n";
+        for (text, said) in [
+            (
+                format!("{a}{a}"),
+                "line 4: the match \"a\" has the name of the one in line 2",
+            ),
+            (
+                format!("{a}{a}name = 'b'"),
+                "line 5: a.mp4 is the match of line 2 already",
+            ),
+            (
+                format!("{a}[[match]]\nname='A'\nvideo='b.mp4'"),
+                "line 4: the match \"A\" has the name of the one in line 2",
+            ),
+            (
+                "[[match]]\nvideo = 'c.mp4'".to_owned(),
+                "line 2: there is no c.mp4",
+            ),
+            (
+                "[[match]]\nvideo = 'a.mp4\n".to_owned(),
+                "line 2: invalid literal string",
+            ),
+            (
+                format!("{a}venu = 'x'"),
+                "line 3: unknown field `venu`, expected one of",
+            ),
+            (
+                format!("{a}venue = 'x'"),
+                "line 3: no [[venue]] has the name \"x\"",
+            ),
+            (
+                format!("{a}name = '../x'"),
+                "line 3: \"../x\" cannot be the name of a match",
+            ),
+            (
+                format!("{a}forest = 'b.mp4'"),
+                "line 3: a forest needs the project",
+            ),
+            (
+                format!("{a}options = {{ window_s = 0.5 }}"),
+                "line 3: window_s is 0.5; give a number from 1 to 3600",
+            ),
+            (
+                format!("[options]\nlook_at = 2\n{a}"),
+                "line 2: look_at is 2; give a number from 3 to 300",
+            ),
+            (
+                format!("[[venue]]\nname = 'x'\nfield = 'cricket'\n{a}"),
+                "line 3: no field template is named",
+            ),
+            (
+                format!("[[venue]]\nname = 'x'\nfield = 'my.json'\n{a}"),
+                "line 3: my.json: a venue takes the templates",
+            ),
+            ("\n".to_owned(), "line 1: the file names no match"),
+        ] {
+            let found = refusal(&text);
+            assert!(found.starts_with(said), "{text}\n{found}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! The frames of a window, and the camera of each.
+
+use super::{OpenSource, ShardError, ShardEvent, Work};
+use crate::part::CameraRun;
+use crate::plan::LabelShard;
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use touchline_core::progress::Progress;
+use touchline_documents::document::{
+    CameraId, Document, FieldSpec, Frame, Shared, VideoFrame, document_from_frames,
+};
+use touchline_vision::media::{FrameRef, FrameSource, MediaError, VideoInfo};
+
+impl OpenSource {
+    /// Opens frames by a path without links, so that they have the names that parts have.
+    pub(super) fn open(folder: PathBuf, name: String) -> Result<Self, MediaError> {
+        let frames = FrameSource::open(&folder.join(&name))?;
+        let mut number_of_image = BTreeMap::new();
+        if let FrameSource::Folder(listing) = &frames {
+            let numbered = listing.images.iter().cloned().zip(0..);
+            number_of_image.extend(numbered);
+        }
+        Ok(Self {
+            frames,
+            number_of_image,
+            folder,
+            name,
+        })
+    }
+
+    /// The number of a document's frame among all frames of the match; none if it is not one of
+    /// them.
+    pub(super) fn number_of(&self, frame: &Frame) -> Option<usize> {
+        match (&self.frames, frame.picture_source(&self.folder)?) {
+            (FrameSource::Video(info), FrameRef::Video { path, index }) => {
+                (path == info.path && index < info.decoded_frames).then_some(index)
+            }
+            (FrameSource::Folder(_), FrameRef::Image(path)) => {
+                self.number_of_image.get(&*path).copied()
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Work<'_> {
+    /// The frames of a window as new frames of a document: an image that cannot be read is left out
+    /// and reported.
+    pub(super) fn new_frames(
+        &self,
+        label: &LabelShard,
+        field: &FieldSpec,
+    ) -> Result<BTreeMap<usize, Shared<Frame>>, ShardError> {
+        let numbers = label.first..=label.last;
+        match &self.source.frames {
+            FrameSource::Video(info) => {
+                let frame = |number| (number, self.frame_of_video(info, number).into());
+                Ok(numbers.map(frame).collect())
+            }
+            FrameSource::Folder(listing) => {
+                let images = listing.images.get(numbers).unwrap_or_default().to_vec();
+                let made = self.document_of(&images.into(), field);
+                if self.progress.is_cancelled() {
+                    return Err(ShardError::Stopped);
+                }
+                let numbered = made.frames.iter().filter_map(|frame| {
+                    let number = self.source.number_of(frame)?;
+                    Some((number, frame.clone()))
+                });
+                Ok(numbered.collect())
+            }
+        }
+    }
+
+    fn frame_of_video(&self, info: &VideoInfo, number: usize) -> Frame {
+        let video = VideoFrame::new(&self.source.name, number as u64, info.pts_s(number));
+        Frame::from_video(video, CameraId::from(""), info.size)
+    }
+
+    /// A document of new frames; those that cannot be read are reported.
+    pub(super) fn document_of(&self, frames: &FrameSource, field: &FieldSpec) -> Document {
+        let made = document_from_frames(
+            frames,
+            &self.source.folder,
+            field.clone(),
+            NonZeroUsize::MIN,
+            &Progress::default(),
+        );
+        for (frame, error) in made.left_out {
+            let _ = self.progress.report(ShardEvent::LeftOut { frame, error });
+        }
+        made.document
+    }
+}
+
+/// Which camera took which frames: the runs of the numbered frames of a document.
+pub(super) fn runs_of(frames: impl IntoIterator<Item = (usize, CameraId)>) -> Vec<CameraRun> {
+    let numbered: BTreeMap<usize, CameraId> = frames.into_iter().collect();
+    let mut runs: Vec<CameraRun> = Vec::new();
+    for (number, camera) in numbered {
+        let camera = camera.as_str();
+        if runs.last().is_none_or(|last| last.camera != camera) {
+            runs.push(CameraRun {
+                first: number,
+                camera: camera.to_owned(),
+            });
+        }
+    }
+    runs
+}
+
+/// The camera of a frame: that of the last run that begins before it, else of the first run.
+pub(super) fn camera_of(runs: &[CameraRun], number: usize) -> Option<CameraId> {
+    let next = runs.partition_point(|run| run.first <= number);
+    let run = runs.get(next.saturating_sub(1))?;
+    Some(CameraId::from(run.camera.as_str()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_frame_has_the_camera_of_its_run() {
+        let frames = [(9, "b"), (2, "a"), (3, "a"), (7, "b"), (12, "a")];
+        let runs = runs_of(frames.map(|(number, camera)| (number, camera.into())));
+        assert_eq!(runs.len(), 3);
+        let camera = |number| camera_of(&runs, number).unwrap().as_str().to_owned();
+        let found = [0, 2, 6, 7, 11, 12, 99].map(camera);
+        assert_eq!(found, ["a", "a", "a", "b", "b", "a", "a"]);
+        assert_eq!(camera_of(&[], 3), None);
+    }
+}

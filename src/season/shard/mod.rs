@@ -1,0 +1,199 @@
+//! One unit of work: a shard of a plan, from its input to its part.
+//!
+//! | step | where |
+//! |---|---|
+//! | check machine, video and project against the plan; leave a whole part alone | here |
+//! | find the cameras of a match, train its forest | `find` |
+//! | label the frames of a window | `label` |
+//! | measure what it cost | `cost` |
+//!
+//! Shards may run in any order and on any machine that sees the frames and the folder of parts. A
+//! label shard whose find part is not there yet makes that part first; an engine that knows the
+//! order never comes to that, and one that does not is merely slower.
+
+mod cost;
+mod error;
+mod find;
+mod frames;
+mod label;
+
+pub use error::ShardError;
+
+use crate::part::{Part, PartError, is_part_whole};
+use crate::plan::{Plan, PlannedMatch, ShardOfPlan, path_in_plan};
+use crate::processor::{ANY, processor_class};
+use crate::source::{SourceError, examine_source, place_of_source};
+use cost::Stopwatch;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use touchline_calibration::pipelines::MatchEvent;
+use touchline_core::files::remove_stray_files;
+use touchline_core::progress::Progress;
+use touchline_documents::document::generator;
+use touchline_vision::media::{FrameSource, MediaError};
+
+/// Events while a shard is done.
+#[derive(Debug)]
+pub enum ShardEvent {
+    /// The find shard of the match is done first, because its part is not there.
+    FindingFirst,
+    /// An image cannot be read and is left out.
+    LeftOut {
+        /// The image.
+        frame: String,
+        /// Why.
+        error: MediaError,
+    },
+    /// Work on the frames goes on.
+    Frames(MatchEvent),
+}
+
+/// How a shard ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ShardDone {
+    /// Its part was there, whole.
+    WasThere,
+    /// Its part was made.
+    Made {
+        /// Number of frames in the part.
+        frames: usize,
+        /// Number of them that have a camera.
+        with_camera: usize,
+        /// Why there is no camera or no forest, if so.
+        reason: Option<String>,
+    },
+}
+
+/// Does a shard of the plan at `plan_path` and writes its part into the folder `parts`, which is
+/// made if necessary. Temporary files of processes that were killed a day ago are removed from it.
+///
+/// # Errors
+/// The plan has no such shard or is of another program or processor class, the frames changed after
+/// planning, a file in place of a part is not that part, or the part cannot be written.
+/// [`ShardError::Stopped`] if `progress` cancelled it. There is no part then.
+pub fn do_shard(
+    plan_path: &Path,
+    plan: &Plan,
+    id: &str,
+    parts: &Path,
+    progress: &Progress<'_, ShardEvent>,
+) -> Result<ShardDone, ShardError> {
+    let shard = plan.shard(id).ok_or_else(|| ShardError::NotInPlan {
+        plan: plan_path.to_path_buf(),
+        id: id.to_owned(),
+    })?;
+    refuse_other_program(plan)?;
+    fs::create_dir_all(parts).map_err(|source| PartError::Io {
+        action: "make the folder",
+        path: parts.to_path_buf(),
+        source,
+    })?;
+    remove_stray_files(parts);
+    if is_part_whole(parts, id)? {
+        return Ok(ShardDone::WasThere);
+    }
+    let work = Work {
+        plan_path,
+        of_match: shard.of_match,
+        source: open_source(plan_path, shard.of_match)?,
+        progress,
+    };
+    let made = work.make(shard, parts)?;
+    let frames = &made.document.frames;
+    Ok(ShardDone::Made {
+        frames: frames.len(),
+        with_camera: frames.iter().filter(|frame| frame.ptz.is_some()).count(),
+        reason: made.about.reason,
+    })
+}
+
+/// The frames of a match, opened.
+struct OpenSource {
+    /// The video, or the images of the folder.
+    frames: FrameSource,
+    /// Of a folder: the number of each image.
+    number_of_image: BTreeMap<PathBuf, usize>,
+    /// The folder that frames are named from.
+    folder: PathBuf,
+    /// The name of the video or folder in it.
+    name: String,
+}
+
+/// A match while one of its shards is done.
+struct Work<'a> {
+    plan_path: &'a Path,
+    of_match: &'a PlannedMatch,
+    source: OpenSource,
+    progress: &'a Progress<'a, ShardEvent>,
+}
+
+impl Work<'_> {
+    /// Makes the part of a shard and writes it, and before that the part that it needs.
+    fn make(&self, shard: ShardOfPlan<'_>, parts: &Path) -> Result<Part, ShardError> {
+        let find = &self.of_match.find;
+        let Some(label) = shard.label else {
+            return self.write(Stopwatch::start(), Work::find_cameras, parts, find);
+        };
+        let found = match Part::read(parts, find) {
+            Err(PartError::Missing { .. }) => {
+                let _ = self.progress.report(ShardEvent::FindingFirst);
+                self.write(Stopwatch::start(), Work::find_cameras, parts, find)?
+            }
+            read => read?,
+        };
+        let make = |work: &Self| work.label_window(&found, label);
+        self.write(Stopwatch::start(), make, parts, &label.shard)
+    }
+
+    /// Makes a part, writes it, and states its cost beside it.
+    fn write(
+        &self,
+        stopwatch: Stopwatch,
+        make: impl FnOnce(&Self) -> Result<Part, ShardError>,
+        parts: &Path,
+        id: &str,
+    ) -> Result<Part, ShardError> {
+        let part = make(self)?;
+        if self.progress.is_cancelled() {
+            return Err(ShardError::Stopped);
+        }
+        part.write(parts, id)?;
+        stopwatch.cost().write(parts, id);
+        Ok(part)
+    }
+}
+
+fn refuse_other_program(plan: &Plan) -> Result<(), ShardError> {
+    if plan.program != generator() {
+        return Err(ShardError::OtherProgram {
+            planned: plan.program.clone(),
+            here: generator(),
+        });
+    }
+    if plan.processor == ANY {
+        return Ok(());
+    }
+    let here = processor_class();
+    if plan.processor != here {
+        return Err(ShardError::OtherProcessor {
+            planned: plan.processor.clone(),
+            here,
+        });
+    }
+    Ok(())
+}
+
+/// Opens the frames of a match and checks that they are those that were planned.
+fn open_source(plan_path: &Path, of_match: &PlannedMatch) -> Result<OpenSource, ShardError> {
+    let path = path_in_plan(plan_path, &of_match.frames);
+    let state = examine_source(&path)?;
+    let (folder, name) = place_of_source(&path)?;
+    if state.sha256 != of_match.frames_sha256
+        || state.num_frames != of_match.num_frames
+        || name != of_match.frames_name
+    {
+        return Err(ShardError::FramesChanged { path });
+    }
+    Ok(OpenSource::open(folder, name).map_err(SourceError::from)?)
+}

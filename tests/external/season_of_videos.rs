@@ -1,0 +1,99 @@
+//! A season whose match is a video: its windows, and a video that changes.
+#![cfg(feature = "opencv")]
+
+use crate::parts::{Test, tests};
+use crate::program::touchline;
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::process::Command;
+use std::time::{Duration, SystemTime};
+use touchline::document::{
+    Document, Frame, FrameStatus, VideoFrame, document_from_bytes, document_to_string,
+};
+use touchline::season::plan::Plan;
+
+pub const TESTS: &[Test] = tests![
+    [Ffmpeg] windows_of_a_video_are_labelled_apart_and_join_in_its_project;
+];
+
+fn document(path: &std::path::Path) -> Document {
+    document_from_bytes(&fs::read(path).unwrap()).unwrap()
+}
+
+fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
+    let place = tempfile::tempdir().unwrap();
+    let path = |name: &str| place.path().join(name);
+    let run = |arguments: &str| touchline(place.path(), arguments);
+    let drawn = run("synth -o drawn --frames 16 --step 0.04 --seed 4 --size 640x360 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let encoded = Command::new("ffmpeg")
+        .args("-v error -framerate 10 -i drawn/images/%04d.jpg -c:v libx264".split(' '))
+        .args("-pix_fmt yuv420p -crf 12 match.mp4".split(' '))
+        .current_dir(place.path())
+        .status();
+    assert!(encoded.unwrap().success());
+    let video = File::options().write(true).open(path("match.mp4")).unwrap();
+    video
+        .set_modified(SystemTime::now() - Duration::from_mins(1))
+        .unwrap();
+
+    // A person has labelled every fifth frame; the document names no other.
+    let truth = document(&path("drawn/truth.json"));
+    let mut known = truth.clone();
+    for (index, frame) in known.frames.iter_mut().enumerate() {
+        let frame: &mut Frame = frame;
+        frame.clicks.clear();
+        frame.status = FrameStatus::Reference;
+        (frame.image, frame.sha256) = (None, None);
+        frame.video = Some(VideoFrame::new("match.mp4", index as u64, None));
+    }
+    let mut index = 0;
+    known.frames.retain(|_| {
+        index += 1;
+        (index - 1) % 5 == 0
+    });
+    fs::write(path("known.json"), document_to_string(&known).unwrap()).unwrap();
+    let season = "[options]\nwindow_s = 1\n[[match]]\nvideo = 'match.mp4'\nproject = 'known.json'";
+    fs::write(path("season.toml"), season).unwrap();
+
+    let planned = run("plan season.toml -o plan.json");
+    assert_eq!(planned.code, 0, "{}", planned.stderr);
+    assert!(path("match.mp4.touchline").exists(), "the hash is kept");
+    let plan = Plan::read(&path("plan.json")).unwrap();
+    let ends = plan.matches[0].labels.iter();
+    let ends: Vec<_> = ends.map(|label| (label.first, label.last)).collect();
+    assert_eq!(ends, [(0, 9), (10, 15)]);
+    for parts in ["parts", "again"] {
+        for id in plan.shard_ids() {
+            let ran = run(&format!("shard plan.json {id} -o {parts}"));
+            assert_eq!(ran.code, 0, "{}", ran.stderr);
+        }
+    }
+    for id in plan.shard_ids() {
+        let [one, other] = ["parts", "again"]
+            .map(|parts| fs::read(path(parts).join(format!("{id}.part"))).unwrap());
+        assert!(one == other, "{id}");
+    }
+
+    let collected = run("collect plan.json parts -o out");
+    assert_eq!(collected.code, 0, "{}", collected.stderr);
+    let project = document(&path("out/match/project.json"));
+    assert_eq!(project.frames.len(), 16);
+    for (number, (frame, exact)) in project.frames.iter().zip(&truth.frames).enumerate() {
+        assert_eq!(frame.number_at(99), number as u64);
+        let [found, exact] = [frame, exact].map(|frame| frame.ptz.as_ref().unwrap().ptz());
+        let off_deg = (found.pan - exact.pan).degrees().abs();
+        assert!(off_deg < 0.1, "frame {number}: {off_deg}°");
+        assert_eq!(frame.status == FrameStatus::Reference, number % 5 == 0);
+    }
+
+    let mut video = File::options()
+        .append(true)
+        .open(path("match.mp4"))
+        .unwrap();
+    video.write_all(&[0; 8]).unwrap();
+    let refused = run(&format!("shard plan.json {} -o new", plan.matches[0].find));
+    assert_eq!(refused.code, 2);
+    let said = "match.mp4 changed after the plan was made";
+    assert!(refused.stderr.contains(said), "{}", refused.stderr);
+}
