@@ -99,6 +99,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         Question::Project => "Open a project or dataset",
         Question::Folder => "Open a folder of frames",
         Question::Video => "Open a video",
+        Question::Queue => "Open the queue of a season",
         Question::CopyTo => "Save a copy into a folder",
         Question::ExportAs(_) => "Export",
         Question::DatasetTo => "A folder for the dataset",
@@ -115,6 +116,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
             dialog.add_filter("Projects and datasets", &["json"])
         }
         Question::Video => dialog.add_filter("Videos", VIDEOS),
+        Question::Queue => dialog.add_filter("Queues", &["json"]),
         Question::ExportAs(format) if !format.is_folder() => {
             dialog.set_file_name(format.usual_name())
         }
@@ -136,6 +138,7 @@ fn pick(question: Question, dialog: rfd::FileDialog) -> Option<PathBuf> {
         Question::ExportAs(_) => dialog.save_file(),
         Question::Project
         | Question::Video
+        | Question::Queue
         | Question::CameraFrom
         | Question::CompareWith
         | Question::ImportFrom(_) => dialog.pick_file(),

@@ -38,7 +38,8 @@ const SECTIONS: [Command; 12] = [
 
 /// Groups of commands that are submenus at the top of their menu. No menu is longer than twelve
 /// rows.
-const SUBMENUS: [(&str, &[Command]); 12] = [
+const SUBMENUS: [(&str, &[Command]); 13] = [
+    ("Open other", &[Command::OpenDemo, Command::Orphans]),
     (
         "Points",
         &[

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{self, Child, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-use touchline::app::{Action, App, Command, OpenProject};
+use touchline::app::{Action, App, Command, OpenProject, Question};
 use touchline::document::{Document, Frame, FrameId, FrameStatus};
 use touchline::season::collect::Queue;
 use touchline::season::part::part_path;
@@ -483,8 +483,10 @@ fn in_the_application_the_queue_leads_from_match_to_match() {
         let is_of = |open: &OpenProject| open.file == project.canonicalize().unwrap();
         app.open().is_some_and(is_of) && app.frame().is_some_and(|shown| shown.id == *frame)
     };
-    let mut headless = Headless::opened(&queue);
-    assert!(shows(&headless.app, &north, &first));
+    let mut headless = Headless::new();
+    headless.act(Action::Command(Command::OpenQueue));
+    headless.answer(Question::Queue, &queue);
+    headless.wait_until("the queue", |app| shows(app, &north, &first));
     headless.act(Action::Command(Command::NextNeedsMe));
     headless.wait_until("the other match", |app| shows(app, &south, &second));
     headless.wait_for_picture();

@@ -18,6 +18,7 @@ pub enum Command {
     OpenProject,
     OpenFolder,
     OpenVideo,
+    OpenQueue,
     OpenDemo,
     Save,
     SaveAs,
@@ -162,6 +163,9 @@ rows! {
     OpenProject, "open_project", File, Document, "Open project…", "Open a project folder, a project.json or a dataset file.", ["Ctrl+O"];
     OpenFolder, "open_folder", File, Document, "Open folder of frames…", "Start a project from a folder of images, or continue it.", ["Ctrl+Shift+O"];
     OpenVideo, "open_video", File, Document, "Open video…", "Start a project from a video, or continue it.", ["Ctrl+Alt+O"];
+    OpenQueue, "open_queue", File, Document, "Open queue…",
+        "Open the queue of a season: the next frame to do is then the next of all its matches.",
+        [];
     OpenDemo, "open_demo", File, Document, "Try the demo match",
         "Open a synthetic match and try the two-click method (2 minutes).",
         [];

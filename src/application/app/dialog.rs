@@ -87,6 +87,8 @@ pub enum Question {
     Folder,
     /// The video to open.
     Video,
+    /// The review queue of a season to open.
+    Queue,
     /// The destination of a copy of the project.
     CopyTo,
     /// The destination of an export in a format.

@@ -19,6 +19,11 @@ const fn describe(question: Question) -> (&'static str, &'static str, &'static s
         ),
         Question::Folder => ("Open a folder of frames", "Open", "/matches/final/frames"),
         Question::Video => ("Open a video", "Open", "/matches/final.mp4"),
+        Question::Queue => (
+            "Open the queue of a season",
+            "Open",
+            "/seasons/2026/queue.json",
+        ),
         Question::CopyTo => (
             "Save a copy into a new folder",
             "Save copy",

@@ -44,6 +44,7 @@ impl App {
             C::OpenProject
             | C::OpenFolder
             | C::OpenVideo
+            | C::OpenQueue
             | C::OpenDemo
             | C::StartTour
             | C::DismissNotices
@@ -198,6 +199,7 @@ impl App {
             C::OpenProject => self.effects.push(Effect::Ask(Question::Project)),
             C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),
             C::OpenVideo => self.effects.push(Effect::Ask(Question::Video)),
+            C::OpenQueue => self.effects.push(Effect::Ask(Question::Queue)),
             C::OpenDemo => {
                 self.tour_waits = false;
                 self.open_demo();

@@ -157,7 +157,9 @@ impl App {
         let is_typed = matches!(self.session.dialog, Some(Dialog::Path(_)));
         self.session.dialog = None;
         match (question, &self.open) {
-            (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
+            (Question::Project | Question::Folder | Question::Video | Question::Queue, _) => {
+                self.open_path(path);
+            }
             (Question::CopyTo, Some(open)) => {
                 self.session.disk.copies.begun = Some(open.revision);
                 self.effects.push(Effect::SaveCopy {
