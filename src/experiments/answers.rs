@@ -142,9 +142,9 @@ pub const TALLY_COLUMNS: [(&str, &str); 12] = [
 ];
 
 /// Explains the columns to readers of the report.
-pub const TALLY_EXPLAINED: &str = "IoU: mean over all frames answers, not found counting as 0; SD: standard deviation over the frames; 95 %: \
+pub const TALLY_EXPLAINED: &str = "IoU: mean over all test frames, not found counting as 0; SD: standard deviation over the frames; 95 %: \
     interval of the mean over the seeds (Student's t; with one seed, bootstrap over the frames). Rotation within 1°: share of all \
-    frames answers. Medians and 90 % percentiles of errors are of the frames found.";
+    test frames. Medians and 90 % percentiles of errors are of the frames found.";
 
 impl Tally {
     /// Computes the statistics of test frames.

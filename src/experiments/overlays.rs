@@ -20,7 +20,7 @@ pub fn overlays(
 ) {
     report.table(
         "overlay",
-        "Share of all frames answers whose overlay is right within some pixels where it is off most (5 × 3 points of the picture, \
+        "Share of all test frames whose overlay is right within some pixels where it is off most (5 × 3 points of the picture, \
          at 1920 px width).",
         overlay_table(set, parts),
     );

@@ -17,6 +17,7 @@ use std::path::Path;
 use touchline_application::app::session::{Saving, SidePanel};
 use touchline_application::app::{Action, App, Command, MenuGroup, Tool};
 use touchline_application::scene;
+use touchline_core::geometry::thousands;
 use touchline_documents::document::Frame;
 use touchline_documents::store::{PROJECT_FILE, PROJECT_SUFFIX};
 
@@ -436,6 +437,11 @@ fn place(app: &App, ui: &mut Ui) {
                 .truncate(),
         )
         .on_hover_text(frame.name());
+    }
+    if let Some((number, of)) = app.queue_position() {
+        let text = format!("{} of {} in the queue", thousands(number), thousands(of));
+        ui.label(RichText::new(text).color(ui.palette().text))
+            .on_hover_text("The next frame to do is the next of the season's queue.");
     }
     if let Some(reason) = &open.read_only {
         ui.label(

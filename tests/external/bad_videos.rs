@@ -69,7 +69,8 @@ fn each_broken_video_has_its_message() {
     const NOT_A_FILE: &str = "this is not a file; give the path of an image or a video";
     const EMPTY: &str = "the file is empty (0 bytes); copy it again from where it came";
     const NOT_A_VIDEO: &str = "not a video that can be read; convert it to MP4 (H.264)";
-    const NO_FRAMES: &str = "no frame of this video can be decoded; copy it again from where it came or convert it to MP4 (H.264)";
+    const NO_FRAMES: &str = "no frame of this video can be decoded; copy it again from where it \
+                             came or convert it to MP4 (H.264)";
     const TOO_WIDE: &str =
         "states 20000 × 16 px, the limit is 16384 px a side and 100 megapixels; scale it down";
     const WHOLE: &str = "read, 100 frames";
@@ -199,7 +200,8 @@ fn a_video_cut_off_is_read_as_far_as_it_goes() {
 fn frames_behind_damaged_ones_keep_their_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let card = "-f lavfi -i testsrc2=size=160x90:rate=25:duration=12 -c:v libx264 -g 25 -movflags +faststart";
+    let card = "-f lavfi -i testsrc2=size=160x90:rate=25:duration=12 -c:v libx264 -g 25 \
+                -movflags +faststart";
     let whole = made(folder, "whole.mp4", card);
     let mdat = box_at(&whole, *b"mdat");
     let data = whole.len() - mdat;
@@ -309,7 +311,8 @@ fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
             let output = child.wait_with_output().unwrap();
             let said = String::from_utf8(output.stderr).unwrap();
             let expected = format!(
-                "touchline: a.mp4: {replaced} broke down while reading it ({reason}); open the video again\n"
+                "touchline: a.mp4: {replaced} broke down while reading it ({reason}); \
+                 open the video again\n"
             );
             assert_eq!(
                 (output.status.code(), said),

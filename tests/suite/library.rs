@@ -21,6 +21,8 @@ const HIDDEN: [&str; 8] = [
     "scene",
     "ui",
 ];
+/// A crate of the program, hidden as a whole.
+const HIDDEN_CRATE: &str = "src/season";
 /// Everything else that can be named from outside, a line each.
 const LISTING: &str = "tests/suite/samples/public_items.txt";
 
@@ -141,7 +143,8 @@ fn handed_out(file: &Path, path: &str, into: &mut BTreeSet<String>) {
 fn nothing_becomes_public_by_accident() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = BTreeSet::new();
-    for folder in CRATES.map(|folder| root.join(folder)) {
+    for folder in CRATES.iter().filter(|folder| **folder != HIDDEN_CRATE) {
+        let folder = root.join(folder);
         let plan = fs::read_to_string(folder.join("lib.rs")).unwrap();
         for room in plan
             .lines()

@@ -220,6 +220,13 @@ fn a_season_in_any_order_gives_the_same_bytes_and_peoples_work_stays() {
 fn gaps_are_named_and_what_is_not_a_whole_part_is_not_taken() {
     let (season, plan) = Season::planned();
     let north = &plan.matches[0];
+    let ran = season.run("collect plan.json parts -o out");
+    assert_eq!(ran.code, 2);
+    assert_eq!(
+        ran.stderr,
+        "touchline: there is no folder parts; do the shards of the plan first, with this folder as \
+         their -o\n"
+    );
     season.all_shards(&plan, "parts");
     let [first, second, third] = &north.labels[..] else {
         panic!("{:?}", north.labels)
@@ -464,7 +471,8 @@ fn in_the_application_the_queue_leads_from_match_to_match() {
     let entry = |name: &str, frame: &FrameId| {
         let frame = frame.as_str();
         format!(
-            r#"{{"match":"{name}","project":"{name}/project.json","frame":"{frame}","number":0,"confidence":0.5,"frames":1}}"#
+            "{{\"match\":\"{name}\",\"project\":\"{name}/project.json\",\"frame\":\"{frame}\",\
+             \"number\":0,\"confidence\":0.5,\"frames\":1}}"
         )
     };
     let entries = [
@@ -500,7 +508,9 @@ fn in_the_application_the_queue_leads_from_match_to_match() {
     headless.wait_until("back", |app| shows(app, &south, &second));
     headless.act(Action::Command(Command::NextNeedsMe));
     headless.wait_until("the last frame", |app| shows(app, &north, &third));
+    assert_eq!(headless.app.queue_position(), Some((3, 3)));
     headless.act(Action::Command(Command::NextNeedsMe));
+    assert_eq!(headless.app.queue_position(), None);
     let notices = &headless.app.session.messages.notices;
     let is_end = notices
         .iter()

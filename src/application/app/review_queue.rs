@@ -1,8 +1,8 @@
 //! The review queue of a season: frames of many projects, in the order in which they are looked at.
 //!
 //! While a queue is open, *Next frame to do* and accepting go to its next frame, which may be in
-//! another project: that one is then opened. Opening anything else, and going past the end, ends the
-//! queue.
+//! another project: that one is then opened. Opening anything else, and going past the end, ends
+//! the queue.
 
 use super::App;
 use super::session::Level;
@@ -42,6 +42,11 @@ impl ReviewQueue {
         self.frames.get(self.index)
     }
 
+    /// The number of that frame, counted from 1, and of all frames.
+    const fn position(&self) -> (usize, usize) {
+        (self.index + 1, self.frames.len())
+    }
+
     /// Goes to the next frame, or to the previous one. False if there is none.
     fn step(&mut self, forward: bool) -> bool {
         let next = if forward {
@@ -64,6 +69,13 @@ impl App {
         if !self.show_queued_frame() {
             self.queue = None;
         }
+    }
+
+    /// The number of the frame in the review queue, counted from 1, and of all its frames; none
+    /// without a queue.
+    #[must_use]
+    pub fn queue_position(&self) -> Option<(usize, usize)> {
+        self.queue.as_ref().map(ReviewQueue::position)
     }
 
     /// Goes on to the next frame of the queue. False if there is no queue.

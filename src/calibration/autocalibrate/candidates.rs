@@ -71,6 +71,7 @@ pub(super) fn apart_m(one_m: Vec3, other_m: Vec3, field: &FieldModel) -> f64 {
 }
 
 /// Where the poses come from.
+#[derive(Clone, Copy)]
 pub(super) enum PosesFrom<'a> {
     /// The exhaustive search of some places.
     Places(&'a SearchPlaces),

@@ -26,6 +26,7 @@ pub use homography::homography;
 pub use image::{ImagePoint, ImageSize, PixelBox};
 pub use rows::rows;
 pub use segment::distance_from_segment;
+pub(crate) use subsample::keep_distinct;
 pub use subsample::{stride_of_subsample, subsample};
 pub use text::{counted, hex, is_formula, text_cell, thousands};
 

@@ -1,4 +1,4 @@
-//! Evenly spaced subsamples of long lists.
+//! Some of many values: evenly spaced ones, and those that differ.
 
 use std::iter::StepBy;
 
@@ -17,6 +17,24 @@ where
     let values = values.into_iter();
     let stride = stride_of_subsample(values.len(), most);
     values.step_by(stride)
+}
+
+/// The first candidates that differ from all kept before them, at most `most`.
+pub(crate) fn keep_distinct<T>(
+    candidates: impl IntoIterator<Item = T>,
+    most: usize,
+    differ: impl Fn(&T, &T) -> bool,
+) -> Vec<T> {
+    let mut kept: Vec<T> = Vec::with_capacity(most);
+    for candidate in candidates {
+        if kept.len() == most {
+            break;
+        }
+        if kept.iter().all(|other| differ(other, &candidate)) {
+            kept.push(candidate);
+        }
+    }
+    kept
 }
 
 #[cfg(test)]

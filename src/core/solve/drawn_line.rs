@@ -1,8 +1,7 @@
 //! The points that were drawn on one line of the field.
 
 use crate::field::Curve;
-use crate::geometry::{ImagePoint, Vec2, Vec3};
-use crate::solve::starts::keep_distinct;
+use crate::geometry::{ImagePoint, Vec2, Vec3, keep_distinct};
 use crate::solve::{Observation, ObservedShape, WorldCurve};
 use nalgebra::Matrix2;
 

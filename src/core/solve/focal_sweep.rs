@@ -98,8 +98,8 @@ pub(super) fn sweep_line(
     found
 }
 
-/// The unit normal, in `cam`, of the plane through the camera and two pixels; none where a pixel has
-/// no ray.
+/// The unit normal, in `cam`, of the plane through the camera and two pixels; none where a pixel
+/// has no ray.
 fn plane_normal(base: &CameraBase, focal_px: f64, pixels: [ImagePoint; 2]) -> Option<Vec3> {
     let ahead = Ptz {
         pan: Angle::ZERO,

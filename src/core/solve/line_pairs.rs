@@ -1,9 +1,9 @@
-//! Pairs of points that drawn lines show. With a position, two points give pan, tilt and focal length
-//! in closed form, so these pairs are where a frame or a picture of lines starts.
+//! Pairs of points that drawn lines show. With a position, two points give pan, tilt and focal
+//! length in closed form, so these pairs are where a frame or a picture of lines starts.
 //!
 //! * Two or more crossings of lines, or landmarks: the pairs that determine a camera best.
-//! * Else: a drawn point of each of two lines, or of one line and the one crossing, at several points
-//!   of the field's lines. One of these pairs is nearly right.
+//! * Else: a drawn point of each of two lines, or of one line and the one crossing, at several
+//!   points of the field's lines. One of these pairs is nearly right.
 
 use super::Observation;
 use super::crossings::Crossing;

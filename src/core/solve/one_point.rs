@@ -65,8 +65,8 @@ pub(super) fn pan_tilts_from_directions(in_base: Vec3, in_cam: Vec3) -> [(Angle,
     // own pan.
     let horizontal = b.x.hypot(b.z);
     let to_column = (u.x / horizontal).asin();
-    // The tilt is the angle from the direction (y, z) = (`b_y`, ±√(h² − `u_x`²)) to the pixel's. The
-    // product form of h² − u² does not cancel for u near h.
+    // The tilt is the angle from the direction (y, z) = (`b_y`, ±√(h² − `u_x`²)) to the pixel's.
+    // The product form of h² − u² does not cancel for u near h.
     let ahead = ((horizontal - u.x) * (horizontal + u.x)).sqrt();
     let turn = |to_column: f64, ahead: f64| {
         let pan = b.x.atan2(b.z) - to_column;

@@ -26,7 +26,7 @@ use super::two_point::{
 };
 use super::{Loss, Observation, PtzRanges, SolveContext, SolveError};
 use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
-use crate::geometry::Angle;
+use crate::geometry::{Angle, keep_distinct};
 
 /// Pairs of landmarks that are solved, at most.
 const MAX_PAIRS: usize = 48;
@@ -330,24 +330,6 @@ fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observa
     keep_distinct(ranked, MAX_STARTS, |one, other| {
         camera_distance(one, other) > MIN_START_DISTANCE
     })
-}
-
-/// The first candidates that differ from all kept before them, at most `most`.
-pub(super) fn keep_distinct<T>(
-    candidates: impl IntoIterator<Item = T>,
-    most: usize,
-    differ: impl Fn(&T, &T) -> bool,
-) -> Vec<T> {
-    let mut kept: Vec<T> = Vec::with_capacity(most);
-    for candidate in candidates {
-        if kept.len() == most {
-            break;
-        }
-        if kept.iter().all(|other| differ(other, &candidate)) {
-            kept.push(candidate);
-        }
-    }
-    kept
 }
 
 /// How differently two cameras see: the largest of the differences in pan and tilt, as shifts of

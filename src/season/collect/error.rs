@@ -20,6 +20,12 @@ pub enum CollectError {
         /// The system's error.
         source: io::Error,
     },
+    /// There is no folder of parts.
+    #[error("there is no folder {}; do the shards of the plan first, with this folder as their -o", parts.display())]
+    NoParts {
+        /// The folder of parts.
+        parts: PathBuf,
+    },
     /// The output is a file.
     #[error("{} is a file; give a folder for the season", output.display())]
     NotAFolder {

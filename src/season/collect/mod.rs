@@ -110,6 +110,11 @@ pub fn collect(
     options: &CollectOptions,
     progress: &Progress<'_, CollectEvent>,
 ) -> Result<Collected, CollectError> {
+    if !parts.is_dir() {
+        return Err(CollectError::NoParts {
+            parts: parts.to_path_buf(),
+        });
+    }
     refuse_other_folder(output)?;
     fs::create_dir_all(output).map_err(|source| CollectError::from_io("make", output, source))?;
     let lock_path = output.join(LOCK_FILE);

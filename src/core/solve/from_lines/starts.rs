@@ -15,12 +15,12 @@ use super::LinePicture;
 use super::plane::camera_from_ground_lines;
 use super::priors::{PicturePriors, scale_of};
 use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use crate::geometry::{Angle, Vec3};
+use crate::geometry::{Angle, Vec3, keep_distinct};
 use crate::solve::crossings::Crossing;
 use crate::solve::drawn_line::DrawnLine;
 use crate::solve::line_pairs::find_pairs;
 use crate::solve::refine::cost;
-use crate::solve::starts::{camera_distance, keep_distinct};
+use crate::solve::starts::camera_distance;
 use crate::solve::{Loss, Observation, solve_two_points};
 
 /// A camera to refine, with its cost.
