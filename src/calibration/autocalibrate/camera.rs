@@ -18,8 +18,8 @@ use super::sampled_frames::{
 };
 use super::search_places::SearchPlaces;
 use super::verdict::{
-    MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click,
-    few_aligned, is_refuted, missing_in_frames, open_size, uncertain,
+    MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, MIN_EXPLAINED_ELSEWHERE,
+    contradicting_click, few_aligned, is_refuted, missing_in_frames, open_size, uncertain,
 };
 use super::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, Doubt,
@@ -130,7 +130,7 @@ impl Search<'_> {
             return self.decide(candidates, &matched, picture);
         }
         // The usual place first. Where it gives no answer, all other places are searched, and what
-        // they give competes with the candidates from the usual place.
+        // they give competes with the candidates from the usual place if it explains enough.
         let usual = PosesFrom::Places(&SearchPlaces::usual());
         let mut candidates = self.candidates(&matched, usual)?;
         let answer = self.decide(candidates.clone(), &matched, picture);
@@ -138,7 +138,13 @@ impl Search<'_> {
             return answer;
         };
         let others = PosesFrom::Places(&SearchPlaces::others());
-        candidates.extend(self.candidates(&matched, others)?);
+        let mut elsewhere = self.candidates(&matched, others)?;
+        elsewhere
+            .retain(|candidate| candidate.camera.evidence.explained >= MIN_EXPLAINED_ELSEWHERE);
+        if elsewhere.is_empty() {
+            return answer;
+        }
+        candidates.append(&mut elsewhere);
         sort_best_first(&mut candidates);
         self.decide(candidates, &matched, picture)
     }

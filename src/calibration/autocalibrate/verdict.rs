@@ -22,6 +22,12 @@ pub(super) const MIN_ALIGNED: f64 = 0.75;
 /// lines.
 pub(super) const MIN_ALIGNED_BEFORE_REFINING: f64 = 0.5;
 
+/// A camera at an unusual place has to explain this share of the paint, more than one at the usual
+/// place. On a pitch with a second, smaller one painted across it, a camera behind a goal of the
+/// smaller one explains 0.69 of the paint to a tenth of a pixel; right ones behind goals and in
+/// corners explain 0.83 and more.
+pub(super) const MIN_EXPLAINED_ELSEWHERE: f64 = 0.75;
+
 /// With a runner-up that explains nearly as much, at least this share agrees with the answer …
 pub(super) const MIN_ALIGNED_WITH_RUNNER_UP: f64 = 0.85;
 
