@@ -215,12 +215,23 @@ fn starts_from_lines(
     if starts.is_empty() {
         return grid_starts(base, &few, context);
     }
+    refine_best(base, starts, MAX_LINE_STARTS, &few, context)
+}
+
+/// The best of some starts, at most this many, refined by a few steps.
+fn refine_best(
+    base: &CameraBase,
+    mut starts: Vec<RankedStart>,
+    most: usize,
+    observations: &[Observation],
+    context: &SolveContext,
+) -> Vec<Ptz> {
     starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    starts.truncate(MAX_LINE_STARTS);
+    starts.truncate(most);
     let prior = context.prior.as_ref();
     starts
         .into_iter()
-        .map(|start| refine(base, start.ptz, &few, Loss::Squared, prior).ptz)
+        .map(|start| refine(base, start.ptz, observations, Loss::Squared, prior).ptz)
         .filter(Ptz::is_finite)
         .collect()
 }
@@ -290,23 +301,7 @@ fn grid_starts(
             }
         }
     }
-    cells.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    cells.truncate(MAX_CELLS);
-    let refine_cell = |cell: RankedStart| {
-        refine(
-            base,
-            cell.ptz,
-            observations,
-            Loss::Squared,
-            context.prior.as_ref(),
-        )
-        .ptz
-    };
-    cells
-        .into_iter()
-        .map(refine_cell)
-        .filter(Ptz::is_finite)
-        .collect()
+    refine_best(base, cells, MAX_CELLS, observations, context)
 }
 
 /// Angles from one to another, both included, at most `step_deg` apart and at most 91.

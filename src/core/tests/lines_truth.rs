@@ -1,15 +1,15 @@
 //! Two drawn lines, or a line and a landmark, with a known base: the camera that saw them.
 
-use crate::seeded::{self, normal};
+use crate::seeded;
+use crate::two_point_truth::{SIZE, error, noisy};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline_core::geometry::{Angle, ImagePoint, Vec3};
 use touchline_core::solve::{Observation, SolveContext, solve_frame};
 
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const SIGMA_PX: f64 = 2.0;
 
 /// Points that a person draws on each line.
@@ -86,28 +86,6 @@ fn drawn_line(field: &FieldModel, camera: &PtzCamera, name: &str) -> Option<Vec<
         }
     };
     long.then(|| (0..POINTS).map(click).collect())
-}
-
-fn noisy(clicks: &[Observation], rng: &mut Pcg64Mcg) -> Vec<Observation> {
-    let shake = |click: &Observation, rng: &mut Pcg64Mcg| {
-        let image = click
-            .image
-            .moved(Vec2::new(normal(rng), normal(rng)) * click.sigma_px);
-        let inside = |x: f64, upto: u32| x.clamp(0.0, f64::from(upto));
-        Observation {
-            image: ImagePoint::new(inside(image.x, SIZE.width), inside(image.y, SIZE.height)),
-            ..*click
-        }
-    };
-    clicks.iter().map(|click| shake(click, rng)).collect()
-}
-
-fn error(found: &Ptz, truth: &Ptz) -> Vector3<f64> {
-    Vector3::new(
-        found.pan.turn_from(truth.pan).degrees(),
-        (found.tilt - truth.tilt).degrees(),
-        found.focal_px - truth.focal_px,
-    )
 }
 
 /// Three points on each of two lines, or on one line with one landmark; none where the camera sees

@@ -13,7 +13,8 @@ use touchline_core::solve::{
     judge, solve_frame, solve_two_points,
 };
 
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+/// The size of the pictures.
+pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 /// A camera at the side of a field that looks somewhere, with a lens in every second case.
 fn random_camera(rng: &mut Pcg64Mcg) -> PtzCamera {
@@ -232,7 +233,7 @@ fn a_second_root_that_fits_is_named_and_the_neighbours_decide() {
 }
 
 /// The clicks with normal noise of their own sigma, kept inside the frame.
-fn noisy(clicks: &[Observation], rng: &mut Pcg64Mcg) -> Vec<Observation> {
+pub fn noisy(clicks: &[Observation], rng: &mut Pcg64Mcg) -> Vec<Observation> {
     let shake = |click: &Observation, rng: &mut Pcg64Mcg| {
         let image = click
             .image
@@ -246,7 +247,8 @@ fn noisy(clicks: &[Observation], rng: &mut Pcg64Mcg) -> Vec<Observation> {
     clicks.iter().map(|click| shake(click, rng)).collect()
 }
 
-fn error(found: &Ptz, truth: &Ptz) -> Vector3<f64> {
+/// The errors of pan and tilt, degrees, and of the focal length, px.
+pub fn error(found: &Ptz, truth: &Ptz) -> Vector3<f64> {
     Vector3::new(
         (found.pan - truth.pan).degrees(),
         (found.tilt - truth.tilt).degrees(),
