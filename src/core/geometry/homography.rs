@@ -52,22 +52,34 @@ pub fn homography(pairs: &[(Vec2, Vec2)]) -> Result<Mat3, HomographyError> {
         }
     }
 
-    // The solution is the eigenvector of Aᵀ A with the smallest eigenvalue.
-    let eigen = SymmetricEigen::new(normal);
-    let mut order: Vec<usize> = (0..9).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-    let share = eigen.eigenvalues[order[1]] / eigen.eigenvalues[order[8]];
-    if !(share > MIN_SECOND_EIGENVALUE) {
-        return Err(HomographyError::Degenerate { share });
-    }
+    let h = only_null_vector(&normal, MIN_SECOND_EIGENVALUE)?;
 
     // Undo the normalisation of both sides.
-    let h = eigen.eigenvectors.column(order[0]);
     let normalised = Mat3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8]);
     let back = to_normal
         .try_inverse()
         .ok_or(HomographyError::Degenerate { share: 0.0 })?;
     Ok(back * normalised * from_normal)
+}
+
+/// The unit vector that solves nine homogeneous equations A h = 0 best: the eigenvector of
+/// `normal`, Aᵀ A, with the smallest eigenvalue.
+///
+/// # Errors
+/// The second smallest eigenvalue is at most this share of the largest: there is another solution.
+pub(crate) fn only_null_vector(
+    normal: &SMatrix<f64, 9, 9>,
+    min_second_share: f64,
+) -> Result<SVector<f64, 9>, HomographyError> {
+    let eigen = SymmetricEigen::new(*normal);
+    let mut order: Vec<usize> = (0..9).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    let share = eigen.eigenvalues[order[1]] / eigen.eigenvalues[order[8]];
+    if share > min_second_share {
+        Ok(eigen.eigenvectors.column(order[0]).into_owned())
+    } else {
+        Err(HomographyError::Degenerate { share })
+    }
 }
 
 /// The similarity that moves the points' centroid to the origin and scales their mean distance to

@@ -8,6 +8,8 @@
 use super::Observation;
 use super::crossings::Crossing;
 use super::drawn_line::DrawnLine;
+use super::two_point::{OneOrTwo, solve_two_points};
+use crate::camera::{CameraBase, Ptz};
 use crate::field::Curve;
 use crate::geometry::subsample;
 
@@ -77,6 +79,12 @@ fn candidates(line: &DrawnLine, index: usize) -> impl Iterator<Item = Crossing> 
         image,
         sigmas: 1.0,
     })
+}
+
+/// The two-point cameras of a pair of points that lines show; none where there is no such camera.
+pub(super) fn solve_pair(base: &CameraBase, [one, two]: &[Crossing; 2]) -> Option<OneOrTwo<Ptz>> {
+    let worlds = [one.in_world, two.in_world];
+    solve_two_points(base, worlds, [one.image, two.image]).ok()
 }
 
 /// A few observations of each line, evenly spread over its points: what ranks starts.

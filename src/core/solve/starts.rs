@@ -13,12 +13,12 @@
 //! compared (`frame.rs`). Cameras that are known from elsewhere (a prior, the previous solution,
 //! neighbouring frames) are used where the clicks give none.
 
-use super::crossings::{Crossing, find_crossings};
+use super::crossings::find_crossings;
 use super::drawn_line::DrawnLine;
 use super::focal_sweep::{
     LandmarkClick, RankedStart, log_spaced_focals, rank, sweep_landmark, sweep_line,
 };
-use super::line_pairs::{few_per_line, find_pairs};
+use super::line_pairs::{self, few_per_line, find_pairs};
 use super::refine::refine;
 use super::two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, scan_two_points,
@@ -204,7 +204,8 @@ fn starts_from_lines(
     let crossings = find_crossings(&lines, observations);
     let mut starts: Vec<RankedStart> = find_pairs(&lines, &crossings)
         .into_iter()
-        .flat_map(|pair| solve_line_pair(base, pair))
+        .filter_map(|pair| line_pairs::solve_pair(base, &pair))
+        .flat_map(|roots| roots.iter())
         .map(|ptz| rank(base, ptz, &few))
         .collect();
     if starts.is_empty() || lines.len() < MANY_LINES {
@@ -234,13 +235,6 @@ fn refine_best(
         .map(|start| refine(base, start.ptz, observations, Loss::Squared, prior).ptz)
         .filter(Ptz::is_finite)
         .collect()
-}
-
-/// The two-point cameras of a pair of points that lines show.
-fn solve_line_pair(base: &CameraBase, [one, two]: [Crossing; 2]) -> Vec<Ptz> {
-    let worlds = [one.in_world, two.in_world];
-    let roots = solve_two_points(base, worlds, [one.image, two.image]);
-    roots.map_or_else(|_| Vec::new(), |roots| roots.iter().collect())
 }
 
 /// The straight lines that are longest in the picture, at most this many.

@@ -10,10 +10,10 @@
 
 use crate::camera::{BaseAngles, CameraBase, Ptz};
 use crate::geometry::rotation::{q_pan, q_tilt};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, only_null_vector};
 use crate::solve::drawn_line::DrawnLine;
 use crate::solve::plane_pose::{PlanePose, pose_from_plane};
-use nalgebra::{SMatrix, SVector, SymmetricEigen};
+use nalgebra::{SMatrix, SVector};
 
 /// Minimum second smallest eigenvalue, as a fraction of the largest: below it the lines leave a
 /// second solution.
@@ -58,15 +58,8 @@ pub(super) fn camera_from_ground_lines(
             normal += row * row.transpose();
         }
     }
-    let eigen = SymmetricEigen::new(normal);
-    let mut order: Vec<usize> = (0..9).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-    let share = eigen.eigenvalues[order[1]] / eigen.eigenvalues[order[8]];
-    if !(share > MIN_SECOND_EIGENVALUE) {
-        return None;
-    }
-    let ground_from_image =
-        Mat3::from_column_slice(eigen.eigenvectors.column(order[0]).into_owned().as_slice());
+    let solution = only_null_vector(&normal, MIN_SECOND_EIGENVALUE).ok()?;
+    let ground_from_image = Mat3::from_column_slice(solution.as_slice());
 
     let pairs: Vec<(Vec2, ImagePoint)> = ground
         .iter()

@@ -18,10 +18,10 @@ use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, Vec3, keep_distinct};
 use crate::solve::crossings::Crossing;
 use crate::solve::drawn_line::DrawnLine;
-use crate::solve::line_pairs::find_pairs;
+use crate::solve::line_pairs::{find_pairs, solve_pair};
 use crate::solve::refine::cost;
 use crate::solve::starts::camera_distance;
-use crate::solve::{Loss, Observation, solve_two_points};
+use crate::solve::{Loss, Observation};
 
 /// A camera to refine, with its cost.
 #[derive(Clone, Copy, Debug)]
@@ -75,10 +75,7 @@ pub(super) fn find_starts(
     for position_m in places {
         let level = BaseAngles::default().base_from_world();
         let base = CameraBase::new(position_m, level, centre);
-        let cameras = pairs.iter().filter_map(|[one, two]| {
-            let worlds = [one.in_world, two.in_world];
-            solve_two_points(&base, worlds, [one.image, two.image]).ok()
-        });
+        let cameras = pairs.iter().filter_map(|pair| solve_pair(&base, pair));
         let ranked = cameras.flat_map(|found| found.iter().map(|ptz| rank(base, ptz)));
         starts.extend(ranked.min_by(|a, b| a.cost.total_cmp(&b.cost)));
     }
