@@ -5,7 +5,7 @@ use super::match_report::MatchReport;
 use super::messages::Messages;
 use super::new::{parameter, read_field};
 use super::output::{refuse_existing, write_file};
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, bail, ensure};
 use image::DynamicImage;
 use std::io::Cursor;
 use std::num::NonZeroUsize;
@@ -23,17 +23,20 @@ use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES
 /// Makes a project from a folder of images or a video and finds its camera without a click: where
 /// it stands, its lens, and each frame's pan, tilt and focal length, as suggestions. The frames
 /// that were not looked at follow from those that were.
+///
+/// Where no answer is certain, the message names a frame and the number of landmarks to click in
+/// it; a document with these clicks is taken in place of the images or the video.
 #[derive(clap::Args, Debug)]
 pub struct CalibrateArgs {
-    /// The folder of images, or the video.
+    /// The folder of images, the video, or a document whose camera has no base yet.
     #[arg(value_name = "FRAMES_OR_VIDEO")]
     frames: PathBuf,
     /// The project's folder; made if absent.
     #[arg(short, long, value_name = "PROJECT")]
     output: PathBuf,
-    /// The field's template (`touchline fields` lists them).
-    #[arg(long, value_name = "TEMPLATE", default_value = "soccer")]
-    field: String,
+    /// The field's template (`touchline fields` lists them); soccer by default.
+    #[arg(long, value_name = "TEMPLATE")]
+    field: Option<String>,
     /// A parameter of the field, such as `length_m=105`; may be given several times. The field's
     /// size is then taken as known; else length and width are fitted where the usual size does not
     /// explain the paint.
@@ -83,42 +86,17 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         );
         refuse_existing(panorama, args.force)?;
     }
-    ensure!(
-        !FieldSpec::new(&args.field).is_file(),
-        "{}: calibrate takes the templates that are built in",
-        args.field
-    );
-    let field = read_field(&args.field, &args.set)?;
-    let source = FrameSource::open(&args.frames)?;
-    for notice in source.notices() {
-        messages.note(&notice.to_string());
-    }
-    ensure!(
-        !source.is_empty(),
-        "{} holds no image",
-        args.frames.display()
-    );
     // The document names its frames relative to the project's folder, which therefore must exist.
     let folder = std::path::absolute(&args.output)?;
     let new_folder = NewFolder::make(&folder)?;
-    let made = document_from_frames(
-        &source,
-        &folder,
-        field,
-        NonZeroUsize::MIN,
-        &Progress::default(),
-    );
-    for (name, error) in &made.left_out {
-        messages.frame_failed(name, &error.to_string());
-    }
-    let mut document = made.document;
+    let (mut document, are_all_read) = if is_document(&args.frames) {
+        (read_document(args, &folder, messages)?, true)
+    } else {
+        document_of_frames(args, &folder, messages)?
+    };
     messages.name_video_backend(&document);
-    let camera = document
-        .cameras
-        .first()
-        .context("not one image can be read")?
-        .id
-        .clone();
+    let first = document.frames.first();
+    let camera = first.context("not one image can be read")?.camera.clone();
     let options = MatchOptions {
         sampled_frames: args.look_at as usize,
         label_the_rest: !args.found_only,
@@ -177,11 +155,86 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         }
     }
     let is_whole = args.found_only || unanswered == 0;
-    Ok(if made.left_out.is_empty() && is_whole {
+    Ok(if are_all_read && is_whole {
         Outcome::Done
     } else {
         Outcome::SomeFailed
     })
+}
+
+/// Whether a path leads to a document: a folder with a project in it, or a JSON file.
+fn is_document(path: &Path) -> bool {
+    let is_json = |file: &Location| file.file().extension().is_some_and(|kind| kind == "json");
+    Location::find(path).is_ok_and(|location| is_json(&location))
+}
+
+/// A document that a person clicked in, with its paths as seen from the new project's folder.
+fn read_document(
+    args: &CalibrateArgs,
+    folder: &Path,
+    messages: Messages,
+) -> anyhow::Result<Document> {
+    ensure!(
+        args.field.is_none() && args.set.is_empty(),
+        "{}: a document states its field; leave out --field and --set",
+        args.frames.display()
+    );
+    let (location, document, recovery) = store::read(&args.frames)?;
+    if let Some(message) = recovery.message() {
+        messages.note(&message);
+    }
+    let with_base = document
+        .cameras
+        .iter()
+        .find(|camera| camera.base().is_some());
+    if let Some(camera) = with_base {
+        bail!(
+            "{}: camera {} has a base already; refine-base --markings improves it, track and relocalize use it",
+            args.frames.display(),
+            camera.id.as_str()
+        );
+    }
+    ensure!(
+        document.used_cameras().len() == 1,
+        "{}: its frames are of {} cameras; give a document with one",
+        args.frames.display(),
+        document.used_cameras().len()
+    );
+    Ok(document.relocated(location.folder(), folder))
+}
+
+/// A new document of a video or of the images in a folder, and whether all images could be read.
+fn document_of_frames(
+    args: &CalibrateArgs,
+    folder: &Path,
+    messages: Messages,
+) -> anyhow::Result<(Document, bool)> {
+    let template = args.field.as_deref().unwrap_or("soccer");
+    ensure!(
+        !FieldSpec::new(template).is_file(),
+        "{template}: calibrate takes the templates that are built in"
+    );
+    let field = read_field(template, &args.set)?;
+    let source = FrameSource::open(&args.frames)?;
+    for notice in source.notices() {
+        messages.note(&notice.to_string());
+    }
+    ensure!(
+        !source.is_empty(),
+        "{} holds no image",
+        args.frames.display()
+    );
+    let made = document_from_frames(
+        &source,
+        folder,
+        field,
+        NonZeroUsize::MIN,
+        &Progress::default(),
+    );
+    for (name, error) in &made.left_out {
+        messages.frame_failed(name, &error.to_string());
+    }
+    Ok((made.document, made.left_out.is_empty()))
 }
 
 /// Reports why no camera was found. Input and usage are right, so that the exit code is 1; no

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | the experiments | [`Experiment`], [`SharedInputs`] |
 //! | the matching of the baselines | [`nearest`] |
+//! | the error of a camera at the corners of a picture | [`corners_apart_px`] |
 //!
 //! The paper: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV
 //! 2018. All random numbers derive from one seed, so that the same seed gives the same bytes,
@@ -38,6 +39,7 @@ mod synthetic;
 mod threshold;
 mod trees;
 
+pub use annotator::corners_apart_px;
 pub use error::ExperimentError;
 pub use inputs::SharedInputs;
 pub use matching::{DescriptorRows, Nearest, nearest};

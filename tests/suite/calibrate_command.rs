@@ -10,6 +10,7 @@ use touchline::calibrate::record_found;
 use touchline::document::{
     Click, Document, FrameStatus, SolutionSource, document_from_bytes, document_to_string,
 };
+use touchline::field::Landmark;
 use touchline::geometry::ImagePoint;
 use touchline::media::FrameReader;
 use touchline::progress::Progress;
@@ -83,6 +84,37 @@ fn without_a_click(folder: &Path) -> String {
     document_to_string(&written).unwrap()
 }
 
+/// Clicks the two landmarks of the ground that lie farthest apart in the first frame's picture.
+fn click_two(project: &Path, truth: &Document) {
+    let frame = &truth.frames[0];
+    let (camera, field) = (
+        truth.pointed(frame).unwrap(),
+        truth.field.model(Path::new("")).unwrap(),
+    );
+    let seen: Vec<(&Landmark, ImagePoint)> = field
+        .landmarks
+        .iter()
+        .filter(|landmark| landmark.nominal_m.z == 0.0)
+        .filter_map(|landmark| {
+            let at = camera.image_from_world(field.landmark_in_world(landmark));
+            Some((landmark, at.ok()?))
+        })
+        .filter(|(_, at)| frame.image_size.contains(*at))
+        .collect();
+    let pairs = seen
+        .iter()
+        .flat_map(|one| seen.iter().map(move |other| [one, other]));
+    let apart_m =
+        |[one, other]: &[&(&Landmark, ImagePoint); 2]| (one.0.nominal_m - other.0.nominal_m).norm();
+    let farthest = pairs.max_by(|a, b| apart_m(a).total_cmp(&apart_m(b)));
+    let mut clicked = document(project);
+    clicked.frames[0].clicks = farthest
+        .unwrap()
+        .map(|(landmark, at)| Click::landmark(landmark.id.clone(), *at))
+        .to_vec();
+    fs::write(project, document_to_string(&clicked).unwrap()).unwrap();
+}
+
 #[test]
 fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in_it() {
     let place = tempfile::tempdir().unwrap();
@@ -139,6 +171,26 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
         text, again,
         "the same input gives the same bytes, whatever people clicked"
     );
+
+    for (arguments, named) in [
+        ("calibrate found -o twice", "camera main has a base already"),
+        (
+            "calibrate again -o twice --field soccer",
+            "states its field",
+        ),
+    ] {
+        let ran = touchline(place.path(), arguments);
+        assert_eq!((ran.code, ran.stderr.trim_end().lines().count()), (2, 1));
+        assert!(ran.stderr.contains(named), "{arguments}: {}", ran.stderr);
+        assert!(!place.path().join("twice").exists(), "{arguments}");
+    }
+    click_two(&place.path().join("again/project.json"), &truth);
+    let by_clicks = touchline(place.path(), "calibrate again -o by_clicks --found-only");
+    assert_eq!(by_clicks.code, 0, "{}", by_clicks.stderr);
+    let by_clicks = document(&place.path().join("by_clicks/project.json"));
+    assert_eq!(by_clicks.frames[0].clicks.len(), 2, "they are kept");
+    let at_m = by_clicks.cameras[0].base().unwrap().position_m;
+    assert!((at_m - exact.position_m).norm() < 0.2, "{at_m:?}");
 
     let other = touchline(
         place.path(),

@@ -12,6 +12,7 @@ use touchline_application::app::session::{Dialog, Level, SidePanel};
 use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline_calibration::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationProgress, DecidingLandmark, Doubt,
+    WantedClicks,
 };
 use touchline_calibration::calibrate::{
     AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence,
@@ -229,12 +230,17 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
 #[test]
 fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     let mut bench = Bench::new(unknown(5));
-    for (why, says) in [
+    let wanted = WantedClicks {
+        frame: 3,
+        landmarks: 2,
+    };
+    for (why, clicks, says) in [
         (
             Abstention::NotConnected {
                 frames: 40,
                 connected: 7,
             },
+            None,
             "No camera was found: only 7 of 40 frames overlap with each other. Add frames in which the camera turns from one \
              view to the next, all of one camera that does not move, or click 4 landmarks on 2 wide frames.",
         ),
@@ -245,6 +251,7 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
                 }],
                 best: None,
             },
+            None,
             "No camera was found: the best answer is not certain (no paint lies where Centre circle should be). A view of \
              Centre circle is missing: add frames that show it, or click 2 landmarks far from each other and look again.",
         ),
@@ -256,16 +263,24 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
                 }],
                 best: None,
             },
+            Some(wanted),
             "No camera was found: the best answer is not certain (only 3 of 9 frames agree with the painted lines of their own \
              picture). Wide views of both ends and of the middle are missing: add such frames, or click 2 landmarks far \
-             from each other and look again.",
+             from each other on FRAME and look again.",
         ),
     ] {
         bench.command(Command::FindCamera);
-        report(&mut bench, AutocalibrationAnswer::Abstained(why));
+        report(&mut bench, AutocalibrationAnswer::Abstained { why, clicks });
+        let wanted =
+            clicks.map(|clicks| bench.app.open().unwrap().document.frames[clicks.frame].clone());
+        let name = wanted.as_ref().map(|frame| frame.name());
+        let says = says.replace("FRAME", &name.unwrap_or_default());
         assert_eq!(bench.last_notice(), says);
-        let left = &bench.app.operations.camera_search.left;
-        assert!(matches!(left, Left::Abstained { why, .. } if why == says));
+        let Left::Abstained { why, frame, .. } = &bench.app.operations.camera_search.left else {
+            panic!("an abstention is left to read");
+        };
+        assert_eq!(*why, says);
+        assert_eq!(*frame, wanted.map(|frame| frame.id.clone()));
     }
     assert!(
         !has_base(&bench.app) && bench.app.open().unwrap().history.next_undo().is_none(),

@@ -21,7 +21,22 @@ pub enum AutocalibrationAnswer {
         deciding: Option<DecidingLandmark>,
     },
     /// No answer is certain enough.
-    Abstained(Abstention),
+    Abstained {
+        /// Why.
+        why: Abstention,
+        /// The clicks that would most likely lead to an answer; none where clicks alone do not
+        /// help.
+        clicks: Option<WantedClicks>,
+    },
+}
+
+/// Clicks on landmarks of the ground that a search without an answer wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WantedClicks {
+    /// Index of the frame in the document.
+    pub frame: usize,
+    /// The number of landmarks to click in it, as far apart as possible.
+    pub landmarks: usize,
 }
 
 /// A landmark that two answers project to points far apart: one click on it in one frame decides

@@ -21,8 +21,10 @@ use super::verdict::{
     MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, MIN_EXPLAINED_ELSEWHERE,
     contradicting_click, few_aligned, is_refuted, missing_in_frames, open_size, uncertain,
 };
+use super::wanted_clicks::wanted_clicks;
 use super::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, Doubt,
+    WantedClicks,
 };
 use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
@@ -104,41 +106,51 @@ impl Search<'_> {
         max_sampled: usize,
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
-        match self.find(max_sampled, picture) {
-            Ok(answer) => Ok(answer),
-            Err(Stop::Abstained(why)) => Ok(AutocalibrationAnswer::Abstained(why)),
-            Err(Stop::Failed(error)) => Err(error),
-        }
+        let matched = match self.match_frames(max_sampled, picture) {
+            Ok(matched) => matched,
+            Err(stop) => return without_answer(stop, || None),
+        };
+        let wanted = || wanted_clicks(&matched, self.all_clicks(&matched.indices).len());
+        self.find(&matched, picture)
+            .or_else(|stop| without_answer(stop, wanted))
     }
 
-    /// Runs the stages of the module in their order; an abstention ends them early.
-    fn find(
+    /// Samples the frames of the camera and matches them with each other.
+    fn match_frames(
         &self,
         max_sampled: usize,
         picture: PictureOfFrame<'_>,
-    ) -> Result<AutocalibrationAnswer, Stop> {
+    ) -> Result<MatchedFrames, Stop> {
         let indices = self.choose_frames(max_sampled);
         // Too few clicks determine no pose; abstain before any picture is read.
         if self.by_clicks && self.clicks(&indices).len() < MIN_CLICKS {
             return Err(Abstention::NothingFits.into());
         }
         let sampled = self.sample(&indices, picture)?;
-        let matched = MatchedFrames::from_sampled(&sampled, self.progress)?;
+        MatchedFrames::from_sampled(&sampled, self.progress)
+    }
+
+    /// Finds candidates and decides between them; an abstention ends the stages early.
+    fn find(
+        &self,
+        matched: &MatchedFrames,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<AutocalibrationAnswer, Stop> {
         if self.by_clicks {
-            let clicks = self.clicks_in_group(&matched);
-            let candidates = self.candidates(&matched, PosesFrom::Clicks(&clicks))?;
-            return self.decide(candidates, &matched, picture);
+            let clicks = self.clicks_in_group(matched);
+            let candidates = self.candidates(matched, PosesFrom::Clicks(&clicks))?;
+            return self.decide(candidates, matched, picture);
         }
         // The usual place first. Where it gives no answer, all other places are searched, and what
         // they give competes with the candidates from the usual place if it explains enough.
         let usual = PosesFrom::Places(&SearchPlaces::usual());
-        let mut candidates = self.candidates(&matched, usual)?;
-        let answer = self.decide(candidates.clone(), &matched, picture);
+        let mut candidates = self.candidates(matched, usual)?;
+        let answer = self.decide(candidates.clone(), matched, picture);
         let Err(Stop::Abstained(_)) = answer else {
             return answer;
         };
         let others = PosesFrom::Places(&SearchPlaces::others());
-        let mut elsewhere = self.candidates(&matched, others)?;
+        let mut elsewhere = self.candidates(matched, others)?;
         elsewhere
             .retain(|candidate| candidate.camera.evidence.explained >= MIN_EXPLAINED_ELSEWHERE);
         if elsewhere.is_empty() {
@@ -146,7 +158,7 @@ impl Search<'_> {
         }
         candidates.append(&mut elsewhere);
         sort_best_first(&mut candidates);
-        self.decide(candidates, &matched, picture)
+        self.decide(candidates, matched, picture)
     }
 
     fn candidates(
@@ -379,10 +391,15 @@ impl Search<'_> {
     /// used.
     fn clicks(&self, indices: &[usize]) -> Vec<GroundClick> {
         if self.by_clicks {
-            GroundClick::of(&self.document.frames, indices, &self.field_prior.assumed)
+            self.all_clicks(indices)
         } else {
             Vec::new()
         }
+    }
+
+    /// The clicks on ground landmarks in some frames of the document.
+    fn all_clicks(&self, indices: &[usize]) -> Vec<GroundClick> {
+        GroundClick::of(&self.document.frames, indices, &self.field_prior.assumed)
     }
 
     /// The clicks on matched frames, with frames numbered as in the group.
@@ -436,6 +453,20 @@ impl Search<'_> {
             );
         }
         Ok(sampled)
+    }
+}
+
+/// The answer of a search that stopped, with the clicks that would help; or the error.
+fn without_answer(
+    stop: Stop,
+    wanted: impl FnOnce() -> Option<WantedClicks>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
+    match stop {
+        Stop::Abstained(why) => Ok(AutocalibrationAnswer::Abstained {
+            why,
+            clicks: wanted(),
+        }),
+        Stop::Failed(error) => Err(error),
     }
 }
 

@@ -1,12 +1,17 @@
 //! Poses of the panorama from clicks on two landmarks.
 //!
 //! The relative rotations of the frames are known, so clicks in different frames are directions in
-//! one frame, `panorama`. With a vertical pan axis, four parameters are open: the position and the
+//! one frame, `panorama`. With the pan axis known, four parameters are open: the position and the
 //! heading. Two landmarks of the ground, in one frame or in two, determine them in closed form.
+//!
+//! The pan axis of a tripod leans by a few degrees. A high camera hardly notices; from a mast 4 m
+//! high the middle of the field lies 4° below the horizon, and a lean of 2° halves or doubles its
+//! distance. So each pair gives a pose for each of several leans, and the paint decides.
 
 use super::pose::PanoramaPose;
 use touchline_core::field::{FieldModel, LandmarkId};
-use touchline_core::geometry::{Angle, ImagePoint, Vec2, Vec3};
+use touchline_core::geometry::rotation::from_rotation_vector;
+use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use touchline_documents::document::{Click, Frames, Target};
 use touchline_vision::track::RelativeRotations;
 
@@ -18,6 +23,9 @@ const LEAST_APART_M: f64 = 5.0;
 const HEIGHTS_M: std::ops::RangeInclusive<f64> = 2.0..=100.0;
 /// A ray that descends by less than this share of its length is too flat to locate a ground point.
 const LEAST_FALL: f64 = 0.01;
+/// Leans of the pan axis that are tried, degrees. Half a step is what the search improves.
+const MAX_LEAN_DEG: f64 = 4.0;
+const LEAN_STEP_DEG: f64 = 2.0;
 
 /// A click on a landmark of the ground in a sampled frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,44 +61,76 @@ impl GroundClick {
     }
 }
 
-/// The poses that pairs of clicks determine on a field, at the given rotations. The pair of
-/// landmarks that are farthest apart comes first: its pose is the most precise.
-pub(super) fn poses(
+/// The ray of a click, with the landmark that it meets.
+struct Sight {
+    ray_in_panorama: Vec3,
+    /// Horizontal position of the landmark, m.
+    at_m: Vec2,
+}
+
+/// The poses that each pair of clicks determines on a field, at the given rotations: one for each
+/// lean of the pan axis that allows one. The pair of landmarks that are farthest apart comes first:
+/// its poses are the most precise.
+pub(super) fn poses_of_pairs(
     rotations: &RelativeRotations,
     clicks: &[GroundClick],
     field: &FieldModel,
-) -> Vec<PanoramaPose> {
-    // Each click as the horizontal offset of its ray at a depth of 1 m below the camera, in
-    // `panorama`, with the horizontal position of its landmark.
+) -> Vec<Vec<PanoramaPose>> {
     let sight = |click: &GroundClick| {
-        let ray = rotations
-            .camera(click.frame)
-            .world_direction_from_image(click.image)
-            .ok()?
-            .try_normalize(0.0)?;
-        let at_m = field.landmark_in_world(field.landmark(click.landmark.as_str())?);
-        (ray.z < -LEAST_FALL).then(|| (ray.xy() / -ray.z, at_m.xy()))
+        let camera = rotations.camera(click.frame);
+        let ray = camera.world_direction_from_image(click.image).ok()?;
+        let landmark = field.landmark(click.landmark.as_str())?;
+        Some(Sight {
+            ray_in_panorama: ray.try_normalize(0.0)?,
+            at_m: field.landmark_in_world(landmark).xy(),
+        })
     };
-    let sights: Vec<(Vec2, Vec2)> = clicks.iter().filter_map(sight).collect();
-    let mut found: Vec<(f64, PanoramaPose)> = Vec::new();
+    let sights: Vec<Sight> = clicks.iter().filter_map(sight).collect();
+    let leans = leans();
+    let mut found: Vec<(f64, Vec<PanoramaPose>)> = Vec::new();
     // All pairs of clicks. The distance of the landmarks is the sort key.
     for (index, one) in sights.iter().enumerate() {
         for other in &sights[index + 1..] {
-            found.extend(pose_of(one, other).map(|pose| ((other.1 - one.1).norm(), pose)));
+            let poses = leans.iter().filter_map(|lean| pose_of(one, other, lean));
+            let poses: Vec<PanoramaPose> = poses.collect();
+            if !poses.is_empty() {
+                found.push(((other.at_m - one.at_m).norm(), poses));
+            }
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().map(|(_, pose)| pose).collect()
+    found.into_iter().map(|(_, poses)| poses).collect()
 }
 
-/// The pose in which two rays of a panorama with a vertical pan axis meet the ground at two points.
-/// Rays are given by their horizontal offsets at 1 m below the camera; ground is z = 0.
+/// Rotations that lean the pan axis: none, and up to [`MAX_LEAN_DEG`] in every direction.
+fn leans() -> Vec<Mat3> {
+    let steps = (MAX_LEAN_DEG / LEAN_STEP_DEG) as i32;
+    let mut leans = vec![Mat3::identity()];
+    for x in -steps..=steps {
+        for y in -steps..=steps {
+            let lean_deg = LEAN_STEP_DEG * Vec2::new(f64::from(x), f64::from(y));
+            if (x, y) != (0, 0) && lean_deg.norm() < MAX_LEAN_DEG + 0.5 * LEAN_STEP_DEG {
+                let turn = lean_deg.map(f64::to_radians).push(0.0);
+                leans.push(from_rotation_vector(turn));
+            }
+        }
+    }
+    leans
+}
+
+/// The pose in which two rays of a panorama meet the ground (z = 0) at two points, with the pan
+/// axis leaning by a rotation.
 ///
-/// On a plane at depth h the rays are h times as far apart as at 1 m, so h = |P₂ − P₁| / |r₂ − r₁|.
-/// The heading is the rotation between the two difference vectors, and the position follows from
-/// one of the points.
-fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Option<PanoramaPose> {
-    let (between_rays, between) = (other_ray - ray, other_at - at);
+/// Where rays are given by their horizontal offsets r at 1 m below the camera, on a plane at depth h
+/// they are h times as far apart, so h = |P₂ − P₁| / |r₂ − r₁|. The heading is the rotation between
+/// the two difference vectors, and the position follows from one of the points.
+fn pose_of(one: &Sight, other: &Sight, lean: &Mat3) -> Option<PanoramaPose> {
+    let offset = |sight: &Sight| {
+        let ray = lean * sight.ray_in_panorama;
+        (ray.z < -LEAST_FALL).then(|| ray.xy() / -ray.z)
+    };
+    let (ray, other_ray) = (offset(one)?, offset(other)?);
+    let (between_rays, between) = (other_ray - ray, other.at_m - one.at_m);
     if between.norm() < LEAST_APART_M {
         return None;
     }
@@ -102,12 +142,12 @@ fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Op
     let heading = Angle::from_radians(angle(between_rays) - angle(between));
     // The ray to the first landmark in `world`, scaled to 1 m of descent. The camera is `height_m`
     // times this vector away from the landmark.
-    let turned = PanoramaPose::upright(Vec3::zeros(), heading).world_from_panorama
-        * Vec3::new(ray.x, ray.y, -1.0);
-    Some(PanoramaPose::upright(
-        Vec3::new(at.x, at.y, 0.0) - height_m * turned,
-        heading,
-    ))
+    let upright = PanoramaPose::upright(Vec3::zeros(), heading).world_from_panorama;
+    let descent = upright * ray.push(-1.0);
+    Some(PanoramaPose {
+        position_m: one.at_m.push(0.0) - height_m * descent,
+        world_from_panorama: upright * lean,
+    })
 }
 
 #[cfg(test)]
@@ -129,7 +169,12 @@ mod tests {
             image_size: ImageSize::new(1920, 1080),
             residual_px: 0.5,
         };
-        let truth = PanoramaPose::upright(Vec3::new(12.0, -58.0, 9.0), Angle::from_degrees(-7.0));
+        let upright = PanoramaPose::upright(Vec3::new(12.0, -58.0, 9.0), Angle::from_degrees(-7.0));
+        let lean = from_rotation_vector(Vec3::new(2.0, -2.0, 0.0).map(f64::to_radians));
+        let truth = PanoramaPose {
+            world_from_panorama: upright.world_from_panorama * lean,
+            ..upright
+        };
         // Landmarks are placed where the rays of the clicks meet the ground.
         let mut field = builtin("soccer")
             .unwrap()
@@ -150,23 +195,20 @@ mod tests {
             }
         };
         let (one, other) = (clicked(0, 0, 500.0, 700.0), clicked(1, 1, 1300.0, 600.0));
-        let found = poses(&rotations, &[one.clone(), other], &field);
-        let [pose] = found.as_slice() else {
+        let found = poses_of_pairs(&rotations, &[one.clone(), other], &field);
+        let [poses] = found.as_slice() else {
             panic!("{found:?}")
         };
-        assert!(
-            (pose.position_m - truth.position_m).norm() < 1e-9,
-            "{pose:?}"
-        );
-        assert!(
-            (pose.world_from_panorama - truth.world_from_panorama).norm() < 1e-9,
-            "{pose:?}"
-        );
+        let is_truth = |pose: &PanoramaPose| {
+            (pose.position_m - truth.position_m).norm() < 1e-9
+                && (pose.world_from_panorama - truth.world_from_panorama).norm() < 1e-9
+        };
+        assert!(poses.iter().any(is_truth), "{poses:?}");
         // A single point, clicked twice, gives no pose, nor does a point above the horizon.
         let sky = GroundClick {
             image: ImagePoint::new(900.0, -4000.0),
             ..one.clone()
         };
-        assert_eq!(poses(&rotations, &[one.clone(), one, sky], &field), []);
+        assert!(poses_of_pairs(&rotations, &[one.clone(), one, sky], &field).is_empty());
     }
 }

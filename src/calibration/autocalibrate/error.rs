@@ -54,7 +54,7 @@ pub enum Abstention {
     #[error("no position of the camera explains the painted lines: check the sport")]
     NothingFits,
     /// The best answer is not certain.
-    #[error("the best answer is not certain, so none is given: {}. Click 4 landmarks on 2 frames instead", listed(.doubts))]
+    #[error("the best answer is not certain, so none is given: {}", listed(.doubts))]
     Uncertain {
         /// The reasons to reject the best answer.
         doubts: Vec<Doubt>,

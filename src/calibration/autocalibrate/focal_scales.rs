@@ -5,16 +5,17 @@
 //! poses are scored at a few scales first, then at the untried neighbours of the best scale until
 //! the best has been compared with both.
 
-use super::clicked::{GroundClick, poses};
+use super::clicked::{GroundClick, poses_of_pairs};
 use super::error::Stop;
 use super::matched_frames::{FramesAtScale, MatchedFrames};
 use super::pitch_map::PitchMap;
-use super::pose::fit_pose;
+use super::pose::PanoramaPose;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
-use super::search::{Panorama, ScoredPose, score_pose, search, sort};
+use super::search::{Panorama, ScoredPose, fit_coarse_pose, score_roughly, search, sort};
 use super::search_places::SearchPlaces;
 use super::{Abstention, AutocalibrationProgress};
+use rayon::prelude::*;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
@@ -40,6 +41,9 @@ const USUAL_ROUNDS: usize = 5;
 
 /// Maximum number of poses from pairs of clicks, per field.
 const MAX_PAIRS: usize = 6;
+
+/// The number of poses of a pair, of different leans, that are fitted.
+const LEANS_FITTED: usize = 2;
 
 /// Maximum number of poses of one focal scale that are refined further.
 const MAX_PER_SCALE: usize = 3;
@@ -92,15 +96,33 @@ pub(super) fn poses_from_clicks(
         |rotations, panorama| {
             let mut found = Vec::new();
             for (number, (field, map)) in fields.iter().zip(maps).enumerate() {
-                for pose in poses(rotations, clicks, field).into_iter().take(MAX_PAIRS) {
-                    let fitted = fit_pose(pose, &panorama.directions, map);
-                    found.push(score_pose(fitted, panorama, (number, map)));
+                let pairs = poses_of_pairs(rotations, clicks, field);
+                for poses in pairs.into_iter().take(MAX_PAIRS) {
+                    found.extend(best_of_pair(&poses, panorama, (number, map)));
                 }
             }
             sort(&mut found);
             found
         },
     )
+}
+
+/// The best of the poses that one pair of clicks gives for different leans of the pan axis, fitted.
+fn best_of_pair(
+    poses: &[PanoramaPose],
+    panorama: &Panorama,
+    (field, map): (usize, &PitchMap),
+) -> Vec<ScoredPose> {
+    let mut scored: Vec<ScoredPose> = poses
+        .par_iter()
+        .map(|pose| score_roughly(*pose, panorama, (field, map)))
+        .collect();
+    sort(&mut scored);
+    scored.truncate(LEANS_FITTED);
+    scored
+        .par_iter()
+        .map(|scored| fit_coarse_pose(scored.pose, panorama, (field, map)))
+        .collect()
 }
 
 /// The best poses at each of some focal scales, and at the neighbours of the scale that has the

@@ -37,7 +37,8 @@
 //! `field_prior.rs` says which field sizes are tried, `pitch_map.rs` which line a camera sees
 //! nearest to a point, and `rotations_by_focal_scale.rs` interpolates stage 2 between the focal
 //! scales at which it was solved. Without an answer,
-//! [`Abstention`] names the stage that failed, or the [`Doubt`]s about the best candidate.
+//! [`Abstention`] names the stage that failed, or the [`Doubt`]s about the best candidate, and
+//! `wanted_clicks.rs` the clicks that would help.
 //!
 //! # Why not …
 //!
@@ -89,8 +90,9 @@ mod sampled_frames;
 mod search;
 mod search_places;
 mod verdict;
+mod wanted_clicks;
 
-pub use answer::{AutocalibrationAnswer, DecidingLandmark};
+pub use answer::{AutocalibrationAnswer, DecidingLandmark, WantedClicks};
 pub use camera::{camera_from_few_clicks, camera_without_clicks};
 pub use doubt::Doubt;
 pub use error::{Abstention, AutocalibrationError};

@@ -262,28 +262,52 @@ fn on_one_field(
         .par_iter()
         .map(|(position_m, heading)| {
             let pose = PanoramaPose::upright(*position_m, *heading);
-            let explained = explained_roughly(&pose, &panorama.directions, map, 1.0);
-            ScoredPose {
-                pose,
-                field,
-                explained,
-                visible: visible(&pose, panorama, map, 1.0, WIDE_DEG),
-            }
+            score_roughly(pose, panorama, (field, map))
         })
         .collect();
     sort(&mut looked);
     looked.truncate(FITTED);
-    // 4. Improve the best of them: the grid is too coarse for iterative closest point to converge
-    //    from it.
-    let fit = |scored_pose: &ScoredPose| {
-        let pose = climbed(scored_pose.pose, &few, panorama, map);
-        score_pose(
-            fit_pose(pose, &panorama.directions, map),
-            panorama,
-            (field, map),
-        )
-    };
+    // 4. Improve the best of them.
+    let fit = |scored: &ScoredPose| climb_and_fit(scored.pose, &few, panorama, (field, map));
     looked.par_iter().map(fit).collect()
+}
+
+/// Scores a pose of a grid with all directions.
+pub(super) fn score_roughly(
+    pose: PanoramaPose,
+    panorama: &Panorama,
+    (field, map): (usize, &PitchMap),
+) -> ScoredPose {
+    ScoredPose {
+        pose,
+        field,
+        explained: explained_roughly(&pose, &panorama.directions, map, 1.0),
+        visible: visible(&pose, panorama, map, 1.0, WIDE_DEG),
+    }
+}
+
+/// Improves and fits a pose of a grid.
+pub(super) fn fit_coarse_pose(
+    pose: PanoramaPose,
+    panorama: &Panorama,
+    field: (usize, &PitchMap),
+) -> ScoredPose {
+    let every = stride_of_subsample(panorama.directions.len(), ASKED_FIRST);
+    let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
+    climb_and_fit(pose, &few, panorama, field)
+}
+
+/// Improves a pose by the pattern search on a few of the directions and fits it to all of them: a
+/// grid is too coarse for iterative closest point to converge from it.
+fn climb_and_fit(
+    pose: PanoramaPose,
+    few: &[Vec3],
+    panorama: &Panorama,
+    (field, map): (usize, &PitchMap),
+) -> ScoredPose {
+    let pose = climbed(pose, few, panorama, map);
+    let fitted = fit_pose(pose, &panorama.directions, map);
+    score_pose(fitted, panorama, (field, map))
 }
 
 pub(super) fn sort(poses: &mut [ScoredPose]) {
@@ -295,7 +319,7 @@ pub(super) fn sort(poses: &mut [ScoredPose]) {
 const PAINTED_DEG: f64 = 0.3;
 
 /// Scores a fitted pose by the share of explained paint and of visible lines.
-pub(super) fn score_pose(
+fn score_pose(
     pose: PanoramaPose,
     panorama: &Panorama,
     (field, map): (usize, &PitchMap),

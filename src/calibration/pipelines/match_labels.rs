@@ -15,7 +15,7 @@ use super::other_cameras::split_off;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
-    DecidingLandmark, PictureOfFrame, camera_from_few_clicks, camera_without_clicks,
+    DecidingLandmark, PictureOfFrame, WantedClicks, camera_from_few_clicks, camera_without_clicks,
 };
 use crate::calibrate::{AutocalibratedCamera, clips, record_found};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
@@ -115,7 +115,12 @@ pub enum NoCamera {
         deciding: Option<DecidingLandmark>,
     },
     /// No answer is certain.
-    Abstained(Abstention),
+    Abstained {
+        /// Why.
+        why: Abstention,
+        /// The clicks that would most likely lead to an answer.
+        clicks: Option<WantedClicks>,
+    },
 }
 
 impl NoCamera {
@@ -129,7 +134,9 @@ impl NoCamera {
                 other,
                 deciding,
             } => describe_two(document, best, other, deciding.as_ref()),
-            Self::Abstained(why) => why.to_string(),
+            Self::Abstained { why, clicks } => {
+                format!("{why}{}", describe_clicks(document, *clicks))
+            }
         }
     }
 }
@@ -163,6 +170,17 @@ fn describe_two(
         at(best),
         at(other)
     )
+}
+
+/// The clicks that would help after an abstention, as a part of a sentence.
+fn describe_clicks(document: &Document, clicks: Option<WantedClicks>) -> String {
+    clicks.map_or_else(String::new, |clicks| {
+        let frame = document.frames[clicks.frame].name();
+        format!(
+            "; click {} landmarks far from each other on {frame} in the window, and search again with them",
+            clicks.landmarks
+        )
+    })
 }
 
 /// The cameras of a match that was labelled.
@@ -205,7 +223,7 @@ pub fn find_camera(
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, progress)?;
-    if matches!(by_clicks, AutocalibrationAnswer::Abstained(_)) {
+    if matches!(by_clicks, AutocalibrationAnswer::Abstained { .. }) {
         camera_without_clicks(at, camera, sampled_frames, picture, progress)
     } else {
         Ok(by_clicks)
@@ -352,7 +370,9 @@ impl Labelling<'_> {
                     other,
                     deciding,
                 }),
-                AutocalibrationAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),
+                AutocalibrationAnswer::Abstained { why, clicks } => {
+                    Err(NoCamera::Abstained { why, clicks })
+                }
             },
         )
     }

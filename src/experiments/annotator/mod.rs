@@ -7,7 +7,8 @@ mod ways;
 
 use super::progress::{Progress, counted};
 use super::{ExperimentError, ExperimentOptions};
-use clip::{CLICK_SIGMA_PX, DrawnClip, corners_apart_px, frame_count};
+pub use clip::corners_apart_px;
+use clip::{CLICK_SIGMA_PX, DrawnClip, frame_count};
 use std::path::Path;
 use std::time::Instant;
 use touchline_core::camera::{Ptz, PtzCamera};

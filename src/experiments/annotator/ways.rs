@@ -226,7 +226,7 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
             carry(clip, &mut labelled, &mut ClipEvidence::default())?;
             Ok(Ok(labelled))
         }
-        AutocalibrationAnswer::Abstained(why) => Ok(Err(why.to_string())),
+        AutocalibrationAnswer::Abstained { why, .. } => Ok(Err(why.to_string())),
         AutocalibrationAnswer::Two { .. } => Ok(Err(Doubt::Rival.to_string())),
     }
 }

@@ -10,7 +10,7 @@ use egui::{Button, Label, ProgressBar, RichText, Ui};
 use touchline_application::app::operations::UnderWay;
 use touchline_application::app::operations::camera_search::{Left, TwoCameras};
 use touchline_application::app::{Action, Command, Navigation};
-use touchline_documents::document::Camera;
+use touchline_documents::document::{Camera, FrameId};
 
 /// Shows the state of autocalibration and what can be done. Nothing if the camera has a base and no
 /// search is going on.
@@ -27,15 +27,26 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             section(ui, "TWO ANSWERS");
             show_choice(panel, ui, two);
         }
-        Left::Abstained { camera: of, why } if *of == camera.id && camera.base().is_none() => {
+        Left::Abstained {
+            camera: of,
+            why,
+            frame,
+        } if *of == camera.id && camera.base().is_none() => {
             section(ui, "WITHOUT A CLICK");
             ui.add(Label::new(RichText::new(why.as_str()).color(ui.palette().caution)).wrap());
-            start(panel, ui, "Look again");
+            ui.add_space(theme::SPACE);
+            ui.horizontal_wrapped(|ui| {
+                start(panel, ui, "Look again");
+                if let Some(frame) = frame {
+                    go_there(panel, ui, frame, "Go to the frame in which clicks help.");
+                }
+            });
         }
         _ if camera.base().is_none() => {
             section(ui, "WITHOUT A CLICK");
             let text = "Overlapping views of one camera, matched to each other, show where it stands. This takes about a minute.";
             ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
+            ui.add_space(theme::SPACE);
             start(panel, ui, "Find the camera automatically");
         }
         _ => {}
@@ -59,27 +70,32 @@ fn show_choice(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
     ui.horizontal_wrapped(|ui| {
         command(panel, ui, "Try the first", Command::TryFirstCamera);
         command(panel, ui, "Try the other", Command::TryOtherCamera);
-        let shown = two
-            .deciding
-            .as_ref()
-            .and_then(|click| panel.app.open()?.document.frames.position_of(&click.frame));
-        if let Some(shown) = shown
-            && ui
-                .button("Go there")
-                .on_hover_text("Go to the frame whose click decides.")
-                .clicked()
-        {
-            panel
-                .actions
-                .push(Action::Navigate(Navigation::GoTo(shown)));
+        if let Some(click) = &two.deciding {
+            go_there(
+                panel,
+                ui,
+                &click.frame,
+                "Go to the frame whose click decides.",
+            );
         }
         command(panel, ui, "Done", Command::StopFindCamera);
     });
 }
 
+/// Shows the button that goes to a frame, unless the frame was removed.
+fn go_there(panel: &mut Panel<'_>, ui: &mut Ui, frame: &FrameId, tip: &str) {
+    let open = panel.app.open();
+    let Some(index) = open.and_then(|open| open.document.frames.position_of(frame)) else {
+        return;
+    };
+    if ui.button("Go there").on_hover_text(tip).clicked() {
+        let action = Action::Navigate(Navigation::GoTo(index));
+        panel.actions.push(action);
+    }
+}
+
 /// Shows the button that starts a search, disabled with the reason.
 fn start(panel: &mut Panel<'_>, ui: &mut Ui, says: &str) {
-    ui.add_space(theme::SPACE);
     let why_not = panel.app.why_not(Command::FindCamera);
     let button = ui.add_enabled(why_not.is_none(), Button::new(RichText::new(says).strong()));
     let tip = panel.app.settings.keys.tooltip(Command::FindCamera);

@@ -268,7 +268,7 @@ pub fn judged(
                 },
             )
         }
-        AutocalibrationAnswer::Abstained(why) => {
+        AutocalibrationAnswer::Abstained { why, .. } => {
             let best = match why {
                 Abstention::Uncertain {
                     best: Some(best), ..

@@ -285,10 +285,13 @@ fn turned_as_answered(truth: Vec<PtzCamera>, answer: &AutocalibrationAnswer) -> 
     let found = match answer {
         AutocalibrationAnswer::Found(found)
         | AutocalibrationAnswer::Two { best: found, .. }
-        | AutocalibrationAnswer::Abstained(Abstention::Uncertain {
-            best: Some(found), ..
-        }) => found,
-        AutocalibrationAnswer::Abstained(_) => return truth,
+        | AutocalibrationAnswer::Abstained {
+            why: Abstention::Uncertain {
+                best: Some(found), ..
+            },
+            ..
+        } => found,
+        AutocalibrationAnswer::Abstained { .. } => return truth,
     };
     let half_turn = Mat3::new(-1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0);
     let turned = |camera: &PtzCamera| {

@@ -152,7 +152,7 @@ impl Clicked {
                     self.judged(other, folder).1
                 )
             }
-            AutocalibrationAnswer::Abstained(why) => {
+            AutocalibrationAnswer::Abstained { why, .. } => {
                 tally.abstained = 1;
                 let best = match why {
                     Abstention::Uncertain {

@@ -121,7 +121,7 @@ fn judged(answer: &AutocalibrationAnswer, right: Option<&SeenRight>) -> (String,
             tally.two = 1;
             "two answers".to_owned()
         }
-        AutocalibrationAnswer::Abstained(why) => {
+        AutocalibrationAnswer::Abstained { why, .. } => {
             tally.abstained = 1;
             format!("abstained: {why}")
         }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
-    DecidingLandmark, Doubt,
+    DecidingLandmark, Doubt, WantedClicks,
 };
 use touchline_calibration::calibrate::{
     AutocalibratedCamera, BulkChange, FoundCamera, describe_size,
@@ -22,7 +22,7 @@ use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::base::FittedSize;
-use touchline_documents::document::{CameraId, Click, Document, FrameId, Step, Target};
+use touchline_documents::document::{CameraId, Click, Document, Frame, FrameId, Step, Target};
 
 /// Minimum number of frames. Fewer hardly separate what is painted on the ground from what moves
 /// over it.
@@ -63,6 +63,8 @@ pub enum Left {
         camera: CameraId,
         /// The reason, and what would help.
         why: String,
+        /// The frame in which clicks would help most.
+        frame: Option<FrameId>,
     },
 }
 
@@ -144,12 +146,14 @@ impl Operation for CameraSearch {
                 let two = TwoCameras::new(self, [*best, *other], deciding, label);
                 app.ask_which_camera(two);
             }
-            Ok(AutocalibrationAnswer::Abstained(why)) => {
-                let why = describe_abstention(&why);
+            Ok(AutocalibrationAnswer::Abstained { why, clicks }) => {
+                let clicks = clicks.map(|clicks| (&*self.document.frames[clicks.frame], clicks));
+                let why = describe_abstention(&why, clicks);
                 app.session.notify(Level::Warning, why.clone());
                 app.operations.camera_search.left = Left::Abstained {
                     camera: self.camera.clone(),
                     why,
+                    frame: clicks.map(|(frame, _)| frame.id.clone()),
                 };
             }
             Err(failure) => {
@@ -473,8 +477,12 @@ fn place(found: &AutocalibratedCamera) -> String {
 }
 
 /// The reason for an abstention and a remedy, as text.
-fn describe_abstention(why: &Abstention) -> String {
-    format!("No camera was found: {}. {}", why_not(why), what_helps(why))
+fn describe_abstention(why: &Abstention, clicks: Option<(&Frame, WantedClicks)>) -> String {
+    let (missing, clicks) = (missing_view(why), clicks_that_help(why, clicks));
+    format!(
+        "No camera was found: {}. {missing}, or {clicks}.",
+        why_not(why)
+    )
 }
 
 /// The reason for an abstention, as a part of a sentence.
@@ -494,9 +502,9 @@ fn why_not(why: &Abstention) -> String {
     }
 }
 
-/// The missing view, and the clicks that would replace it.
-fn what_helps(why: &Abstention) -> String {
-    let missing = match why {
+/// The missing view.
+fn missing_view(why: &Abstention) -> String {
+    match why {
         Abstention::NotConnected { .. } => {
             "Add frames in which the camera turns from one view to the next, all of one camera that does not move"
                 .to_owned()
@@ -504,14 +512,22 @@ fn what_helps(why: &Abstention) -> String {
         Abstention::LittlePaint { .. } => "Add wide frames: the centre circle and both penalty areas".to_owned(),
         Abstention::Uncertain { doubts, .. } => view_missing(doubts),
         _ => "Check that the field's sport is the one in the pictures".to_owned(),
-    };
-    let clicks = match why {
-        Abstention::NotConnected { .. } | Abstention::NotTurning(_) => {
-            "click 4 landmarks on 2 wide frames"
+    }
+}
+
+/// The clicks that would replace the missing view.
+fn clicks_that_help(why: &Abstention, clicks: Option<(&Frame, WantedClicks)>) -> String {
+    match (why, clicks) {
+        (Abstention::NotConnected { .. } | Abstention::NotTurning(_), _) => {
+            "click 4 landmarks on 2 wide frames".to_owned()
         }
-        _ => "click 2 landmarks far from each other and look again",
-    };
-    format!("{missing}, or {clicks}.")
+        (_, Some((frame, clicks))) => format!(
+            "click {} landmarks far from each other on {} and look again",
+            clicks.landmarks,
+            frame.name()
+        ),
+        (_, None) => "click 2 landmarks far from each other and look again".to_owned(),
+    }
 }
 
 /// The view that would resolve the doubts.
