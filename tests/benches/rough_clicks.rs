@@ -29,7 +29,7 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 use touchline::calibrate::clips;
 use touchline::camera::{CameraBase, Ptz, PtzCamera};
-use touchline::document::{Click, Document, FieldSpec};
+use touchline::document::{Click, Document, FieldSpec, document_to_string};
 use touchline::experiments::corners_apart_px;
 use touchline::field::{FieldModel, Landmark, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, median};
@@ -89,6 +89,8 @@ fn run(folder: &Path, seed: u64, is_verbose: bool) {
     };
     let mut document = document_of_video(&name, &info, FieldSpec::new("soccer"), 1);
     click(&mut document, &truth, &field, seed);
+    let text = document_to_string(&document).unwrap();
+    std::fs::write(folder.join(format!("clicked-{seed}.json")), text).unwrap();
 
     let begun = Instant::now();
     let clips = clips(document.at(folder), None);
@@ -203,9 +205,20 @@ fn as_shared(drawn: &PtzCamera) -> PtzCamera {
 /// among those that show enough.
 fn click(document: &mut Document, truth: &[PtzCamera], field: &FieldModel, seed: u64) {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
+    // What an annotator would choose: frames with four landmarks that do not lie on one line.
+    let shows_enough = |index: &usize| {
+        let seen = landmarks_seen(&truth[*index], field);
+        let on_one_line = |axis: usize| {
+            let first = seen.first().map(|(landmark, _)| landmark.nominal_m[axis]);
+            let is_near = |at_m: f64| first.is_some_and(|first_m| (at_m - first_m).abs() < 3.0);
+            let apart = seen.iter().filter(|(one, _)| !is_near(one.nominal_m[axis]));
+            apart.count() < 2
+        };
+        seen.len() >= CLICKS_PER_FRAME && !on_one_line(0) && !on_one_line(1)
+    };
     let mut showing: Vec<usize> = (0..truth.len())
         .filter(|index| !CLOSE_UP.contains(index))
-        .filter(|index| landmarks_seen(&truth[*index], field).len() >= CLICKS_PER_FRAME)
+        .filter(shows_enough)
         .collect();
     let pan = |index: &usize| truth[*index].ptz().pan.degrees();
     showing.sort_by(|a, b| pan(a).total_cmp(&pan(b)));

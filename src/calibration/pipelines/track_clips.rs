@@ -11,8 +11,9 @@ use crate::calibrate::{
     length_on_lines, record_tracked, take_length, track_clip,
 };
 use crate::proposals::read_picture;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
 use touchline_core::geometry::mean;
 use touchline_core::progress::Progress;
@@ -95,15 +96,17 @@ pub fn track_clips(
     progress: &Progress<'_, TrackingEvent>,
 ) -> Result<TrackedFrames, FieldError> {
     evidence.resize(clips.len(), ClipEvidence::default());
+    let mut without_base = BTreeMap::new();
     if options.refine_base {
         for camera in cameras_of(clips) {
-            // An error here occurs again when the clip is tracked, and is reported then.
-            let _ = give_first_base(document, folder, camera, &BaseOptions::default());
+            let given = give_first_base(document, folder, camera, &BaseOptions::default());
+            without_base.extend(given.err().map(|why| (camera, why)));
         }
     }
     let mut tracking = Tracking {
         folder,
         clips,
+        without_base,
         reader,
         options,
         evidence,
@@ -156,6 +159,8 @@ fn cameras_of(clips: &[ClipFrames]) -> BTreeSet<&CameraId> {
 struct Tracking<'a> {
     folder: &'a Path,
     clips: &'a [ClipFrames],
+    /// Why cameras without a base got none from their clicks.
+    without_base: BTreeMap<&'a CameraId, BaseEstimationError>,
     reader: &'a mut dyn ReadFrames,
     options: &'a TrackingOptions,
     evidence: &'a mut [ClipEvidence],
@@ -205,6 +210,7 @@ impl Tracking<'_> {
                 }
                 Err(TrackClipError::Stopped) => break,
                 Err(error) => {
+                    let error = self.with_reason(clip, error);
                     frames.missed += clip
                         .frames
                         .iter()
@@ -221,6 +227,17 @@ impl Tracking<'_> {
             is_stopped: self.progress.is_cancelled(),
             ..frames
         })
+    }
+
+    /// The error of a clip; where its camera has no base, with the reason why the clicks gave none.
+    fn with_reason(&self, clip: &ClipFrames, error: TrackClipError) -> TrackClipError {
+        match (error, self.without_base.get(&clip.camera)) {
+            (TrackClipError::NoBase { camera }, Some(why)) => TrackClipError::NoBaseFromClicks {
+                camera,
+                why: Box::new(why.clone()),
+            },
+            (error, _) => error,
+        }
     }
 
     /// Measures the length of the field if the tracked frames contradict it, and adopts it in the
@@ -341,7 +358,10 @@ impl Tracking<'_> {
         );
         let Ok(found) = found else { return Ok(None) };
         let seen = found.seen.clone();
-        let is_better = found.is_worthwhile();
+        let known = refined.camera(camera).and_then(Camera::base);
+        let is_same =
+            known.is_some_and(|known| is_same_base(&known, &found.estimated.estimate.base));
+        let is_better = found.is_worthwhile() && !is_same;
         if is_better {
             found
                 .with_pulled_frames(refined.at(folder), &mut picture)?
@@ -349,6 +369,17 @@ impl Tracking<'_> {
         }
         Ok(is_better.then_some(seen))
     }
+}
+
+/// Whether a refinement leaves a base where it was: the position within a tenth of its 1-σ, the
+/// lens within 0.001 of k₁.
+fn is_same_base(known: &CameraBase, refined: &CameraBase) -> bool {
+    const SAME_SIGMAS: f64 = 0.1;
+    const SAME_K1: f64 = 0.001;
+    let moved_m = (refined.position_m - known.position_m).norm();
+    let k1 = |base: &CameraBase| base.distortion.at(known.distortion.at_focal_px);
+    moved_m < SAME_SIGMAS * refined.sigma.position_m.norm()
+        && (k1(refined) - k1(known)).abs() < SAME_K1
 }
 
 /// The mean confidence of the tracked frames, 0 to 1; 0 without any.

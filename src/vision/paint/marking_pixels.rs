@@ -10,11 +10,12 @@
 //! 2. On bright paint the centre is measured again, as the midpoint of the two edges, because the
 //!    maximum is biased where the two sides differ in brightness.
 //! 3. Marking pixels are joined to connected components. Short components are dropped, and on turf
-//!    so are those with the colour of lighter turf.
+//!    so are those with the colour of lighter turf, or as bright as its light stripes.
 
 use super::GroundPicture;
 use super::ground_area::{GroundArea, parts};
 use super::profile::Profile;
+use super::turf_levels::{TurfExcess, TurfLevels};
 use crate::media::{GreyPicture, Picture};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
@@ -124,6 +125,8 @@ struct RidgePixel {
     at: ImagePoint,
     normal: Vec2,
     colours: Colours,
+    /// Against the turf around it; on turf alone.
+    excess: TurfExcess,
 }
 
 /// Sums of red, green and blue over marking pixels: on the marking, and on the ground beside it.
@@ -206,11 +209,13 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
     let (width, height) = (ground.size().width as usize, ground.size().height as usize);
     let smooth = blurred(ground.grey());
     // Paint on turf is always lighter. Lines of indoor floors may be dark.
-    let tones: &[Tone] = if ground.surface().is_turf() {
+    let is_turf = ground.surface().is_turf();
+    let tones: &[Tone] = if is_turf {
         &[Tone::Bright]
     } else {
         &[Tone::Bright, Tone::Dark]
     };
+    let levels = is_turf.then(|| TurfLevels::of(ground, area));
     let mut found = Vec::new();
     let mut profile = Profile::default();
     for y in 1..height.saturating_sub(1) {
@@ -243,12 +248,14 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
                     Tone::Bright => between_edges(&mut profile, ground.grey(), at, normal, side_px),
                     Tone::Dark => at,
                 };
-                let colours = Colours::at(ground.picture(), at, normal, side_px);
+                let level = ground.grey().at(at);
+                let excess = levels.as_ref().map(|levels| levels.excess(x, y, level));
                 found.push(RidgePixel {
                     index,
                     at,
                     normal,
-                    colours,
+                    colours: Colours::at(ground.picture(), at, normal, side_px),
+                    excess: excess.unwrap_or_default(),
                 });
             }
         }
@@ -392,6 +399,22 @@ fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
     }
 }
 
+/// A connected component of marking pixels, with sums over them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Component {
+    /// Diagonal of its bounding box, px.
+    length_px: f64,
+    colours: Colours,
+    excess: TurfExcess,
+}
+
+impl Component {
+    /// Whether it is turf that is lighter than the turf beside it.
+    fn is_turf(&self) -> bool {
+        self.colours.are_of_brighter_turf() || self.excess.is_light_turf()
+    }
+}
+
 /// The marking pixels of components that are long enough; on turf without components of lighter
 /// turf.
 fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<StrokePoint> {
@@ -406,7 +429,7 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
     }
     // Extent of each connected component: the diagonal of its bounding box, px.
     let mut of_part = vec![0_usize; width * height];
-    let mut marking_pixels: Vec<(f64, Colours)> = Vec::new();
+    let mut components: Vec<Component> = Vec::new();
     for part in parts(&set, width) {
         let extent = |of: &dyn Fn(usize) -> usize| {
             let (least, most) = part
@@ -419,28 +442,31 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
         };
         let length = extent(&|index| index % width).hypot(extent(&|index| index / width));
         for index in part {
-            of_part[index] = marking_pixels.len();
+            of_part[index] = components.len();
         }
-        marking_pixels.push((f64::from(length), Colours::default()));
+        components.push(Component {
+            length_px: f64::from(length),
+            ..Component::default()
+        });
     }
     // Colours are summed over whole components; the colour of one pixel is too noisy to decide.
     for ridge in ridges {
-        marking_pixels[of_part[ridge.index]].1.add(&ridge.colours);
+        let component = &mut components[of_part[ridge.index]];
+        component.colours.add(&ridge.colours);
+        component.excess.add(&ridge.excess);
     }
     // Dilation adds one pixel at each end.
     let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
-    let is_paint: Vec<bool> = marking_pixels
+    let is_paint: Vec<bool> = components
         .iter()
-        .map(|(length_px, colours)| {
-            *length_px > least_px && !(is_turf && colours.are_of_brighter_turf())
-        })
+        .map(|component| component.length_px > least_px && !(is_turf && component.is_turf()))
         .collect();
     let painted = ridges.iter().filter(|ridge| is_paint[of_part[ridge.index]]);
     painted
         .map(|ridge| StrokePoint {
             at: ridge.at,
             normal: ridge.normal,
-            length_px: marking_pixels[of_part[ridge.index]].0,
+            length_px: components[of_part[ridge.index]].length_px,
         })
         .collect()
 }

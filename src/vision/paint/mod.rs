@@ -43,6 +43,7 @@ mod sightings;
 mod snap;
 mod spot;
 mod surface;
+mod turf_levels;
 mod unexplained;
 
 pub use across::Ridge;

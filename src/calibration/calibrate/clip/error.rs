@@ -1,5 +1,6 @@
 //! Errors of tracking a clip.
 
+use crate::calibrate::BaseEstimationError;
 use thiserror::Error;
 use touchline_vision::media::MediaError;
 use touchline_vision::track::TrackError;
@@ -13,6 +14,14 @@ pub enum TrackClipError {
     NoBase {
         /// The camera's name.
         camera: String,
+    },
+    /// The camera has no base, and its clicks give none.
+    #[error("camera {camera} has no base yet, and its clicks give none: {why}")]
+    NoBaseFromClicks {
+        /// The camera's name.
+        camera: String,
+        /// Why they give none.
+        why: Box<BaseEstimationError>,
     },
     /// No frame has a camera to begin with.
     #[error(

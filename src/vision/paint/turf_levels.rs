@@ -1,0 +1,113 @@
+//! The brightness of the turf around a point: what distinguishes paint from a mowing stripe where
+//! a video has lost the colours.
+//!
+//! Mowing makes light and dark stripes. Seen along the field they are as thin as lines far away.
+//! Their colour is that of turf, but strong compression removes the faint colour differences, and
+//! a light stripe then differs from the dark one beside it as paint does, by grey alone. Paint is
+//! also brighter than the *light* stripes around it.
+
+use super::GroundPicture;
+use super::ground_area::GroundArea;
+
+/// Side of a block of the picture, px. The levels at a point are those of its block and the eight
+/// around it: wide enough for several of the stripes that are as thin as lines.
+const BLOCK_PX: usize = 32;
+
+/// Blocks with fewer pixels of turf around them have no levels.
+const MIN_PIXELS: u32 = 256;
+
+/// Paint is brighter than the upper quartile of the turf by at least this share of the distance
+/// between the quartiles. The middle of a stripe is 0.2 above it for a sinusoidal profile, less for
+/// a rectangular one.
+const MIN_EXCESS: f64 = 0.5;
+
+/// Brightness of turf around a point, grey levels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Quartiles {
+    lower: f64,
+    upper: f64,
+}
+
+/// The turf's brightness all over a picture.
+pub(super) struct TurfLevels {
+    columns: usize,
+    /// By block, row by row; none where little turf is seen.
+    quartiles: Vec<Option<Quartiles>>,
+}
+
+/// Sums over the pixels of a marking.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TurfExcess {
+    above_turf: f64,
+    spread_of_turf: f64,
+}
+
+impl TurfLevels {
+    pub fn of(ground: &GroundPicture, area: &GroundArea) -> Self {
+        let (width, height) = (ground.size().width as usize, ground.size().height as usize);
+        let (columns, rows) = (width.div_ceil(BLOCK_PX), height.div_ceil(BLOCK_PX));
+        let mut counts = vec![[0_u32; 256]; columns * rows];
+        for y in 0..height {
+            for x in 0..width {
+                if area.holds(x, y) {
+                    let level = ground.grey().values[y * width + x];
+                    counts[y / BLOCK_PX * columns + x / BLOCK_PX][usize::from(level)] += 1;
+                }
+            }
+        }
+        let around = |block: usize| {
+            let (column, row) = (block % columns, block / columns);
+            let mut sum = [0_u32; 256];
+            for row in row.saturating_sub(1)..(row + 2).min(rows) {
+                for column in column.saturating_sub(1)..(column + 2).min(columns) {
+                    for (sum, count) in sum.iter_mut().zip(&counts[row * columns + column]) {
+                        *sum += count;
+                    }
+                }
+            }
+            quartiles(&sum)
+        };
+        let quartiles = (0..columns * rows).map(around).collect();
+        Self { columns, quartiles }
+    }
+
+    /// How much brighter a pixel is than the turf around it.
+    pub fn excess(&self, x: usize, y: usize, level: f64) -> TurfExcess {
+        let block = y / BLOCK_PX * self.columns + x / BLOCK_PX;
+        let around = self.quartiles.get(block).copied().flatten();
+        around.map_or_else(TurfExcess::default, |turf| TurfExcess {
+            above_turf: level - turf.upper,
+            spread_of_turf: turf.upper - turf.lower,
+        })
+    }
+}
+
+impl TurfExcess {
+    pub fn add(&mut self, other: &Self) {
+        self.above_turf += other.above_turf;
+        self.spread_of_turf += other.spread_of_turf;
+    }
+
+    /// Whether a marking is no brighter than the light stripes of the turf around it.
+    pub fn is_light_turf(&self) -> bool {
+        self.above_turf < MIN_EXCESS * self.spread_of_turf
+    }
+}
+
+/// The quartiles of brightness; none of too few pixels.
+fn quartiles(counts: &[u32; 256]) -> Option<Quartiles> {
+    let all: u32 = counts.iter().sum();
+    let level_of = |share: f64| {
+        let wanted = share * f64::from(all);
+        let mut below = 0.0;
+        counts.iter().position(|count| {
+            below += f64::from(*count);
+            below >= wanted
+        })
+    };
+    (all >= MIN_PIXELS).then_some(())?;
+    Some(Quartiles {
+        lower: level_of(0.25)? as f64,
+        upper: level_of(0.75)? as f64,
+    })
+}
