@@ -189,7 +189,7 @@ fn read_document(
         .find(|camera| camera.base().is_some());
     if let Some(camera) = with_base {
         bail!(
-            "{}: camera {} has a base already; refine-base --markings improves it, track and relocalize use it",
+            "{}: camera {} has a base already; refine-base --markings improves it",
             args.frames.display(),
             camera.id.as_str()
         );

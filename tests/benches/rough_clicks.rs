@@ -1,9 +1,9 @@
-//! A few rough clicks in a clip as people share it: how many frames of the camera get theirs, and how
-//! far off it is.
+//! A few rough clicks in a clip as people share it: how many frames of the main camera get their
+//! cameras, and how far off these are.
 //!
-//! `cargo bench --bench rough_clicks [-- --seeds N] [--from K] [--keep DIR] [--verbose]`. Each clip is
-//! 640×360 at 500 kbit/s: the main camera, a close-up, the main camera again. An annotator clicks
-//! four landmarks in each of three frames, ±1.5 px, and asks for the painted lines.
+//! `cargo bench --bench rough_clicks [-- --seeds N] [--from K] [--keep DIR] [--verbose]`. Each clip
+//! is 640×360 at 500 kbit/s: the main camera, a close-up, the main camera again. An annotator
+//! clicks four landmarks in each of three frames, ±1.5 px, and asks for the painted lines.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -66,7 +66,8 @@ fn main() {
     let from = arguments.number("--from", 1) as u64;
     let seeds = arguments.number("--seeds", 5) as u64;
     println!(
-        "| seed | frames of the main camera | carried | right | corners off, median, 90 % (px) | right, stated < 50 % | certain and wrong | close-up frames with a camera | position off, m | seconds |"
+        "| seed | frames | tracked | right | corners off, median, 90 % (px) | right, stated < 50 % \
+         | certain and wrong | close-up frames with a camera | position off, m | seconds |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for seed in from..from + seeds {
@@ -127,8 +128,8 @@ fn say(event: &TrackingEvent) {
                 .collect();
             let (frames, painted) = (tracked.frames.len(), tracked.painted);
             eprintln!(
-                "tracked {frames}, on paint {painted}, points {:.2} px, inflated {:.1}; stops {stops:?}",
-                tracked.sigma_px, tracked.widened
+                "tracked {frames}, on paint {painted}, points {:.2} px; stops {stops:?}",
+                tracked.sigma_px
             );
         }
         TrackingEvent::Refined(_, seen) => eprintln!("refined {seen:?}"),
@@ -299,7 +300,8 @@ fn report(document: &Document, truth: &[PtzCamera], seed: u64, seconds: f64) {
         (base.position_m - truth[0].base().position_m).norm()
     });
     println!(
-        "| {seed} | {} | {} | {right} | {:.2}, {:.2} | {doubted} | {certain_and_wrong} | {close_up} | {position_off:.2} | {seconds:.0} |",
+        "| {seed} | {} | {} | {right} | {:.2}, {:.2} | {doubted} | {certain_and_wrong} \
+         | {close_up} | {position_off:.2} | {seconds:.0} |",
         of_camera.clone().count(),
         off.len(),
         median(&mut off).unwrap_or(f64::NAN),

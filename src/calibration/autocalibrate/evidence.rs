@@ -130,8 +130,8 @@ pub(super) fn measure_evidence(
         frames: frames.len(),
         explained: share(sum(&|counts| counts.explained), sum(&|counts| counts.paint)),
         visible: share(
-            sum(&|counts| counts.total().seen),
-            sum(&|counts| counts.total().predicted),
+            counts.iter().map(|counts| counts.total().seen).sum(),
+            counts.iter().map(|counts| counts.total().predicted).sum(),
         ),
         rival: 0.0,
         lines: lines.into_iter().map(name).collect(),
@@ -161,11 +161,8 @@ pub(super) fn missing_lines(
 /// The labels of the missing lines ([`ENOUGH`]). Touchlines are excepted.
 fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<String> {
     let is_missing = |line: &usize| {
-        let sum = |of: fn(&LineCounts) -> usize| {
-            of_frames
-                .iter()
-                .map(|lines| of(&lines[*line]))
-                .sum::<usize>() as f64
+        let sum = |of: fn(&LineCounts) -> f64| -> f64 {
+            of_frames.iter().map(|lines| of(&lines[*line])).sum()
         };
         let (predicted, seen) = (sum(|counts| counts.predicted), sum(|counts| counts.seen));
         predicted >= ENOUGH && seen < MIN_OF_LINE * predicted && !is_touchline(field, *line)
@@ -208,11 +205,15 @@ struct Counts {
     lines: Vec<usize>,
 }
 
-/// Number of samples of a line that lie on open ground, and of those among them that lie on paint.
+/// The samples of a line that lie on open ground, and those among them that lie on paint. Each
+/// counts by its detectability ([`LineSample::detectability`]): that a far and narrow line is not
+/// seen says little.
 #[derive(Clone, Copy, Default)]
 struct LineCounts {
-    predicted: usize,
-    seen: usize,
+    predicted: f64,
+    seen: f64,
+    /// Number of samples on paint.
+    num_seen: usize,
 }
 
 impl LineCounts {
@@ -224,9 +225,11 @@ impl LineCounts {
             let counts = &mut of_line[sample.line];
             match marking_pixels.shown(sample.image) {
                 Shown::Stroke => {
-                    (counts.predicted, counts.seen) = (counts.predicted + 1, counts.seen + 1);
+                    counts.predicted += sample.detectability();
+                    counts.seen += sample.detectability();
+                    counts.num_seen += 1;
                 }
-                Shown::Ground => counts.predicted += 1,
+                Shown::Ground => counts.predicted += sample.detectability(),
                 Shown::Other => {}
             }
         }
@@ -237,10 +240,11 @@ impl LineCounts {
 impl Counts {
     /// Sums over all lines.
     fn total(&self) -> LineCounts {
-        let sum = |of: fn(&LineCounts) -> usize| self.of_line.iter().map(of).sum();
+        let lines = self.of_line.iter();
         LineCounts {
-            predicted: sum(|counts| counts.predicted),
-            seen: sum(|counts| counts.seen),
+            predicted: lines.clone().map(|counts| counts.predicted).sum(),
+            seen: lines.clone().map(|counts| counts.seen).sum(),
+            num_seen: lines.map(|counts| counts.num_seen).sum(),
         }
     }
 
@@ -284,7 +288,7 @@ impl Counts {
         let explained = paint.iter().filter(on_line).count();
         let of_line = LineCounts::of(field, &samples, marking_pixels);
         let lines = (0..of_line.len())
-            .filter(|line| of_line[*line].seen >= OF_LINE)
+            .filter(|line| of_line[*line].num_seen >= OF_LINE)
             .collect();
         Self {
             paint: paint.len(),

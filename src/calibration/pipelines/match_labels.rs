@@ -177,7 +177,8 @@ fn describe_clicks(document: &Document, clicks: Option<WantedClicks>) -> String 
     clicks.map_or_else(String::new, |clicks| {
         let frame = document.frames[clicks.frame].name();
         format!(
-            "; click {} landmarks far from each other on {frame} in the window, and search again with them",
+            "; click {} landmarks far from each other on {frame} in the window, \
+             and search again with them",
             clicks.landmarks
         )
     })

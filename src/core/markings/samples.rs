@@ -42,6 +42,21 @@ pub struct LineSample {
     pub outward: f64,
 }
 
+/// Paint at least this wide is seen wherever it is not covered, px. In drawn clips that were
+/// re-encoded at 360p or filmed off a screen, a detector of ridges sees 0.85 to 1.0 of the samples
+/// from this width on, 0.2 to 0.9 of those of half of it, and 0.05 to 0.6 of those of a quarter.
+const PLAIN_WIDTH_PX: f64 = 0.8;
+
+impl LineSample {
+    /// How much it counts against a camera if no paint is seen here, 0 to 1: 1 for wide paint. The
+    /// contrast that is left of paint narrower than a pixel falls with its width, and what
+    /// compression leaves of it falls faster.
+    #[must_use]
+    pub fn detectability(&self) -> f64 {
+        (self.width_px / PLAIN_WIDTH_PX).powi(2).min(1.0)
+    }
+}
+
 /// Maximum step outside the picture, as a fraction of a line, so that no visible part is skipped.
 const MAX_STEP: f64 = 1.0 / 128.0;
 

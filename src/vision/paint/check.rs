@@ -7,7 +7,9 @@
 //! regression into the probability that the camera is right within 10 px:
 //!
 //! * the agreement, the share of open samples with paint, weighted by distance. It falls for
-//!   cameras that are wrong by more than a few px, because their lines cross bare ground.
+//!   cameras that are wrong by more than a few px, because their lines cross bare ground. Samples
+//!   of lines narrower than a pixel count less
+//!   ([`detectability`](touchline_core::markings::LineSample::detectability)).
 //! * the distance between two cameras that two halves of the samples give. It rises where ridges
 //!   belong to something else, because unrelated ridges do not agree on one correction.
 //!
@@ -113,7 +115,8 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         let Some(ridge) = sightings.nearest(index, 0.0) else {
             continue;
         };
-        weighed += 1.0 / (1.0 + (ridge.offset_px / (HALF_PX * scale)).powi(2));
+        let near = 1.0 / (1.0 + (ridge.offset_px / (HALF_PX * scale)).powi(2));
+        weighed += sample.detectability() * near;
         offsets.push(ridge.offset_px.abs());
         biases.push(if sample.normal.y < 0.0 {
             -ridge.offset_px
@@ -135,11 +138,8 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
     // Signs of a field of another size; they do not enter the score.
     let unexplained = unexplained_share(ground, field, camera, &sightings.samples);
     let emptiest = emptiest_line(&sightings);
-    let agreement = if found + bare == 0 {
-        0.0
-    } else {
-        weighed / (found + bare) as f64
-    };
+    let open = open_weight(&sightings);
+    let agreement = if open > 0.0 { weighed / open } else { 0.0 };
     let mut check = LineCheck {
         predicted: sightings.samples.len(),
         found,
@@ -152,22 +152,29 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         agreement,
         score: 0.0,
     };
-    check.score = score(&check, scale);
+    check.score = score(&check, open, scale);
     check
 }
 
-/// Minimum number of open samples of a line. A shorter one may be covered by something of the
-/// ground's colours.
-const LONG_LINE: usize = 12;
+/// The open samples, each by its detectability.
+fn open_weight(sightings: &Sightings) -> f64 {
+    let samples = sightings.samples.iter().zip(&sightings.seen);
+    let open = samples.filter(|(_, seen)| **seen != Seen::Hidden);
+    open.map(|(sample, _)| sample.detectability()).sum()
+}
+
+/// Minimum number of open samples of a line, each by its detectability. A shorter line may be
+/// covered by something of the ground's colours.
+const LONG_LINE: f64 = 12.0;
 
 /// The smallest share of a line's open samples that have paint.
 fn emptiest_line(sightings: &Sightings) -> Option<f64> {
-    let mut lines: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
+    let mut lines: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
     for (sample, seen) in sightings.samples.iter().zip(&sightings.seen) {
         let (found, bare) = lines.entry(sample.line).or_default();
         match seen {
-            Seen::Paint(_) => *found += 1,
-            Seen::Bare => *bare += 1,
+            Seen::Paint(_) => *found += sample.detectability(),
+            Seen::Bare => *bare += sample.detectability(),
             Seen::Hidden => {}
         }
     }
@@ -175,7 +182,7 @@ fn emptiest_line(sightings: &Sightings) -> Option<f64> {
     let long = lines
         .into_values()
         .filter(|(found, bare)| found + bare >= LONG_LINE);
-    long.map(|(found, bare)| found as f64 / (found + bare) as f64)
+    long.map(|(found, bare)| found / (found + bare))
         .min_by(f64::total_cmp)
 }
 
@@ -196,9 +203,9 @@ const HALVES_PX: (f64, f64) = (0.3, 30.0);
 /// The halves' distance that leaves the odds unchanged, px at 1920 px width.
 const NEUTRAL_HALVES_PX: f64 = 2.0;
 
-/// The probability that a camera is right; see [`LOG_ODDS`].
-fn score(check: &LineCheck, scale: f64) -> f64 {
-    let open = (check.found + check.bare) as f64;
+/// The probability that a camera is right, given the weight of the open samples; see
+/// [`LOG_ODDS`].
+fn score(check: &LineCheck, open: f64, scale: f64) -> f64 {
     // Shrinks the evidence towards the constant where few samples are open.
     let known = open / (open + FEW);
     // The logarithm, because the halves' distance ranges over two orders of magnitude.

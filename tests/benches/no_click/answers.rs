@@ -97,12 +97,17 @@ pub fn answer(document: &Document, folder: &Path, way: Way) -> (AutocalibrationA
 }
 
 /// A document with two clicks, on the two landmarks of the ground that lie farthest apart of all
-/// that the frames show; people's clicks scatter.
-pub fn two_clicked(document: &Document, truth: &[PtzCamera], field: &FieldModel) -> Document {
+/// that some frames show; people's clicks scatter.
+pub fn two_clicked(
+    document: &Document,
+    frames: impl Iterator<Item = usize>,
+    truth: &[PtzCamera],
+    field: &FieldModel,
+) -> Document {
     const SCATTER_PX: [(f64, f64); 2] = [(1.6, -1.2), (-0.9, 1.8)];
     let mut seen: Vec<(usize, ImagePoint, &Landmark)> = Vec::new();
-    for (index, camera) in truth.iter().enumerate() {
-        let size = document.frames[index].image_size;
+    for index in frames {
+        let (camera, size) = (&truth[index], document.frames[index].image_size);
         for landmark in field
             .landmarks
             .iter()

@@ -207,7 +207,7 @@ impl DrawnClip {
 }
 
 /// A screen fills this share of a picture that is filmed off it, and begins at this pixel.
-const SCREEN_SHARE: f64 = 0.92;
+const SCREEN_SHARE: f64 = 0.9;
 const SCREEN_CORNER_PX: [f64; 2] = [44.0, 17.0];
 
 /// A picture filmed off a screen: smaller and not quite in the middle, soft, pale, with a moiré that
@@ -311,7 +311,8 @@ fn turned_as_answered(truth: Vec<PtzCamera>, answer: &AutocalibrationAnswer) -> 
     }
 }
 
-/// The drawn clips; those that are not found without a click are asked again with two.
+/// The drawn clips; those that are not found without a click are asked again with two, in the
+/// frame that the answer names.
 pub fn clips(pictures: &Path, numbers: Range<usize>) -> Answered {
     println!("\n## bowl: clips of {FRAMES} frames from anywhere in the bowl\n");
     println!("| clip | field, m | camera, m | answer | s |\n|---|---|---|---|---|");
@@ -344,7 +345,14 @@ pub fn clips(pictures: &Path, numbers: Range<usize>) -> Answered {
         row((&says, seconds));
         all.without_clicks.add(&tally);
         if !matches!(answer_alone, AutocalibrationAnswer::Found(_)) {
-            let with_clicks = two_clicked(&document, &truth, &clip.field);
+            let frames = match &answer_alone {
+                AutocalibrationAnswer::Abstained {
+                    clicks: Some(wanted),
+                    ..
+                } => wanted.frame..wanted.frame + 1,
+                _ => 0..FRAMES,
+            };
+            let with_clicks = two_clicked(&document, frames, &truth, &clip.field);
             let (answer, seconds) = answer(&with_clicks, &folder, Way::FewClicks);
             let (says, tally) = judged(&with_clicks, &answer, Some((&truth, &clip.field)));
             row((&format!("two clicks: {says}"), seconds));

@@ -146,7 +146,8 @@ pub fn drawn(pictures: &Path, numbers: Range<usize>, frames: usize, two_clicks: 
             is_found = matches!(answer, AutocalibrationAnswer::Found(_));
         }
         if !is_found {
-            let with_clicks = two_clicked(&drawn.document, &drawn.truth, &field);
+            let with_clicks =
+                two_clicked(&drawn.document, 0..drawn.truth.len(), &drawn.truth, &field);
             let (answer, seconds) = answer(&with_clicks, &folder, Way::FewClicks);
             let (says, tally) = judged(&with_clicks, &answer, Some((&drawn.truth, &field)));
             row((&format!("two clicks: {says}"), seconds));
