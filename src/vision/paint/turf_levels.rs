@@ -111,3 +111,42 @@ fn quartiles(counts: &[u32; 256]) -> Option<Quartiles> {
         upper: level_of(0.75)? as f64,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::media::Picture;
+    use crate::paint::{GroundPicture, MarkingPixels};
+    use touchline_core::geometry::ImageSize;
+
+    /// Rows of light and dark turf that differ by grey alone, as after strong compression, with a
+    /// painted line down the middle.
+    fn stripes(line_levels: f64) -> Picture {
+        let size = ImageSize::new(320, 180);
+        let level = |x: u32, y: u32| {
+            let stripe = 12.0 * (std::f64::consts::TAU * f64::from(y) / 20.0).sin();
+            let off_px = f64::from(x) - 160.0;
+            stripe + line_levels * (-0.5 * off_px * off_px).exp()
+        };
+        let pixels = (0..size.height)
+            .flat_map(|y| (0..size.width).map(move |x| (x, y)))
+            .flat_map(|(x, y)| {
+                let [red, green, blue] =
+                    [71.0, 109.0, 48.0].map(|turf| (turf + 12.0 + level(x, y)) as u8);
+                [red, green, blue, 255]
+            });
+        Picture::new(size, pixels.collect()).unwrap()
+    }
+
+    #[test]
+    fn stripes_of_mowing_without_their_colour_are_no_paint() {
+        let seen = |picture: &Picture| MarkingPixels::of(&GroundPicture::new(picture, &[])).points;
+        assert_eq!(seen(&stripes(0.0)), []);
+        let line = seen(&stripes(60.0));
+        let off_line = line
+            .iter()
+            .filter(|point| (point.at.x - 160.5).abs() > 4.0)
+            .count();
+        assert!(line.len() > 120, "{} points of the line", line.len());
+        assert!(off_line * 10 < line.len(), "{off_line} of {}", line.len());
+    }
+}
