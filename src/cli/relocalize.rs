@@ -103,9 +103,9 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let before = document.clone();
     // Choose the frames: undecided ones, with `--resume` without an answer, with `--key-frames` not
     // between key frames.
-    let is_asked = |frame: &Frame| frame.is_open() && !(args.resume && is_answered(frame));
+    let is_wanted = |frame: &Frame| frame.is_open() && !(args.resume && is_answered(frame));
     let mut queried: Vec<usize> = (0..document.frames.len())
-        .filter(|&index| is_asked(&document.frames[index]))
+        .filter(|&index| is_wanted(&document.frames[index]))
         .collect();
     if args.key_frames {
         let windows = KeyWindow::of(document.at(&folder));

@@ -123,8 +123,8 @@ fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
 pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let painter = ui.painter_at(placement.rect);
     // Boxes that look burnt in, about which the user is yet to decide.
-    for asked in panel.app.asked_masks() {
-        let whole = on_screen(&asked, placement);
+    for mask in panel.app.masks_in_question() {
+        let whole = on_screen(&mask, placement);
         if whole.intersects(placement.rect) {
             label(&painter, whole, placement, "looks burned in");
         }

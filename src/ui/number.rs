@@ -91,7 +91,7 @@ impl Number<'_> {
             response.request_focus();
         }
         // The reason goes away with the next input.
-        told(
+        show_problem(
             ui,
             &response,
             problem,
@@ -166,7 +166,7 @@ fn shortest(number: f64) -> String {
 
 /// Shows below a field why the typed text was refused, for [`TOLD_S`] seconds or until something
 /// else is entered.
-fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
+fn show_problem(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
     let (memory, now) = (response.id.with("problem"), ui.input(|input| input.time));
     if let Some(problem) = problem {
         ui.data_mut(|data| data.insert_temp(memory, (problem, now)));
@@ -244,8 +244,8 @@ mod tests {
         assert_eq!(view().read("abc"), Err("“abc” is not a number.".to_owned()));
         assert_eq!(view().read("nan"), Err("“nan” is not a number.".to_owned()));
         for typed in ["-5", "−5"] {
-            let told = "-5° is out of range: 0.5 to 150°; no lens shows less or more.";
-            assert_eq!(view().read(typed), Err(told.to_owned()));
+            let problem = "-5° is out of range: 0.5 to 150°; no lens shows less or more.";
+            assert_eq!(view().read(typed), Err(problem.to_owned()));
         }
     }
 }

@@ -119,7 +119,7 @@ impl Pictures {
     /// Requests the thumbnails that the panels want. Call it after the panels are drawn.
     pub fn finish(&mut self) {
         let wanted = std::mem::take(&mut self.wanted);
-        let asked = wanted.len();
+        let num_wanted = wanted.len();
         let missing: Vec<_> = wanted
             .into_iter()
             .filter(|frame| !self.textures.contains(frame))
@@ -130,8 +130,8 @@ impl Pictures {
             .filter(|frame| !self.decoded.has_no_thumbnail(frame))
             .count();
         self.in_view = ThumbnailProgress {
-            done: asked - waiting,
-            wanted: asked,
+            done: num_wanted - waiting,
+            wanted: num_wanted,
         };
         self.decoded.request_thumbnails(&missing);
     }

@@ -62,7 +62,7 @@ impl Hand {
         let named = app
             .session
             .points
-            .named_unasked
+            .named_automatically
             .filter(|_| app.session.mode == Mode::Idle);
         let is_known = self.placed.map(|placed| placed.click) == named;
         if !is_known {
@@ -423,7 +423,7 @@ mod tests {
         let mut hands = Hands::new();
         hands.place("penalty_mark_left");
         assert!(
-            hands.app.session.points.named_unasked.is_some(),
+            hands.app.session.points.named_automatically.is_some(),
             "{:?}",
             hands.app.session.mode
         );
@@ -452,7 +452,7 @@ mod tests {
         // A key that bounces sends two strokes.
         hands.stroke(0.1, Key::Enter, "");
         assert_eq!(
-            (hands.status(), hands.app.session.points.named_unasked),
+            (hands.status(), hands.app.session.points.named_automatically),
             (FrameStatus::Draft, None)
         );
         hands.wait(0.5);

@@ -12,8 +12,10 @@
 )]
 
 #[path = "arguments.rs"]
+#[allow(dead_code, reason = "other benches have sections")]
 mod arguments;
 #[path = "no_click/drawing.rs"]
+#[allow(dead_code, reason = "other benches draw folders of pictures")]
 mod drawing;
 
 use arguments::Arguments;

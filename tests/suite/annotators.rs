@@ -242,7 +242,7 @@ fn repeat(
 ) {
     let round = document.next_round();
     for (frame, exact) in document.frames.iter_mut().zip(&truth.frames).take(frames) {
-        let ids: Vec<_> = frame.asked_again().cloned().collect();
+        let ids: Vec<_> = frame.landmarks_to_repeat().cloned().collect();
         for (id, exact) in ids.into_iter().zip(&exact.clicks) {
             frame
                 .repeats

@@ -52,7 +52,7 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
     // The third names itself, and says so.
     window.click(window.image_of("penalty_mark_left"));
     assert_eq!(window.app().session.mode, Mode::Idle);
-    assert_eq!(window.app().session.points.named_unasked, Some(2));
+    assert_eq!(window.app().session.points.named_automatically, Some(2));
     let clicks = &window.app().frame().unwrap().clicks;
     assert_eq!(
         clicks[2].target,
@@ -72,7 +72,7 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
     assert_eq!(
         (
             window.app().session.frame,
-            window.app().session.points.named_unasked
+            window.app().session.points.named_automatically
         ),
         (0, None)
     );

@@ -111,9 +111,9 @@ fn without_a_frame_to_try_the_tour_says_what_to_do() {
         .state_mut()
         .apply([Action::Command(Command::StartTour)]);
     assert_eq!(step(&window), None);
-    let told = &window.app().session.messages.notices.last().unwrap().text;
+    let notice = &window.app().session.messages.notices.last().unwrap().text;
     assert!(
-        told.contains("no frame left to try") && told.contains("Delete "),
-        "{told}"
+        notice.contains("no frame left to try") && notice.contains("Delete "),
+        "{notice}"
     );
 }

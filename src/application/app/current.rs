@@ -167,10 +167,10 @@ impl Current {
             .is_some_and(|solution| solution.source == Some(SolutionSource::Manual));
         let snapped = frame.solution.as_ref().filter(|_| frame.is_snapped());
         let snapped = snapped.map(|solution| judge_snapped(solution, frame.image_size));
-        let asked = !by_hand
+        let is_by_clicks = !by_hand
             && snapped.is_none()
             && frame.clicks.iter().any(|click| click.target.is_some());
-        let solution = if asked {
+        let solution = if is_by_clicks {
             fresh.or_else(|| open.solve(index))
         } else {
             None

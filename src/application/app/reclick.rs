@@ -37,7 +37,7 @@ impl Reclick {
         let frames = document.frames.iter().enumerate();
         let gold = frames.filter(|(_, frame)| frame.gold && frame.status == FrameStatus::Reference);
         let targets = gold.flat_map(|(index, frame)| {
-            frame.asked_again().map(move |id| ReclickTarget {
+            frame.landmarks_to_repeat().map(move |id| ReclickTarget {
                 frame: index,
                 landmark: id.clone(),
             })

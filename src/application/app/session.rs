@@ -71,7 +71,7 @@ pub struct PointState {
     pub hover: Option<ImagePoint>,
     /// The index of the click that was just placed and named automatically, until the next action
     /// of the user.
-    pub named_unasked: Option<usize>,
+    pub named_automatically: Option<usize>,
     /// The indices of the clicks that were just moved onto the paint, until the next action of the
     /// user.
     pub just_snapped: Vec<usize>,
@@ -203,7 +203,7 @@ impl Session {
     /// Clears the marks on points that were just placed or moved, because the user does something
     /// else.
     pub fn forget_placed(&mut self) {
-        self.points.named_unasked = None;
+        self.points.named_automatically = None;
         self.points.just_snapped.clear();
     }
 

@@ -125,15 +125,15 @@ mod tests {
             "{stopped:?}"
         );
         assert!(!place.path().join(PROJECT_FILE).exists());
-        let told = std::sync::Mutex::new(Vec::new());
+        let messages = std::sync::Mutex::new(Vec::new());
         let progress = Progress::new(|text| {
-            told.lock().unwrap().push(text);
+            messages.lock().unwrap().push(text);
             ControlFlow::Continue(())
         });
         draw(&order, place.path(), &progress).unwrap();
         drop(progress);
         assert_eq!(
-            told.into_inner().unwrap().last().unwrap(),
+            messages.into_inner().unwrap().last().unwrap(),
             "Drawing the demo match: 3 of 3 frames…"
         );
         let (_, document, _) = touchline_documents::store::read(place.path()).unwrap();

@@ -229,16 +229,16 @@ fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
         folder: ".".into(),
         change: BulkChange::Numbers(Box::new(numbers.clone())),
     };
-    let told = Mutex::new(Vec::new());
+    let done = Mutex::new(Vec::new());
     let all = Progress::new(|progress: Share| {
-        told.lock().unwrap().push(progress.done);
+        done.lock().unwrap().push(progress.done);
         ControlFlow::Continue(())
     });
     work().run(&all).unwrap();
     drop(all);
-    let mut told = told.into_inner().unwrap();
-    told.sort_unstable();
-    assert_eq!(told, (1..=FRAMES).collect::<Vec<_>>(), "each frame once");
+    let mut done = done.into_inner().unwrap();
+    done.sort_unstable();
+    assert_eq!(done, (1..=FRAMES).collect::<Vec<_>>(), "each frame once");
     let some = Progress::new(|progress: Share| {
         if progress.done > 20 {
             ControlFlow::Break(())
@@ -372,11 +372,11 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     let change = higher(&app, 18.5);
     let order = ordered(app.update(change)).expect("many frames");
     app.update(Action::Command(Command::ClickAgain));
-    let asked = app
+    let question = app
         .round()
         .and_then(|round| round.target().cloned())
         .expect("a round");
-    let at = now(&app).frames[asked.frame].clicks[0].image;
+    let at = now(&app).frames[question.frame].clicks[0].image;
     app.update(Action::Pointer(PointerAction::Press { at, on: None }));
     app.update(Action::Pointer(PointerAction::Release));
     let repeats = |app: &App| now(app).frames[EDITED].repeats.len();
@@ -391,9 +391,9 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     );
     let again = app.round().and_then(|round| round.target().cloned());
     assert_eq!(
-        again.map(|asked| asked.landmark),
-        Some(asked.landmark),
-        "it is asked for again"
+        again.map(|question| question.landmark),
+        Some(question.landmark),
+        "the question comes again"
     );
 }
 

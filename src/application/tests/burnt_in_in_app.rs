@@ -77,10 +77,10 @@ fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
             .collect::<Vec<_>>(),
         ["Keep", "Change"]
     );
-    assert_eq!(bench.app.asked_masks(), [BUG], "shown on the picture");
+    assert_eq!(bench.app.masks_in_question(), [BUG], "shown on the picture");
     bench.act(Action::Navigate(Navigation::GoTo(7)));
     assert!(
-        bench.app.asked_masks().is_empty(),
+        bench.app.masks_in_question().is_empty(),
         "not where it is not shown"
     );
     bench.command(Command::KeepBurntIn);
@@ -113,7 +113,7 @@ fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
     let mut bench = bench_with_found();
     let id = bench.app.session.messages.notices[0].id;
     bench.act(Action::View(ViewAction::DismissNotice(id)));
-    assert!(bench.app.asked_masks().is_empty());
+    assert!(bench.app.masks_in_question().is_empty());
     assert!(
         bench.app.why_not(Command::KeepBurntIn).is_none(),
         "the menu still offers it"
@@ -181,7 +181,7 @@ fn a_drawn_match_with_a_score_bug_is_asked_about_after_opening() {
     headless.wait_until("the question", |app| {
         app.session.offers(Command::KeepBurntIn)
     });
-    let masks = headless.app.asked_masks();
+    let masks = headless.app.masks_in_question();
     assert!(
         !masks.is_empty() && masks.iter().all(|mask| mask.y < 80.0 || mask.y > 280.0),
         "{masks:?}"

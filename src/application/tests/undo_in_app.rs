@@ -250,9 +250,9 @@ fn steps_that_lead_to_another_version_are_left_out_and_said_so() {
     )
     .unwrap();
     let mut other = Headless::opened(&path);
-    let told =
+    let notice =
         "Steps of earlier sessions cannot be undone: they lead to another version of the document.";
-    assert_eq!(notices(&other), [told]);
+    assert_eq!(notices(&other), [notice]);
     assert!(other.app.open().unwrap().history.is_empty());
     other.comment(1, "new");
     other.close();

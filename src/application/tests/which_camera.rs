@@ -327,7 +327,7 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
     let document = document(24, 12, 2.0, &mut rng);
     let before = document.clone();
     let mut app = open(document);
-    let told = |app: &App| {
+    let notices = |app: &App| {
         app.session
             .messages
             .notices
@@ -335,10 +335,10 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
             .filter(|notice| notice.text.contains("stopped fitting"))
             .count()
     };
-    assert_eq!(told(&app), 1, "{:?}", app.session.messages.notices);
+    assert_eq!(notices(&app), 1, "{:?}", app.session.messages.notices);
     app.update(Action::Navigate(Navigation::GoTo(3)));
     app.update(Action::Edit(EditAction::SetComment("rain".into())));
-    assert_eq!(told(&app), 1);
+    assert_eq!(notices(&app), 1);
     let change = app.camera_change().unwrap().frame;
     let effects = app.update(Action::Command(Command::NewCameraFromChange));
     assert!(
@@ -350,7 +350,7 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
         (camera_of(&app, change - 1), camera_of(&app, change)),
         ("main".into(), "main 2".into())
     );
-    assert_eq!((told(&app), app.camera_change()), (0, None));
+    assert_eq!((notices(&app), app.camera_change()), (0, None));
     app.update(Action::Command(Command::Undo));
     app.update(Action::Command(Command::Undo));
     assert_eq!(uncounted(&app.open().unwrap().document), uncounted(&before));

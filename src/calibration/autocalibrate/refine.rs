@@ -232,9 +232,9 @@ mod tests {
     #[test]
     fn a_base_beside_its_place_is_brought_onto_the_paint() {
         let (from, pictures) = (beside(), drawn_pictures());
-        let mut asked = Vec::new();
+        let mut indices_read = Vec::new();
         let mut picture = |index: usize| {
-            asked.push(index);
+            indices_read.push(index);
             pictures.get(index - 10).cloned()
         };
         let refined = refine(&from, &mut picture, &Progress::default())
@@ -244,8 +244,8 @@ mod tests {
         let off_m = (refined.position_m() - base().position_m).norm();
         assert!(off_m < 0.1, "{off_m:.3} m");
         assert!(
-            asked.iter().all(|index| (10..17).contains(index)),
-            "{asked:?}"
+            indices_read.iter().all(|index| (10..17).contains(index)),
+            "{indices_read:?}"
         );
         let off_px =
             |(found, truth): (&Option<Ptz>, Ptz)| (found.unwrap().focal_px - truth.focal_px).abs();

@@ -103,15 +103,15 @@ mod tests {
     #[test]
     fn pictures_that_cannot_be_read_are_left_out() {
         let size = ImageSize::new(8, 8);
-        let mut asked = Vec::new();
+        let mut requests = Vec::new();
         let mut picture = |index: usize| {
-            asked.push(index);
+            requests.push(index);
             (index != 4).then(|| Picture::filled(size, [0, 0, 0, 255]))
         };
         let read: Vec<usize> = read_pictures(&[3, 4, 9], &mut picture)
             .into_iter()
             .map(|(index, _)| index)
             .collect();
-        assert_eq!((read, asked), (vec![3, 9], vec![3, 4, 9]));
+        assert_eq!((read, requests), (vec![3, 9], vec![3, 4, 9]));
     }
 }

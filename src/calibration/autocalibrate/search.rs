@@ -168,7 +168,7 @@ const FITTED: usize = 60;
 const WIDE_DEG: f64 = 1.2;
 
 /// The number of directions that score a pose of the grid.
-const ASKED_FIRST: usize = 500;
+const FEW_DIRECTIONS: usize = 500;
 
 /// The directions are evaluated in stages, so that bad poses cost little: the range of ninths of
 /// the directions to evaluate, and the share (1 in n) of the poses that goes on. Compare the
@@ -209,31 +209,31 @@ fn on_one_field(
     of: usize,
     places: &SearchPlaces,
 ) -> Vec<ScoredPose> {
-    let every = stride_of_subsample(panorama.directions.len() * of.div_ceil(2), ASKED_FIRST);
+    let every = stride_of_subsample(panorama.directions.len() * of.div_ceil(2), FEW_DIRECTIONS);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
     // Every ninth direction, not a contiguous ninth, so that each stage covers the whole sphere.
     let below = |ninths: &Range<usize>| -> Vec<BelowHorizon> {
-        let asked = few
+        let directions = few
             .iter()
             .enumerate()
             .filter(|(number, _)| ninths.contains(&(number % 9)));
-        asked
+        directions
             .filter_map(|(_, direction)| BelowHorizon::of(direction))
             .collect()
     };
-    let explained = |index: usize, asked: &[BelowHorizon]| {
+    let explained = |index: usize, directions: &[BelowHorizon]| {
         let (position_m, heading) = places.at(index);
-        explained_upright(&PanoramaPose::upright(position_m, heading), asked, map)
+        explained_upright(&PanoramaPose::upright(position_m, heading), directions, map)
     };
     let best_first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     // 1. Score all poses of the grid. Scores add up over the stages; ties are broken by index, so
     //    that the result does not depend on the threads.
     let mut scored: Vec<(f64, usize)> = (0..places.len()).map(|index| (0.0, index)).collect();
     for (ninths, one_in) in PARTS {
-        let asked = below(&ninths);
+        let directions = below(&ninths);
         scored
             .par_iter_mut()
-            .for_each(|(score, index)| *score += explained(*index, &asked));
+            .for_each(|(score, index)| *score += explained(*index, &directions));
         let kept = scored.len() / one_in;
         if kept < scored.len() {
             scored.select_nth_unstable_by(kept, best_first);
@@ -292,7 +292,7 @@ pub(super) fn fit_coarse_pose(
     panorama: &Panorama,
     field: (usize, &PitchMap),
 ) -> ScoredPose {
-    let every = stride_of_subsample(panorama.directions.len(), ASKED_FIRST);
+    let every = stride_of_subsample(panorama.directions.len(), FEW_DIRECTIONS);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
     climb_and_fit(pose, &few, panorama, field)
 }

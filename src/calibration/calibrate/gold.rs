@@ -26,8 +26,9 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
     let gold = || frames().filter(|(_, frame)| frame.gold);
     let pan = |frame: &Frame| frame.ptz.as_ref().map_or(Angle::ZERO, |ptz| ptz.ptz().pan);
     let mut pans: Vec<Angle> = gold().map(|(_, frame)| pan(frame)).collect();
-    let mut asked: BTreeSet<&LandmarkId> =
-        gold().flat_map(|(_, frame)| frame.asked_again()).collect();
+    let mut repeated: BTreeSet<&LandmarkId> = gold()
+        .flat_map(|(_, frame)| frame.landmarks_to_repeat())
+        .collect();
     let mut open: Vec<(usize, &Frame)> = frames()
         .filter(|(_, frame)| !frame.gold && frame.why_not_gold().is_none())
         .collect();
@@ -37,8 +38,8 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
             // Rank by the number of new landmarks, then by the distance in pan from the nearest
             // gold frame.
             let news: BTreeSet<&LandmarkId> = frame
-                .asked_again()
-                .filter(|id| !asked.contains(id))
+                .landmarks_to_repeat()
+                .filter(|id| !repeated.contains(id))
                 .collect();
             let apart = pans
                 .iter()
@@ -52,7 +53,7 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
         });
         let Some(best) = best else { break };
         let (index, frame) = open.remove(best);
-        asked.extend(frame.asked_again());
+        repeated.extend(frame.landmarks_to_repeat());
         pans.push(pan(frame));
         chosen.push(index);
     }

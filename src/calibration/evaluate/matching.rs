@@ -26,7 +26,7 @@ pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Op
                 open.entry(key).or_default().push(index);
             }
         }
-        let mut asked: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        let mut by_key: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for (index, frame) in wanted
             .frames
             .iter()
@@ -34,12 +34,12 @@ pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Op
             .filter(|(index, _)| partners[*index].is_none())
         {
             if let Some(key) = identity(frame, wanted.folder) {
-                asked.entry(key).or_default().push(index);
+                by_key.entry(key).or_default().push(index);
             }
         }
         // Match keys with exactly one frame on either side. Ambiguous ones are left to the next
         // identity.
-        for (key, asking) in asked {
+        for (key, asking) in by_key {
             if let ([asking], Some([partner])) = (&asking[..], open.get(&key).map(Vec::as_slice))
                 && may_be_same_picture(&wanted.frames[*asking], &offered.frames[*partner])
             {

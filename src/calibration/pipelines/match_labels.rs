@@ -467,7 +467,7 @@ impl Labelling<'_> {
             return Ok(());
         };
         // Query it for the frames without a camera, and align the answers to their paint.
-        let asked: Vec<usize> = (0..self.document.frames.len())
+        let open: Vec<usize> = (0..self.document.frames.len())
             .filter(|&index| self.document.frames[index].ptz.is_none())
             .collect();
         let forest = ForestRequest {
@@ -481,13 +481,13 @@ impl Labelling<'_> {
         };
         let progress = self.progress.part(|done| MatchEvent::Asking {
             done,
-            of: asked.len(),
+            of: open.len(),
         });
         label_frames(
             self.document,
             files,
             self.reader,
-            &asked,
+            &open,
             &forest,
             true,
             &progress,

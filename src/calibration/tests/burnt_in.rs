@@ -343,8 +343,8 @@ mod drawn {
             off_deg(&deceived, -14.0) < 0.1 && deceived.confidence > 0.9,
             "{deceived:?}"
         );
-        let told = game.answer(&elsewhere, (&forest, &seen)).unwrap_err();
-        assert!(matches!(told, NotFound::StandsStill { .. }), "{told}");
+        let error = game.answer(&elsewhere, (&forest, &seen)).unwrap_err();
+        assert!(matches!(error, NotFound::StandsStill { .. }), "{error}");
         // Where the stadium can be seen it answers, however many features stand still.
         for pan_deg in [-18.0, -10.0] {
             let found = game

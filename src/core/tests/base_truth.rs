@@ -483,10 +483,10 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
     };
     assert_eq!(estimate(&many).one_view(), None);
     let same = vec![many[3].clone(); 5];
-    let told = estimate(&same).one_view().unwrap();
+    let reported = estimate(&same).one_view().unwrap();
     assert!(
-        told.starts_with("all 5 frames look the same way (pan within 0.0°)"),
-        "{told}"
+        reported.starts_with("all 5 frames look the same way (pan within 0.0°)"),
+        "{reported}"
     );
 }
 
@@ -536,9 +536,9 @@ fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
         &mut rng,
     );
     let estimate = |patience: usize| {
-        let told: Mutex<Vec<BaseProgress>> = Mutex::new(Vec::new());
+        let reported: Mutex<Vec<BaseProgress>> = Mutex::new(Vec::new());
         let progress = Progress::new(|progress: BaseProgress| {
-            told.lock().unwrap().push(progress);
+            reported.lock().unwrap().push(progress);
             if progress.done < patience {
                 ControlFlow::Continue(())
             } else {
@@ -553,18 +553,18 @@ fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
             &progress,
         );
         drop(progress);
-        (found, told.into_inner().unwrap())
+        (found, reported.into_inner().unwrap())
     };
-    let (found, told) = estimate(usize::MAX);
+    let (found, reported) = estimate(usize::MAX);
     assert!(found.is_ok());
-    let mut counted: Vec<usize> = told.iter().map(|progress| progress.done).collect();
+    let mut counted: Vec<usize> = reported.iter().map(|progress| progress.done).collect();
     counted.sort_unstable();
     assert_eq!(
         counted,
-        (1..=told[0].total).collect::<Vec<_>>(),
+        (1..=reported[0].total).collect::<Vec<_>>(),
         "each adjustment is told, up to the last"
     );
-    let (stopped, told) = estimate(3);
+    let (stopped, reported) = estimate(3);
     assert_eq!(stopped, Err(BaseError::Stopped));
-    assert!(told.len() < told[0].total);
+    assert!(reported.len() < reported[0].total);
 }

@@ -46,7 +46,7 @@ impl Frame {
         if self.status != FrameStatus::Reference {
             return Some("Only a reference can be gold: accept this frame first.");
         }
-        self.asked_again()
+        self.landmarks_to_repeat()
             .next()
             .is_none()
             .then_some("Nobody clicked a landmark here: there is nothing to click again.")
@@ -54,7 +54,7 @@ impl Frame {
 
     /// The landmarks that the user clicks again in a blind round, in the order of the label's
     /// clicks.
-    pub fn asked_again(&self) -> impl Iterator<Item = &LandmarkId> {
+    pub fn landmarks_to_repeat(&self) -> impl Iterator<Item = &LandmarkId> {
         self.clicks.iter().filter_map(|click| match &click.target {
             Some(Target::Landmark(id)) => Some(id),
             _ => None,

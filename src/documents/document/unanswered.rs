@@ -6,11 +6,14 @@ impl Frame {
     /// Whether the forest found no answer for it, and it has not been labelled or accepted since.
     #[must_use]
     pub fn is_unanswered(&self) -> bool {
-        let asked = self
+        let was_queried = self
             .solution
             .as_ref()
             .is_some_and(|solution| solution.source == Some(SolutionSource::Forest));
-        self.status == FrameStatus::New && self.ptz.is_none() && self.clicks.is_empty() && asked
+        self.status == FrameStatus::New
+            && self.ptz.is_none()
+            && self.clicks.is_empty()
+            && was_queried
     }
 
     /// Why the forest has no answer.
@@ -31,9 +34,9 @@ mod tests {
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
     #[test]
-    fn asked_for_in_vain_until_somebody_looks_at_it() {
+    fn a_frame_is_unanswered_until_somebody_looks_at_it() {
         let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
-        assert!(!frame.is_unanswered(), "nobody asked");
+        assert!(!frame.is_unanswered(), "no query was made");
         let warnings = vec![SolutionWarning::new("coverage", "3 of 30.".to_owned())];
         frame.solution = Some(Solution {
             source: Some(SolutionSource::Forest),

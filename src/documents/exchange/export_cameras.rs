@@ -200,11 +200,11 @@ pub fn export_cameras(
         })?);
     }
     refuse_same_names(&chosen, &held)?;
-    let asked = options
+    let wanted = options
         .stage
         .clone()
         .or_else(|| shared(document, &chosen, |camera| camera.stage.clone()));
-    let stage = asked.as_ref().filter(|_| takes_stage(format));
+    let stage = wanted.as_ref().filter(|_| takes_stage(format));
     let files = match stage {
         Some(stage) => {
             let staged: Vec<FrameCamera> =
@@ -271,8 +271,8 @@ fn crown_note(frames: &[FrameCamera], field: &FieldModel) -> Option<String> {
 }
 
 /// The note about the axes of a track.
-fn stage_note(format: Format, asked: Option<&Stage>, stage: Option<&Stage>) -> Option<String> {
-    match (asked, stage) {
+fn stage_note(format: Format, wanted: Option<&Stage>, stage: Option<&Stage>) -> Option<String> {
+    match (wanted, stage) {
         (
             _,
             Some(Stage {

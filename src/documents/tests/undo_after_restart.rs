@@ -313,10 +313,10 @@ fn a_damaged_history_is_left_out_and_the_document_is_as_it_was() {
             Some(HistoryLeftOut::Damaged),
             "case {case}"
         );
-        let told = "Steps of earlier sessions cannot be undone: their file is damaged.";
+        let notice = "Steps of earlier sessions cannot be undone: their file is damaged.";
         assert_eq!(
             editor.recovery.message().as_deref(),
-            Some(told),
+            Some(notice),
             "case {case}"
         );
         drop(editor);

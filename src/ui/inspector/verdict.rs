@@ -157,8 +157,8 @@ fn paint(app: &App, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let (mark, _) = ui.allocate_exact_size(egui::Vec2::splat(12.0), egui::Sense::hover());
         theme::paint_line_mark(ui.painter(), mark.center(), says.verdict);
-        let told = ui.add(Label::new(RichText::new(text).small().color(ui.palette().text)).wrap());
-        told.on_hover_text(
+        let label = ui.add(Label::new(RichText::new(text).small().color(ui.palette().text)).wrap());
+        label.on_hover_text(
             "The picture is searched for paint where the camera predicts painted lines.",
         );
     });

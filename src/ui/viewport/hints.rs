@@ -141,9 +141,13 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
             just_snapped(panel, ui, placement, painter);
             let names = typing::names_placed(ui.ctx());
             let shown = |_: &usize| {
-                recently(ui, "named automatically", session.points.named_unasked) || names
+                recently(
+                    ui,
+                    "named automatically",
+                    session.points.named_automatically,
+                ) || names
             };
-            let Some(click) = session.points.named_unasked.filter(shown) else {
+            let Some(click) = session.points.named_automatically.filter(shown) else {
                 return;
             };
             let hint = if names {

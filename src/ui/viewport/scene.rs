@@ -98,7 +98,7 @@ impl Overlay {
                 drawings.push(field_overlay(&tried));
             }
             // Masks: those to be confirmed, the stored ones if shown, and the one being drawn.
-            let mut boxes = app.asked_masks();
+            let mut boxes = app.masks_in_question();
             boxes.extend(masks::shown(app).into_iter().map(|mask| mask.pixel_box));
             boxes.extend(hold.mask().map(|(_, mask)| mask));
             if !boxes.is_empty() {

@@ -13,31 +13,31 @@ pub enum MediaError {
     /// Nothing exists at the path.
     #[error("{}: there is no such file; check whether it was moved or renamed", path.display())]
     Missing {
-        /// The path asked for.
+        /// The path that was to be opened.
         path: PathBuf,
     },
     /// A folder, a socket or a device where a file should be.
     #[error("{}: this is not a file; give the path of an image or a video", path.display())]
     NotAFile {
-        /// The path asked for.
+        /// The path that was to be opened.
         path: PathBuf,
     },
     /// A file where a folder should be.
     #[error("{}: this is not a folder; give the folder that holds the images", path.display())]
     NotAFolder {
-        /// The path asked for.
+        /// The path that was to be opened.
         path: PathBuf,
     },
     /// The operating system refuses to read it.
     #[error("{}: no permission to read it; change the permissions of the file or copy it elsewhere", path.display())]
     NoPermission {
-        /// The path asked for.
+        /// The path that was to be opened.
         path: PathBuf,
     },
     /// The operating system failed while reading.
     #[error("{}: could not be read ({reason}); check the disk or copy the file again", path.display())]
     Unreadable {
-        /// The path asked for.
+        /// The path that was to be opened.
         path: PathBuf,
         /// The operating system's message.
         reason: String,
@@ -131,7 +131,7 @@ pub enum MediaError {
     NoSuchFrame {
         /// The video.
         path: PathBuf,
-        /// The frame asked for, from 0.
+        /// The number of the requested frame, from 0.
         index: usize,
         /// How many frames decode.
         frames: usize,
@@ -141,7 +141,7 @@ pub enum MediaError {
     DamagedFrame {
         /// The video.
         path: PathBuf,
-        /// The frame asked for, from 0.
+        /// The number of the requested frame, from 0.
         index: usize,
         /// The decoder's message.
         reason: String,

@@ -22,7 +22,7 @@ pub struct FrameStream<'a, I> {
     read_again: Option<BTreeSet<FrameRef>>,
     progress: Progress<'a, Share>,
     /// Number of frames requested so far, of all.
-    asked: Share,
+    share: Share,
 }
 
 /// A frame of a stream.
@@ -39,7 +39,7 @@ impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
     #[must_use]
     pub fn new(frames: impl IntoIterator<IntoIter = I>) -> Self {
         let frames = frames.into_iter();
-        let asked = Share {
+        let share = Share {
             done: 0,
             of: frames.len(),
         };
@@ -48,7 +48,7 @@ impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
             frames,
             read_again: None,
             progress: Progress::default(),
-            asked,
+            share,
         }
     }
 
@@ -97,8 +97,8 @@ impl<I: ExactSizeIterator<Item = FrameRef>> Iterator for FrameStream<'_, I> {
             return None;
         }
         let source = self.frames.next()?;
-        self.progress.report(self.asked).continue_value()?;
-        self.asked.done += 1;
+        self.progress.report(self.share).continue_value()?;
+        self.share.done += 1;
         let is_in_passing = self
             .read_again
             .as_ref()
@@ -115,7 +115,7 @@ impl<I: ExactSizeIterator<Item = FrameRef>> Iterator for FrameStream<'_, I> {
 impl<I> fmt::Debug for FrameStream<'_, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("FrameStream")
-            .field("asked", &self.asked)
+            .field("share", &self.share)
             .field("progress", &self.progress)
             .finish_non_exhaustive()
     }
@@ -132,11 +132,11 @@ mod tests {
     use touchline_core::geometry::ImageSize;
 
     /// Gives a picture for each frame of a video but those of some numbers, and remembers in which
-    /// order they were asked for.
+    /// order they were requested.
     #[derive(Default)]
     struct Numbered {
         damaged: Vec<usize>,
-        asked: Vec<usize>,
+        requests: Vec<usize>,
     }
 
     impl ReadFrames for Numbered {
@@ -144,7 +144,7 @@ mod tests {
             let FrameRef::Video { path, index } = frame else {
                 panic!("{frame}")
             };
-            self.asked.push(*index);
+            self.requests.push(*index);
             if self.damaged.contains(index) {
                 return Err(MediaError::Missing {
                     path: path.to_path_buf(),
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(shown, [Some(7), Some(3), Some(9)]);
         assert!(stream.next().is_none(), "it stays at its end");
         drop(stream);
-        assert_eq!(reader.asked, [7, 3, 9]);
+        assert_eq!(reader.requests, [7, 3, 9]);
         assert!(FrameStream::new(frames(&[])).next().is_none());
     }
 
@@ -224,7 +224,7 @@ mod tests {
         assert!(stream.next().is_none(), "it does not begin again");
         drop(stream);
         assert_eq!(*steps.lock().unwrap(), [[0, 4], [1, 4], [2, 4]]);
-        assert_eq!(reader.asked, [4, 5]);
+        assert_eq!(reader.requests, [4, 5]);
     }
 
     #[test]

@@ -191,13 +191,13 @@ impl Tie {
     /// The pose of the second relative to the first; `None` if their pictures do not determine it.
     fn of(places: [usize; 2], references: &[Reference]) -> Option<Self> {
         let [first, second] = places.map(|place| &references[place]);
-        let told = seen_from(first, second, FEATURES)?;
+        let answer = seen_from(first, second, FEATURES)?;
         let (one, other) = (first.camera.ptz(), second.camera.ptz());
-        let pan = told.ptz.pan.turn_from(other.pan).radians();
+        let pan = answer.ptz.pan.turn_from(other.pan).radians();
         let off = Vec3::new(
             pan,
-            (told.ptz.tilt - other.tilt).radians(),
-            told.ptz.focal_px - other.focal_px,
+            (answer.ptz.tilt - other.tilt).radians(),
+            answer.ptz.focal_px - other.focal_px,
         );
         // Errors of lens and base grow with the rotation between the two. In px of the overlay they
         // are a pan and tilt error over the whole picture, and a focal length error that shows at
@@ -216,7 +216,7 @@ impl Tie {
             &Vec3::new(axis / other.tilt.radians().cos(), axis, focal_px)
                 .map(|sigma| sigma * sigma),
         );
-        let covariance = covariance_in_radians(&told.own_covariance) + by_turn;
+        let covariance = covariance_in_radians(&answer.own_covariance) + by_turn;
         Some(Self {
             places,
             off,

@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn the_error_of_a_real_reference_comes_back_in_the_answer() {
         // A reference whose label is off, and a picture 8° beside it that shows its features.
-        let (truth, asked) = (
+        let (truth, query) = (
             Ptz::from_degrees(5.0, -12.0, 2200.0),
             Ptz::from_degrees(13.0, -12.0, 2200.0),
         );
@@ -219,7 +219,7 @@ mod tests {
         let (seen, labelled, camera) = (
             PtzCamera::new(base(), truth),
             PtzCamera::new(base(), wrong),
-            PtzCamera::new(base(), asked),
+            PtzCamera::new(base(), query),
         );
         let mut matches = RayMatches::new();
         for at in (0..400).map(|i| {
@@ -243,15 +243,15 @@ mod tests {
             }
         }
         let pose = pose_from_candidates(&matches, &base(), SIZE, &PoseOptions::default()).unwrap();
-        let moved = moved_by_label(&asked, &truth) * Vec3::new(0.0, 0.0, 20.0);
-        let pan = pose.ptz.pan.turn_from(asked.pan).radians();
+        let moved = moved_by_label(&query, &truth) * Vec3::new(0.0, 0.0, 20.0);
+        let pan = pose.ptz.pan.turn_from(query.pan).radians();
         assert!(
             (pan - moved.x).abs() < 0.15 * moved.x.abs(),
             "{pan} {}",
             moved.x
         );
         assert!(
-            (pose.ptz.focal_px - asked.focal_px - moved.z).abs() < 3.0,
+            (pose.ptz.focal_px - query.focal_px - moved.z).abs() < 3.0,
             "{}",
             pose.ptz.focal_px
         );

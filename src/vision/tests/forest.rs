@@ -135,8 +135,8 @@ fn a_disturbed_descriptor_finds_its_ray() {
 }
 
 #[test]
-fn descriptors_asked_together_get_what_each_gets_alone() {
-    let mut rng = rng("descriptors_asked_together_get_what_each_gets_alone");
+fn descriptors_predicted_together_get_what_each_gets_alone() {
+    let mut rng = rng("descriptors_predicted_together_get_what_each_gets_alone");
     let scene = scene(500, &mut rng);
     let forest = trained(
         &samples(&scene, 2, &mut rng),
@@ -146,12 +146,12 @@ fn descriptors_asked_together_get_what_each_gets_alone() {
         },
     );
     // Some more than full groups, outliers among them.
-    let mut asked: Vec<Descriptor> = scene
+    let mut descriptors: Vec<Descriptor> = scene
         .iter()
         .take(67)
         .map(|(known, _)| disturbed(known, 20, &mut rng))
         .collect();
-    asked.insert(5, Descriptor([0; DESCRIPTOR_BYTES]));
+    descriptors.insert(5, Descriptor([0; DESCRIPTOR_BYTES]));
     let (mut search, mut alone) = (Search::default(), Vec::new());
     for leaves_per_tree in [1, 3] {
         let options = PredictOptions {
@@ -159,20 +159,20 @@ fn descriptors_asked_together_get_what_each_gets_alone() {
             ..PredictOptions::default()
         };
         let (mut next, mut found) = (0, 0);
-        forest.predict_all(&asked, &options, |number, together| {
+        forest.predict_all(&descriptors, &options, |number, together| {
             assert_eq!(number, next);
-            forest.predict(&asked[number], &options, &mut search, &mut alone);
+            forest.predict(&descriptors[number], &options, &mut search, &mut alone);
             assert_eq!(
                 together, alone,
                 "descriptor {number}, {leaves_per_tree} leaves"
             );
             (next, found) = (next + 1, found + usize::from(!together.is_empty()));
         });
-        assert_eq!(next, asked.len());
+        assert_eq!(next, descriptors.len());
         assert!(found > 20, "{found} found");
     }
     forest.predict_all(&[], &PredictOptions::default(), |number, _| {
-        panic!("nobody asked for {number}")
+        panic!("nobody wanted {number}")
     });
 }
 

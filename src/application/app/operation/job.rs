@@ -30,12 +30,12 @@ impl Job {
         let (operation, cancellation) = (Arc::new(operation), Cancellation::default());
         let running = Running::new(id, Arc::clone(&operation), cancellation.clone());
         let input: Arc<dyn Any + Send + Sync> = Arc::clone(&operation) as _;
-        let asked = cancellation.clone();
+        let of_job = cancellation.clone();
         let run = move |decoders: &dyn Decoders, send: &(dyn Fn(Report) + Sync)| {
             let send = |progress| send(Report::of_progress::<O>(id, progress));
             let context = Context {
                 decoders,
-                cancellation: &asked,
+                cancellation: &of_job,
                 send: &send,
             };
             Report::of_end::<O>(id, operation.run(&context).map_err(Failure::Failed))

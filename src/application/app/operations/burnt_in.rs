@@ -152,7 +152,7 @@ impl App {
 
     /// The boxes of undecided graphics in the shown frame, while the question is shown.
     #[must_use]
-    pub fn asked_masks(&self) -> Vec<PixelBox> {
+    pub fn masks_in_question(&self) -> Vec<PixelBox> {
         let Some(frame) = self
             .frame()
             .filter(|_| self.session.offers(Command::KeepBurntIn))

@@ -38,7 +38,7 @@ pub(in crate::app) struct CameraWatchState {
     /// Where the camera stops fitting, if it does.
     change: Option<CameraChange>,
     /// The camera and the frame index of the last notice. Each change is reported once.
-    told: Option<(CameraId, usize)>,
+    reported: Option<(CameraId, usize)>,
 }
 
 impl Operation for CameraWatch {
@@ -118,9 +118,9 @@ impl App {
     fn camera_looked_at(&mut self, of: Watched, change: Option<CameraChange>) {
         let state = &mut self.operations.camera_watch;
         if let Some(change) = &change {
-            let told = (of.camera.clone(), change.frame);
-            if state.told.as_ref() != Some(&told) {
-                state.told = Some(told);
+            let reported = (of.camera.clone(), change.frame);
+            if state.reported.as_ref() != Some(&reported) {
+                state.reported = Some(reported);
                 let offer = [("New camera from here", Command::NewCameraFromChange)];
                 self.session
                     .notify_with(Level::Warning, change.describe(), offer);

@@ -206,7 +206,7 @@ impl App {
     }
 
     /// Starts the operations that follow every change of the document.
-    pub(super) fn start_unasked(&mut self) {
+    pub(super) fn start_after_change(&mut self) {
         self.watch_camera();
         self.snap_points();
         self.check_lines();

@@ -252,13 +252,13 @@ impl App {
         let Some(frame) = shown.filter(|frame| frame.id == request.frame.id) else {
             return;
         };
-        let is_as_asked = |(click, _): &(usize, SnappedPoint)| {
+        let is_as_before = |(click, _): &(usize, SnappedPoint)| {
             frame
                 .clicks
                 .get(*click)
                 .is_some_and(|here| request.frame.clicks.get(*click) == Some(here))
         };
-        let found: Vec<(usize, SnappedPoint)> = found.into_iter().filter(is_as_asked).collect();
+        let found: Vec<(usize, SnappedPoint)> = found.into_iter().filter(is_as_before).collect();
         // By now the frame may have numbers set by hand, a camera aligned to the paint, or the
         // user's acceptance.
         if found.is_empty() || !is_by_clicks(frame) {

@@ -116,13 +116,13 @@ impl BulkAccept {
     /// Number of samples of the others in the preview.
     const SAMPLES: usize = 6;
 
-    /// Leaves out the frames that differ between the opening of the sheet (`asked`) and the present
+    /// Leaves out the frames that differ between the opening of the sheet (`opened`) and the present
     /// (`now`): the user agrees only to what the sheet showed.
     #[must_use]
-    pub(super) fn without_late(mut self, asked: &Frames, now: &Frames) -> Self {
+    pub(super) fn without_late(mut self, opened: &Frames, now: &Frames) -> Self {
         let found = self.rows.len();
         self.rows
-            .retain(|row| asked.get(row.frame) == now.get(row.frame));
+            .retain(|row| opened.get(row.frame) == now.get(row.frame));
         self.late = found - self.rows.len();
         self
     }
@@ -332,10 +332,10 @@ impl Review {
     /// the concerned frames are examined.
     fn is_of_several_shots(&self, concerned: &Concerned) -> bool {
         let first = self.waiting().next().map(|row| shot_of(&self.frames, row));
-        let mut asked = self
+        let mut rows = self
             .waiting()
             .filter(|row| self.several_shots || concerned.has(row.frame));
-        asked.any(|row| Some(shot_of(&self.frames, row)) != first)
+        rows.any(|row| Some(shot_of(&self.frames, row)) != first)
     }
 
     /// The suggestions that wait, including hidden ones.

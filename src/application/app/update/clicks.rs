@@ -141,7 +141,7 @@ impl App {
         if unnamed {
             self.open_naming(click);
         } else if placed {
-            self.session.points.named_unasked = Some(click);
+            self.session.points.named_automatically = Some(click);
         }
     }
 
@@ -186,7 +186,7 @@ impl App {
         let resumed = held && self.open.as_mut().is_some_and(|open| open.resume(&step));
         if resumed || self.begin_step(step) {
             // The user has seen the name and moved on to the position.
-            self.session.points.named_unasked = None;
+            self.session.points.named_automatically = None;
             self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));
             self.clicks_changed();
             self.commit();

@@ -437,7 +437,7 @@ impl App {
                 self.leave_naming();
                 // The point keeps the name that it was given automatically and that the user has
                 // not confirmed.
-                self.session.points.named_unasked = refines.then_some(click);
+                self.session.points.named_automatically = refines.then_some(click);
                 // A point without a name was placed by mistake.
                 let unnamed = self.frame().and_then(|frame| frame.clicks.get(click));
                 if unnamed.is_some_and(|click| click.target.is_none()) {

@@ -130,11 +130,11 @@ impl App {
         self.session.quality.open = false;
         self.session.picture.view = PictureView::Fit;
         self.session.mode = Mode::ClickingAgain(round);
-        self.show_asked();
+        self.show_frame_to_repeat();
     }
 
     /// Shows the frame of the next landmark, or ends the round if there is none.
-    fn show_asked(&mut self) {
+    fn show_frame_to_repeat(&mut self) {
         match self.round().map(|round| round.target().cloned()) {
             Some(Some(ReclickTarget { frame, .. })) if frame != self.session.frame => {
                 self.session.frame = frame;
@@ -203,14 +203,14 @@ impl App {
         if let Some(round) = self.round_mut() {
             round.take_click();
         }
-        self.show_asked();
+        self.show_frame_to_repeat();
     }
 
     /// Skips the present landmark.
     pub(super) fn skip_again(&mut self) {
         if let Some(round) = self.round_mut() {
             round.skip();
-            self.show_asked();
+            self.show_frame_to_repeat();
         }
     }
 
@@ -232,7 +232,7 @@ impl App {
         if let Some(target) = target {
             self.take_back_again(&target, number);
         }
-        self.show_asked();
+        self.show_frame_to_repeat();
     }
 
     /// Removes the click of a landmark in this round. This is an undo if the click is the last step

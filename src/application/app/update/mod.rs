@@ -122,7 +122,7 @@ impl App {
         // What follows from the changed document: the tour's next step, background work, the
         // trainer, templates that are still to be read.
         self.advance_tour();
-        self.start_unasked();
+        self.start_after_change();
         self.tell_trainer();
         self.read_templates();
         std::mem::take(&mut self.effects)

@@ -91,7 +91,7 @@ impl App {
         let Some(click) = self
             .session
             .points
-            .named_unasked
+            .named_automatically
             .filter(|_| self.session.mode == Mode::Idle)
         else {
             return;

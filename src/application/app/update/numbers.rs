@@ -157,12 +157,12 @@ impl App {
 
     /// Reports that the size of the field is assumed, if it is, and offers to confirm it.
     pub(in crate::app) fn tell_assumed_size(&mut self) {
-        if let Some(told) = self
+        if let Some(text) = self
             .shown_field_spec()
             .and_then(FieldSpec::describe_assumed_size)
         {
             self.session
-                .notify_with(Level::Info, told, [("Confirm", Command::ConfirmFieldSize)]);
+                .notify_with(Level::Info, text, [("Confirm", Command::ConfirmFieldSize)]);
         }
     }
 

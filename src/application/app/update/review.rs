@@ -74,15 +74,15 @@ impl App {
     #[must_use]
     pub fn bulk_accept(&self) -> BulkAccept {
         let choice = &self.session.review;
-        let asked = self.accept_question.as_ref().zip(self.open.as_ref());
-        let bulk = match asked {
+        let question = self.accept_question.as_ref().zip(self.open.as_ref());
+        let bulk = match question {
             Some((AcceptQuestion::Stretch(stretch), open)) => {
                 stretch.bulk(choice, &open.document.frames)
             }
-            Some((AcceptQuestion::Suggestions(asked), open)) => self
+            Some((AcceptQuestion::Suggestions(opened), open)) => self
                 .review
                 .bulk(choice)
-                .without_late(asked, &open.document.frames),
+                .without_late(opened, &open.document.frames),
             None => self.review.bulk(choice),
         };
         let places = self.session.unticked.iter();
@@ -101,11 +101,11 @@ impl App {
     /// Updates the content of the sheet. The distribution of the number of wrong suggestions is
     /// computed only if the content changed.
     pub(super) fn refresh_accept_sheet(&mut self) {
-        let is_asked = self.session.dialog == Some(Dialog::AcceptAll);
-        if !is_asked && !self.reads_guide_over_accept_sheet() {
+        let is_open = self.session.dialog == Some(Dialog::AcceptAll);
+        if !is_open && !self.reads_guide_over_accept_sheet() {
             self.accept_question = None;
         }
-        let bulk = is_asked.then(|| self.bulk_accept());
+        let bulk = is_open.then(|| self.bulk_accept());
         if self.accept_sheet.as_ref().map(|sheet| &sheet.bulk) != bulk.as_ref() {
             self.accept_sheet = bulk.map(|bulk| Arc::new(bulk.into()));
         }

@@ -75,7 +75,7 @@ impl Orders {
 /// The trainer's side of the mailbox. Any thread of the trainer may report.
 pub(super) struct TrainerMailbox {
     mailbox: Arc<Mailbox<Orders, TrainerReport>>,
-    told: Mutex<LastReport>,
+    last_report: Mutex<LastReport>,
 }
 
 /// The last reported status and its time.
@@ -99,7 +99,7 @@ impl TrainerMailbox {
     pub(super) fn new(mailbox: Arc<Mailbox<Orders, TrainerReport>>) -> Self {
         Self {
             mailbox,
-            told: Mutex::default(),
+            last_report: Mutex::default(),
         }
     }
 
@@ -121,25 +121,28 @@ impl TrainerMailbox {
 
     /// Replaces the status report. Mere progress is reported at most every [`TELL_EVERY`].
     pub(super) fn report(&self, status: &TrainerStatus) {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.status == *status {
+        let mut last_report = self
+            .last_report
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if last_report.status == *status {
             return;
         }
-        let mere_progress = told.status.doing.is_kind_of(status.doing)
+        let mere_progress = last_report.status.doing.is_kind_of(status.doing)
             && TrainerStatus {
                 doing: status.doing,
-                ..told.status.clone()
+                ..last_report.status.clone()
             } == *status;
-        if mere_progress && told.at.is_some_and(|at| at.elapsed() < TELL_EVERY) {
+        if mere_progress && last_report.at.is_some_and(|at| at.elapsed() < TELL_EVERY) {
             return;
         }
         // Estimate the remaining time from the first report of this step.
         let now = Instant::now();
-        let begun = told
+        let begun = last_report
             .begun
             .filter(|(doing, _)| is_part_of(*doing, status.doing))
             .unwrap_or((status.doing, now));
-        *told = LastReport {
+        *last_report = LastReport {
             status: status.clone(),
             at: Some(now),
             begun: Some(begun),

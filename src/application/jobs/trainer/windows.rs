@@ -162,8 +162,8 @@ impl Windows {
             return false;
         };
         // Wait until the forest has been queried for all key frames.
-        let is_asked = !window.keys.iter().any(|place| wanted(*place));
-        is_asked
+        let are_keys_answered = !window.keys.iter().any(|place| wanted(*place));
+        are_keys_answered
             && !known.is_empty()
             && match self.tracked.get(&first.id) {
                 Some(before) => *before != known,

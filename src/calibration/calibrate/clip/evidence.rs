@@ -34,7 +34,7 @@ struct Followed {
 /// The verdict of a frame's paint on a camera.
 #[derive(Clone, Debug, PartialEq)]
 struct SeenPaint {
-    asked: Ptz,
+    camera: Ptz,
     says: Painted,
 }
 
@@ -105,19 +105,19 @@ impl ClipEvidence {
 
     /// The verdict of a frame's paint on a camera, if it was found for one near it.
     pub(super) fn paint(&self, frame: usize, ptz: Ptz, size: ImageSize) -> Option<Painted> {
-        let SeenPaint { asked, says } = self.paint.get(&frame)?;
+        let SeenPaint { camera, says } = self.paint.get(&frame)?;
         // An alignment is valid around its end, with a wide basin; other verdicts only around the
         // camera that was checked.
         let (from, alike_px) = match says {
             Painted::Snapped(anchor) => (anchor.ptz, PULLED_ALIKE_PX),
-            Painted::Contradicts | Painted::Open => (*asked, JUDGED_ALIKE_PX),
+            Painted::Contradicts | Painted::Open => (*camera, JUDGED_ALIKE_PX),
         };
         (apart_px(from, ptz, size) <= alike_px * size.scale_from_1920()).then(|| says.clone())
     }
 
     /// Stores the verdict of a frame's paint.
-    pub(super) fn keep_paint(&mut self, frame: usize, asked: Ptz, says: Painted) {
-        self.paint.insert(frame, SeenPaint { asked, says });
+    pub(super) fn keep_paint(&mut self, frame: usize, camera: Ptz, says: Painted) {
+        self.paint.insert(frame, SeenPaint { camera, says });
     }
 }
 
@@ -135,7 +135,7 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     #[test]
-    fn paint_is_remembered_for_cameras_like_the_one_that_it_was_asked_about_and_for_one_base() {
+    fn paint_is_remembered_for_cameras_like_the_one_that_it_was_measured_with_and_for_one_base() {
         let base = |x| {
             ClipCamera::new(CameraBase::new(
                 touchline_core::geometry::Vec3::new(x, -60.0, 18.0),

@@ -92,11 +92,11 @@ impl ClipFit<'_> {
         } {
             // Align to the paint from the current cameras. `evidence` repeats the earlier answer
             // for a frame that has hardly moved since, without reading its picture again.
-            let asked = self.frames_to_ask(&adjusted);
+            let queries = self.frames_to_ask(&adjusted);
             let found = self.pictures.ask_paint(
                 reader,
                 (self.field, self.camera),
-                &asked,
+                &queries,
                 evidence,
                 progress,
             )?;
@@ -218,10 +218,10 @@ impl ClipFit<'_> {
             return Ok(judged);
         }
         // First pass: every n-th frame, and those that had a camera before.
-        let asked = self.frames_to_ask(adjusted);
-        let mut verdicts = Vec::with_capacity(asked.len());
-        for (done, &(frame, ptz)) in asked.iter().enumerate() {
-            report(progress, ClipProgress::Painting(done, asked.len()))?;
+        let queries = self.frames_to_ask(adjusted);
+        let mut verdicts = Vec::with_capacity(queries.len());
+        for (done, &(frame, ptz)) in queries.iter().enumerate() {
+            report(progress, ClipProgress::Painting(done, queries.len()))?;
             verdicts.push((
                 frame,
                 self.judge_frame(reader, evidence, (frame, ptz), &mut judged)?,

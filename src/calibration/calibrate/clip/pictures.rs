@@ -160,13 +160,13 @@ impl ClipPictures<'_> {
         &self,
         reader: &mut dyn ReadFrames,
         (field, camera): (&FieldModel, &ClipCamera),
-        asked: &[(usize, Ptz)],
+        frames: &[(usize, Ptz)],
         evidence: &mut ClipEvidence,
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<Vec<(usize, Painted)>, TrackClipError> {
-        let mut found = Vec::with_capacity(asked.len());
-        for (done, &(frame, ptz)) in asked.iter().enumerate() {
-            report(progress, ClipProgress::Painting(done, asked.len()))?;
+        let mut found = Vec::with_capacity(frames.len());
+        for (done, &(frame, ptz)) in frames.iter().enumerate() {
+            report(progress, ClipProgress::Painting(done, frames.len()))?;
             let says = if let Some(says) = evidence.paint(frame, ptz, self.size) {
                 says
             } else {

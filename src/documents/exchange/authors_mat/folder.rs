@@ -186,11 +186,11 @@ fn add(document: &mut Document, sequence: &AuthorsSequence, folder: &Path, middl
         .collect();
     // Without images, the picture size is twice the principal point, which is their middle.
     let middle = sequence.base_from_corner.principal_point;
-    let told = ImageSize::new((2.0 * middle.x - 1.0) as u32, (2.0 * middle.y - 1.0) as u32);
+    let by_centre = ImageSize::new((2.0 * middle.x - 1.0) as u32, (2.0 * middle.y - 1.0) as u32);
     let size = images
         .first()
         .and_then(|path| media::image_size(path).ok())
-        .unwrap_or(told);
+        .unwrap_or(by_centre);
     let camera = camera_of(document, &base, size, sequence);
     for (frame, image) in sequence.frames.iter().zip(&images) {
         let added = Frame {

@@ -200,12 +200,12 @@ fn name_of(path: &Path) -> String {
 /// `images`, and the file's own folder.
 fn image_folders(path: &Path, name: &str, meta: &[(Arc<str>, MatValue)]) -> Vec<PathBuf> {
     let beside = path.parent().unwrap_or(Path::new(""));
-    let told = ["base_dir", "seq"]
+    let stated = ["base_dir", "seq"]
         .into_iter()
         .filter_map(|key| named(meta, key)?.words());
     // `base_dir` is a path on the authors' machine: only its last part is used.
-    let told = told.filter_map(|words| words.rsplit(['/', '\\']).find(|part| !part.is_empty()));
-    let folders = [name].into_iter().chain(told).chain(["images", ""]);
+    let stated = stated.filter_map(|words| words.rsplit(['/', '\\']).find(|part| !part.is_empty()));
+    let folders = [name].into_iter().chain(stated).chain(["images", ""]);
     let mut folders: Vec<PathBuf> = folders
         .filter(|folder| *folder != "..")
         .map(|folder| beside.join(folder))

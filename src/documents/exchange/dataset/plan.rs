@@ -159,12 +159,13 @@ pub fn plan_dataset(
         }
     }
     if frames.is_empty() {
-        let asked = || "none has the status, camera and confidence that were asked for".to_owned();
+        let none_chosen =
+            || "none has the status, camera and confidence that were asked for".to_owned();
         let why = left_out
             .first()
             .map(|(frame, why)| format!("{frame}: {why} ({} frames in all)", left_out.len()));
         return Err(ExchangeError::EmptyDataset {
-            why: why.unwrap_or_else(asked),
+            why: why.unwrap_or_else(none_chosen),
         });
     }
     if let Some(splitting) = options.splitting {

@@ -50,14 +50,14 @@ fn of_camera(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
 
 /// The choice by confidence.
 fn confident(ui: &mut Ui, choice: &mut FrameChoice) {
-    let mut asked = choice.min_confidence.is_some();
+    let mut is_limited = choice.min_confidence.is_some();
     let tip = "Frames whose stated confidence is lower are left out. References that were clicked state none and stay.";
-    ui.checkbox(&mut asked, "confidence of at least")
+    ui.checkbox(&mut is_limited, "confidence of at least")
         .on_hover_text(tip);
     let mut percent = choice
         .min_confidence
         .map_or(USUAL_PERCENT, |share| 100.0 * share);
-    if asked {
+    if is_limited {
         let field = DragValue::new(&mut percent)
             .range(0.0..=100.0)
             .suffix(" %")
@@ -66,7 +66,7 @@ fn confident(ui: &mut Ui, choice: &mut FrameChoice) {
             .accessible_name("Least confidence")
             .on_hover_text(tip);
     }
-    choice.min_confidence = asked.then_some(percent / 100.0);
+    choice.min_confidence = is_limited.then_some(percent / 100.0);
 }
 
 /// The choice by status. An empty list means all that are not rejected.
