@@ -138,8 +138,8 @@ const MOST_CODE_LINES_PER_COMMENT: usize = 40;
 const MOST_CLOSURES_PER_10_000_LINES: usize = 100;
 const MOST_SHORT_FILES: usize = 80;
 const MOST_LONG_LINES: usize = 670;
-const MOST_PARTICIPLES: usize = 480;
-const MOST_DIALECT: usize = 920;
+const MOST_PARTICIPLES: usize = 477;
+const MOST_DIALECT: usize = 785;
 
 /// The workspace's folder.
 fn workspace() -> &'static Path {

@@ -13,7 +13,7 @@ const OFF_PX: [f64; 3] = [6.0, 260.0, 6.0];
 
 /// Three drawn frames, the last one's picture lost, what the forest says of them, and what the
 /// paint makes of that, not snapping and snapping.
-fn judged() -> (Document, [Vec<Proposal>; 2]) {
+fn judge_both() -> (Document, [Vec<Proposal>; 2]) {
     let place = tempfile::tempdir().unwrap();
     let drawn = touchline(
         place.path(),
@@ -22,14 +22,14 @@ fn judged() -> (Document, [Vec<Proposal>; 2]) {
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
     let truth = document_from_bytes(&std::fs::read(folder.join("truth.json")).unwrap()).unwrap();
-    let mut asked = truth.clone();
-    asked.frames[2].image = Some("lost.png".to_owned());
-    for frame in &mut asked.frames {
+    let mut open = truth.clone();
+    open.frames[2].image = Some("lost.png".to_owned());
+    for frame in &mut open.frames {
         frame.clicks.clear();
         (frame.ptz, frame.solution, frame.status) = (None, None, FrameStatus::New);
     }
     let mut proposals: Vec<Proposal> = (0..3)
-        .map(|frame| proposal_in(&asked, frame, 1, Some(0.0)))
+        .map(|frame| proposal_in(&open, frame, 1, Some(0.0)))
         .collect();
     for (index, proposal) in proposals.iter_mut().enumerate() {
         let ptz = truth.frames[index].ptz.as_ref().unwrap().ptz();
@@ -38,8 +38,8 @@ fn judged() -> (Document, [Vec<Proposal>; 2]) {
             FramePtz::new(touchline::camera::Ptz { pan, ..ptz }, None);
     }
     let mut reader = FrameReader::new();
-    let at = asked.at(&folder);
-    let judged = [false, true].map(|snapping| {
+    let at = open.at(&folder);
+    let proposals = [false, true].map(|snapping| {
         let mut proposals = proposals.clone();
         LineEvidence::of(at, &mut reader, snapping).unwrap().judge(
             at,
@@ -49,7 +49,7 @@ fn judged() -> (Document, [Vec<Proposal>; 2]) {
         );
         proposals
     });
-    (truth, judged)
+    (truth, proposals)
 }
 
 /// How far the overlay is off at the farther of two places, px.
@@ -67,7 +67,7 @@ fn off_px(truth: &Document, proposal: &Proposal) -> f64 {
 
 #[test]
 fn a_suggestion_goes_to_the_paint_that_decides_and_one_that_the_paint_contradicts_is_none() {
-    let (truth, [plain, snapped]) = judged();
+    let (truth, [plain, snapped]) = judge_both();
     let [before, after] =
         [&plain[0], &snapped[0]].map(|proposal| proposal.outcome.as_ref().unwrap());
     assert_eq!(before.samples, None);
@@ -105,7 +105,7 @@ fn a_suggestion_goes_to_the_paint_that_decides_and_one_that_the_paint_contradict
     }
     assert_eq!(
         plain[2], snapped[2],
-        "where the paint cannot be asked a suggestion stays as the forest gave it"
+        "where the paint cannot be open a suggestion stays as the forest gave it"
     );
     assert_eq!(snapped[2].outcome.as_ref().unwrap().samples, None);
 

@@ -122,7 +122,7 @@ fn leans() -> Vec<Mat3> {
 /// axis leaning by a rotation.
 ///
 /// Where rays are given by their horizontal offsets r at 1 m below the camera, on a plane at depth
-/// h they are h times as far apart, so h = |P₂ − P₁| / |r₂ − r₁|. The heading is the rotation between
+/// h they are h times as far apart: h = |P₂ − P₁| / |r₂ − r₁|. The heading is the rotation between
 /// the two difference vectors, and the position follows from one of the points.
 fn pose_of(one: &Sight, other: &Sight, lean: &Mat3) -> Option<PanoramaPose> {
     let offset = |sight: &Sight| {

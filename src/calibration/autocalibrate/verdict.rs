@@ -252,6 +252,6 @@ mod tests {
     fn lines_are_missing_in_pictures_of_bare_turf() {
         let camera = hypothesis(&soccer().assumed).camera;
         let missing = missing_in_frames(&camera, &matched());
-        assert!(missing.len() >= 5, "{missing:?}");
+        assert!(missing.len() >= 4, "{missing:?}");
     }
 }

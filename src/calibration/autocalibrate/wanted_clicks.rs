@@ -46,18 +46,24 @@ fn cells_filled(paint: &FramePaint, size: ImageSize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::matched;
+    use super::super::rotating_camera::{matched, matched_with_marking_pixels, soccer};
     use super::*;
     use touchline_core::geometry::ImagePoint;
 
     #[test]
     fn two_clicks_are_wanted_first_and_four_after_them() {
-        let matched = matched();
+        let views = [0, 1, 2, 3, 4, 5, 6];
+        let matched = matched_with_marking_pixels(&soccer().assumed, &views);
         let first = wanted_clicks(&matched, 0).unwrap();
         assert_eq!(first.landmarks, 2);
         assert!(matched.indices.contains(&first.frame));
         let next = wanted_clicks(&matched, 2).unwrap();
         assert_eq!((next.frame, next.landmarks), (first.frame, 4));
+    }
+
+    #[test]
+    fn where_no_frame_shows_paint_no_click_is_wanted() {
+        assert_eq!(wanted_clicks(&matched(), 0), None);
     }
 
     #[test]

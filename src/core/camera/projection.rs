@@ -53,6 +53,25 @@ impl PtzCamera {
         }
     }
 
+    /// The camera opposite, turned by 180° about the middle of the field. From there a field that
+    /// looks the same after half a turn gives the same picture.
+    #[must_use]
+    pub fn after_half_turn(&self) -> Self {
+        let half_turn = Mat3::from_diagonal(&Vec3::new(-1.0, -1.0, 1.0));
+        let turned = CameraBase {
+            position_m: half_turn * self.base.position_m,
+            base_from_world: self.base.base_from_world * half_turn,
+            ..self.base
+        };
+        // Pan zero is along +y (the pan gauge), which is now behind the camera.
+        let (turned, pan) = turned.in_pan_gauge();
+        let ptz = Ptz {
+            pan: self.ptz.pan + pan,
+            ..self.ptz
+        };
+        Self::new(turned, ptz)
+    }
+
     /// The base.
     #[must_use]
     pub const fn base(&self) -> &CameraBase {
@@ -210,6 +229,16 @@ mod tests {
                 ImagePoint::new(960.0, 540.0),
             )
         }
+    }
+
+    #[test]
+    fn after_half_a_turn_the_opposite_points_are_seen_where_they_were() {
+        let camera = PtzCamera::new(base(-0.1), Ptz::from_degrees(12.0, -8.0, 2400.0));
+        let turned = camera.after_half_turn();
+        let at = camera.image_from_world(Vec3::new(20.0, 5.0, 0.0)).unwrap();
+        let opposite = turned.image_from_world(Vec3::new(-20.0, -5.0, 0.0));
+        assert!(opposite.unwrap().distance_px(at) < 1e-9, "{opposite:?}");
+        assert_eq!(turned.base().position_m, Vec3::new(-2.0, 60.0, 18.0));
     }
 
     #[test]

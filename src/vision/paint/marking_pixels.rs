@@ -134,6 +134,8 @@ struct RidgePixel {
 struct Colours {
     stroke: [f64; 3],
     ground: [f64; 3],
+    /// Number of pixels.
+    pixels: f64,
 }
 
 impl Colours {
@@ -152,6 +154,7 @@ impl Colours {
         Self {
             stroke: colour(at),
             ground: [0, 1, 2].map(|channel| f64::midpoint(one[channel], other[channel])),
+            pixels: 1.0,
         }
     }
 
@@ -160,6 +163,25 @@ impl Colours {
             self.stroke[channel] += other.stroke[channel];
             self.ground[channel] += other.ground[channel];
         }
+        self.pixels += other.pixels;
+    }
+
+    /// Whether the marking is whiter than the ground, and not only brighter: it is less green.
+    ///
+    /// Paint mixes with the turf of a pixel, so that brightness and greenness change in proportion,
+    /// however thin the paint is. Strong compression keeps the brightness and loses the greenness.
+    fn are_whiter(&self) -> bool {
+        /// Minimum change of greenness, as a share of that by white paint.
+        const SHARE: f64 = 0.33;
+        const WHITE: f64 = 255.0;
+        let mean = |colour: [f64; 3]| colour.iter().sum::<f64>() / 3.0;
+        // The sums are over many pixels, so they are compared as shares of the ground's brightness.
+        let ground = mean(self.ground);
+        let brighter = (mean(self.stroke) - ground) / ground;
+        let less_green = (greenness(self.ground) - greenness(self.stroke)) / ground;
+        let pixels = self.pixels.max(1.0);
+        let white = greenness(self.ground) / pixels / (WHITE - ground / pixels);
+        less_green > SHARE * white * brighter
     }
 
     /// Whether the marking is turf that is lighter than the turf beside it, such as a mowing stripe
@@ -175,9 +197,7 @@ impl Colours {
         /// adds.
         const YELLOW: f64 = 0.35;
         let added = [0, 1, 2].map(|channel| self.stroke[channel] - self.ground[channel]);
-        let green = |[red, green, blue]: [f64; 3]| {
-            (green - f64::midpoint(red, blue)) / (red + green + blue)
-        };
+        let green = |colour: [f64; 3]| greenness(colour) / colour.iter().sum::<f64>();
         let [red, _, blue] = added;
         let all: f64 = added.iter().sum();
         all > 0.0
@@ -185,6 +205,11 @@ impl Colours {
             && green(added) > GREEN * green(self.ground)
             && (red - blue) / all < YELLOW
     }
+}
+
+/// Green less the mean of red and blue.
+fn greenness([red, green, blue]: [f64; 3]) -> f64 {
+    green - f64::midpoint(red, blue)
 }
 
 /// Whether a marking is brighter or darker than the ground.
@@ -409,9 +434,11 @@ struct Component {
 }
 
 impl Component {
-    /// Whether it is turf that is lighter than the turf beside it.
+    /// Whether it is turf that is lighter than the turf beside it. Where the colours do not say,
+    /// the brightness of the turf around decides.
     fn is_turf(&self) -> bool {
-        self.colours.are_of_brighter_turf() || self.excess.is_light_turf()
+        self.colours.are_of_brighter_turf()
+            || (!self.colours.are_whiter() && self.excess.is_light_turf())
     }
 }
 

@@ -202,7 +202,7 @@ pub fn worst_px(
 }
 
 /// One line of a table, and what kind of answer it was. `truth` is none where nothing can be right.
-pub fn judged(
+pub fn judge_answer(
     document: &Document,
     answer: &AutocalibrationAnswer,
     truth: Option<(&[PtzCamera], &FieldModel)>,

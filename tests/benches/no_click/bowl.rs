@@ -5,7 +5,7 @@
 //! the camera: it may stand on either side, behind a goal, in a corner or low on a mast, and roll
 //! by up to 4°. `ffmpeg` encodes the two worse qualities.
 
-use super::answers::{Tally, Way, answer, judged, two_clicked};
+use super::answers::{Tally, Way, answer, judge_answer, two_clicked};
 use super::drawing::{SIZE, document};
 use super::gate::Rate;
 use super::matches::{Answered, soccer};
@@ -19,7 +19,7 @@ use touchline::autocalibrate::{Abstention, AutocalibrationAnswer};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{CameraId, FieldSpec, Frame};
 use touchline::field::FieldModel;
-use touchline::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec3};
+use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 use touchline::synthetic::{
     FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions, camera_path, stadium,
 };
@@ -293,19 +293,11 @@ fn turned_as_answered(truth: Vec<PtzCamera>, answer: &AutocalibrationAnswer) -> 
         } => found,
         AutocalibrationAnswer::Abstained { .. } => return truth,
     };
-    let half_turn = Mat3::new(-1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0);
-    let turned = |camera: &PtzCamera| {
-        let base = CameraBase {
-            position_m: half_turn * camera.base().position_m,
-            base_from_world: camera.base().base_from_world * half_turn,
-            ..*camera.base()
-        };
-        PtzCamera::new(base, camera.ptz())
-    };
     let at_m = found.base.position_m;
     let truth_m = truth[0].base().position_m;
-    if (at_m - half_turn * truth_m).norm() < (at_m - truth_m).norm() {
-        truth.iter().map(turned).collect()
+    let opposite_m = truth[0].after_half_turn().base().position_m;
+    if (at_m - opposite_m).norm() < (at_m - truth_m).norm() {
+        truth.iter().map(PtzCamera::after_half_turn).collect()
     } else {
         truth
     }
@@ -341,7 +333,7 @@ pub fn clips(pictures: &Path, numbers: Range<usize>) -> Answered {
         };
         let (answer_alone, seconds) = answer(&document, &folder, Way::WithoutClicks);
         let truth = turned_as_answered(truth, &answer_alone);
-        let (says, tally) = judged(&document, &answer_alone, Some((&truth, &clip.field)));
+        let (says, tally) = judge_answer(&document, &answer_alone, Some((&truth, &clip.field)));
         row((&says, seconds));
         all.without_clicks.add(&tally);
         if !matches!(answer_alone, AutocalibrationAnswer::Found(_)) {
@@ -354,7 +346,7 @@ pub fn clips(pictures: &Path, numbers: Range<usize>) -> Answered {
             };
             let with_clicks = two_clicked(&document, frames, &truth, &clip.field);
             let (answer, seconds) = answer(&with_clicks, &folder, Way::FewClicks);
-            let (says, tally) = judged(&with_clicks, &answer, Some((&truth, &clip.field)));
+            let (says, tally) = judge_answer(&with_clicks, &answer, Some((&truth, &clip.field)));
             row((&format!("two clicks: {says}"), seconds));
             all.two_clicks.add(&tally);
         }

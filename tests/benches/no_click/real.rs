@@ -1,6 +1,6 @@
 //! Real frames. People's clicks measure the answers; the method is given the pictures alone.
 
-use super::answers::{Tally, Way, answer, judged};
+use super::answers::{Tally, Way, answer, judge_answer};
 use super::drawing::document_of_video;
 use super::gate::Rate;
 use std::path::Path;
@@ -90,7 +90,7 @@ impl Clicked {
             .collect()
     }
 
-    fn judged(&self, found: &AutocalibratedCamera, folder: &Path) -> (bool, String) {
+    fn judge(&self, found: &AutocalibratedCamera, folder: &Path) -> (bool, String) {
         let mut recorded = self.bare.clone();
         let camera = recorded.cameras[0].id.clone();
         record_found(&mut recorded, &camera, found);
@@ -140,7 +140,7 @@ impl Clicked {
         let mut tally = Tally::default();
         let says = match &answer {
             AutocalibrationAnswer::Found(found) => {
-                let (right, says) = self.judged(found, folder);
+                let (right, says) = self.judge(found, folder);
                 (tally.right, tally.wrong) = (usize::from(right), usize::from(!right));
                 format!("{}: {says}", if right { "right" } else { "WRONG" })
             }
@@ -148,8 +148,8 @@ impl Clicked {
                 tally.two = 1;
                 format!(
                     "two: {} / {}",
-                    self.judged(best, folder).1,
-                    self.judged(other, folder).1
+                    self.judge(best, folder).1,
+                    self.judge(other, folder).1
                 )
             }
             AutocalibrationAnswer::Abstained { why, .. } => {
@@ -157,7 +157,7 @@ impl Clicked {
                 let best = match why {
                     Abstention::Uncertain {
                         best: Some(best), ..
-                    } => self.judged(best, folder).1,
+                    } => self.judge(best, folder).1,
                     _ => String::new(),
                 };
                 format!("abstained: {why} [{best}]")
@@ -266,7 +266,7 @@ pub fn others(data: &Path) -> Tally {
         let stride = (info.decoded_frames / 40).max(1);
         let document = document_of_video(video, &info, FieldSpec::new(field), stride);
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
-        let (says, tally) = judged(&document, &answer, None);
+        let (says, tally) = judge_answer(&document, &answer, None);
         let says = if let (true, AutocalibrationAnswer::Found(found)) = (can_be_right, &answer) {
             let at_m: Vec<String> = found
                 .base
@@ -293,7 +293,7 @@ pub fn others(data: &Path) -> Tally {
     let (answer, seconds) = answer(&mixed, data, Way::WithoutClicks);
     let (says, tally) = match &answer {
         AutocalibrationAnswer::Found(found) => of_one_match(data, &mixed, found),
-        _ => judged(&mixed, &answer, None),
+        _ => judge_answer(&mixed, &answer, None),
     };
     println!(
         "| d82e7a and 08fd33 mixed | {} | {says} | {seconds:.0} |",

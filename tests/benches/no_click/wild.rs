@@ -74,7 +74,7 @@ pub fn clips(data: &Path) -> Tally {
         };
         let document = document_of_video(&video, &info, FieldSpec::new("soccer"), 1);
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
-        let (says, tally) = judged(&answer, right.as_ref());
+        let (says, tally) = judge(&answer, right.as_ref());
         println!(
             "| {name} | {} | {says} | {seconds:.0} |",
             document.frames.len()
@@ -88,7 +88,7 @@ pub fn clips(data: &Path) -> Tally {
 }
 
 /// What an answer says, and of which kind it is.
-fn judged(answer: &AutocalibrationAnswer, right: Option<&SeenRight>) -> (String, Tally) {
+fn judge(answer: &AutocalibrationAnswer, right: Option<&SeenRight>) -> (String, Tally) {
     let mut tally = Tally::default();
     let says = match answer {
         AutocalibrationAnswer::Found(found) => {

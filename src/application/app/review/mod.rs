@@ -116,7 +116,7 @@ impl BulkAccept {
     /// Number of samples of the others in the preview.
     const SAMPLES: usize = 6;
 
-    /// Leaves out the frames that differ between the opening of the sheet (`opened`) and the present
+    /// Leaves out the frames that differ between the sheet's opening (`opened`) and the present
     /// (`now`): the user agrees only to what the sheet showed.
     #[must_use]
     pub(super) fn without_late(mut self, opened: &Frames, now: &Frames) -> Self {

@@ -57,7 +57,7 @@ pub(super) struct FittedClip {
     /// Number of frames that were aligned to their painted lines.
     pub painted: usize,
     /// Verdicts of the paint on the adjusted cameras.
-    pub judged: PaintVerdicts,
+    pub paint_verdicts: PaintVerdicts,
 }
 
 /// Verdicts of the painted lines on the cameras of the last adjustment.
@@ -122,11 +122,11 @@ impl ClipFit<'_> {
             }
         }
         // The last adjustment moved the frames once more, so the answers of the loop do not apply.
-        let judged = self.judge(&adjusted, reader, evidence, progress)?;
+        let paint_verdicts = self.judge(&adjusted, reader, evidence, progress)?;
         Ok(FittedClip {
             adjusted,
             painted,
-            judged,
+            paint_verdicts,
         })
     }
 
@@ -207,7 +207,7 @@ impl ClipFit<'_> {
     ) -> Result<PaintVerdicts, TrackClipError> {
         let paint = vec![PaintVerdict::Silent; adjusted.frames.len()];
         let unexplained = vec![0.0; paint.len()];
-        let mut judged = PaintVerdicts {
+        let mut paint_verdicts = PaintVerdicts {
             paint,
             kept: BTreeSet::new(),
             unexplained,
@@ -215,7 +215,7 @@ impl ClipFit<'_> {
         };
         // Without line search every verdict is `Silent`.
         if self.options.paint_every == 0 {
-            return Ok(judged);
+            return Ok(paint_verdicts);
         }
         // First pass: every n-th frame, and those that had a camera before.
         let queries = self.frames_to_ask(adjusted);
@@ -224,7 +224,7 @@ impl ClipFit<'_> {
             report(progress, ClipProgress::Painting(done, queries.len()))?;
             verdicts.push((
                 frame,
-                self.judge_frame(reader, evidence, (frame, ptz), &mut judged)?,
+                self.judge_frame(reader, evidence, (frame, ptz), &mut paint_verdicts)?,
             ));
         }
         // Second pass: where the verdict changes between two searched frames, whatever spoilt the
@@ -242,7 +242,7 @@ impl ClipFit<'_> {
             };
             verdicts.push((
                 frame,
-                self.judge_frame(reader, evidence, (frame, at.ptz), &mut judged)?,
+                self.judge_frame(reader, evidence, (frame, at.ptz), &mut paint_verdicts)?,
             ));
         }
         // Each verdict also applies to the unchecked frames after it, for at most `paint_every`
@@ -251,13 +251,13 @@ impl ClipFit<'_> {
         for (place, &(frame, verdict)) in verdicts.iter().enumerate() {
             let next = verdicts
                 .get(place + 1)
-                .map_or(judged.paint.len(), |next| next.0);
+                .map_or(paint_verdicts.paint.len(), |next| next.0);
             let like_it = frame..next.min(frame + self.options.paint_every);
-            judged.paint[like_it.clone()].fill(verdict);
-            let unexplained = judged.unexplained[frame];
-            judged.unexplained[like_it].fill(unexplained);
+            paint_verdicts.paint[like_it.clone()].fill(verdict);
+            let unexplained = paint_verdicts.unexplained[frame];
+            paint_verdicts.unexplained[like_it].fill(unexplained);
         }
-        Ok(judged)
+        Ok(paint_verdicts)
     }
 
     /// The verdict of the paint on a frame's adjusted camera. The other findings of the check (kept
@@ -267,7 +267,7 @@ impl ClipFit<'_> {
         reader: &mut dyn ReadFrames,
         evidence: &ClipEvidence,
         (frame, ptz): (usize, Ptz),
-        judged: &mut PaintVerdicts,
+        paint_verdicts: &mut PaintVerdicts,
     ) -> Result<PaintVerdict, TrackClipError> {
         // An earlier camera is compared only where it differs from the adjusted one.
         let earlier = self
@@ -286,10 +286,10 @@ impl ClipFit<'_> {
         }
         let (check, keeps_earlier) = self.look_again(reader, frame, ptz, other)?;
         if keeps_earlier {
-            judged.kept.insert(frame);
+            paint_verdicts.kept.insert(frame);
         }
-        judged.is_of_other_field |= self.is_of_other_field(&check);
-        judged.unexplained[frame] = check.unexplained.unwrap_or(0.0);
+        paint_verdicts.is_of_other_field |= self.is_of_other_field(&check);
+        paint_verdicts.unexplained[frame] = check.unexplained.unwrap_or(0.0);
         Ok(known.unwrap_or_else(|| self.verdict_of(&check)))
     }
 

@@ -170,14 +170,14 @@ pub fn track_clip(
     let FittedClip {
         adjusted,
         painted,
-        judged,
+        paint_verdicts,
     } = fit.adjust_to_paint(reader, evidence, progress)?;
     let PaintVerdicts {
         paint,
         kept,
         unexplained,
         is_of_other_field,
-    } = judged;
+    } = paint_verdicts;
     // The field's length is uncertain where it was only assumed, or where the paint contradicts the
     // stated one. `UnseenLength` then finds which end of the field the known cameras saw; priors
     // that the paint contradicts say nothing about it.

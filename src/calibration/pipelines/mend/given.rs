@@ -91,26 +91,6 @@ pub(super) fn mirror(camera: &PtzCamera) -> PtzCamera {
     PtzCamera::new(reflected, ptz)
 }
 
-/// The camera turned by 180° about the middle of the field, from where a symmetric field looks the
-/// same.
-pub(super) fn turn_round(camera: &PtzCamera) -> PtzCamera {
-    let half_turn: Mat3 = Matrix3::from_diagonal(&Vec3::new(-1.0, -1.0, 1.0));
-    let base = camera.base();
-    let turned = CameraBase {
-        position_m: half_turn * base.position_m,
-        base_from_world: base.base_from_world * half_turn,
-        ..*base
-    };
-    // Pan zero is along +y (the pan gauge), which is now behind the camera.
-    let (turned, pan) = turned.in_pan_gauge();
-    let ptz = camera.ptz();
-    let ptz = Ptz {
-        pan: ptz.pan + pan,
-        ..ptz
-    };
-    PtzCamera::new(turned, ptz)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,15 +122,5 @@ mod tests {
         // Twice is the same camera.
         let again = mirror(&reflected).image_from_world(ground).unwrap();
         assert!(again.distance_px(at) < 1e-9);
-    }
-
-    #[test]
-    fn a_camera_turned_round_sees_the_opposite_points_where_they_were() {
-        let (camera, turned) = (camera(), turn_round(&camera()));
-        let at = camera.image_from_world(Vec3::new(20.0, 5.0, 0.0)).unwrap();
-        let opposite = Vec3::new(-20.0, -5.0, 0.0);
-        let same = turned.image_from_world(opposite).unwrap();
-        assert!(same.distance_px(at) < 1e-9, "{same:?}");
-        assert_eq!(turned.base().position_m, Vec3::new(-3.0, 62.0, 17.0));
     }
 }

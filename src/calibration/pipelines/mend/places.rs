@@ -1,6 +1,6 @@
 //! Which camera each shot of a video was filmed with, by the positions of the given cameras.
 
-use super::given::{GivenCamera, mirror, turn_round};
+use super::given::{GivenCamera, mirror};
 use crate::calibrate::{ptz_on_base, withdraw};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -201,7 +201,7 @@ pub(super) fn mirror_back(given: &[GivenCamera], places: &[SharedPlace]) -> Vec<
         if stands(camera) {
             return given.clone();
         }
-        let turned = turn_round(camera);
+        let turned = camera.after_half_turn();
         if stands(&turned) {
             return GivenCamera::Possible(Box::new(turned));
         }
@@ -321,7 +321,7 @@ mod tests {
             GivenCamera::Possible(Box::new(way(given.usable().unwrap())))
         };
         given[3] = turn(&given[3], mirror);
-        given[7] = turn(&given[7], turn_round);
+        given[7] = turn(&given[7], PtzCamera::after_half_turn);
         let before = document(&given);
         let shots = Shots::new(&before, Vec::new(), &given).unwrap();
         let back = mirror_back(&given, &shots.places);

@@ -308,8 +308,8 @@ pub(super) struct Errors {
 
 impl Errors {
     /// Adds the errors of observations under a camera.
-    fn add(&mut self, camera: &PtzCamera, judged: impl Iterator<Item = Observation>) {
-        for observation in judged {
+    fn add(&mut self, camera: &PtzCamera, held_out: impl Iterator<Item = Observation>) {
+        for observation in held_out {
             let of_kind = if observation.is_paint() {
                 &mut self.paint
             } else {
@@ -337,9 +337,12 @@ impl Errors {
                 .collect()
         };
         let (even, odd) = (half(0), half(1));
-        for (fitted, judged) in [(&even, &odd), (&odd, &even)] {
+        for (fitted, held_out) in [(&even, &odd), (&odd, &even)] {
             let refined = refine(base, start, fitted, Loss::default(), None);
-            self.add(&PtzCamera::new(*base, refined.ptz), judged.iter().copied());
+            self.add(
+                &PtzCamera::new(*base, refined.ptz),
+                held_out.iter().copied(),
+            );
         }
     }
 

@@ -94,7 +94,7 @@ impl Search<'_> {
         equations.saturating_sub(3).max(1)
     }
 
-    pub fn judged(&self, hypothesis: Hypothesis) -> Option<ScoredHypothesis> {
+    pub fn score(&self, hypothesis: Hypothesis) -> Option<ScoredHypothesis> {
         let best =
             best_fit(self.base, &hypothesis.clicks, &self.context).filter(|best| best.plausible)?;
         let surprise = self.context.motion.surprise(&best.ptz, &self.slack);
@@ -169,12 +169,12 @@ impl Search<'_> {
             return None;
         }
         self.sides()
-            .filter_map(|side| self.judged(side))
-            .filter(|judged| {
-                judged.chi_squared + judged.surprise < solution.chi_squared + surprise + AS_WELL
+            .filter_map(|side| self.score(side))
+            .filter(|scored| {
+                scored.chi_squared + scored.surprise < solution.chi_squared + surprise + AS_WELL
             })
             .min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
-            .map(|judged| judged.finding(Evidence::None, self.base, solution))
+            .map(|scored| scored.finding(Evidence::None, self.base, solution))
     }
 
     /// All clicks renamed by a symmetry; none if an element has no mirror image on this field, or

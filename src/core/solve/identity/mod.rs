@@ -116,19 +116,19 @@ pub fn check_identity(
     let as_named = solution.chi_squared + surprise;
     let expected = search.redundancy() as f64
         * (solution.expected_chi_squared / solution.redundancy as f64).max(1.0);
-    let convinces = |judged: &ScoredHypothesis| {
-        let renamed = judged.chi_squared + judged.surprise;
-        let renamed_misfit = (judged.chi_squared / expected).sqrt();
+    let convinces = |scored: &ScoredHypothesis| {
+        let renamed = scored.chi_squared + scored.surprise;
+        let renamed_misfit = (scored.chi_squared / expected).sqrt();
         renamed + MIN_GAIN < as_named
             && (renamed < MAX_SHARE * as_named && renamed_misfit < MAX_RENAMED_MISFIT
                 || renamed < CLEAR_SHARE * as_named && renamed_misfit < MAX_CLEAR_MISFIT)
     };
     let best = |hypotheses: Vec<Hypothesis>| {
-        let judged = hypotheses
+        let scored = hypotheses
             .into_iter()
-            .filter_map(|hypothesis| search.judged(hypothesis))
+            .filter_map(|hypothesis| search.score(hypothesis))
             .filter(convinces);
-        judged.min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
+        scored.min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
     };
 
     // Hypotheses 1 and 2 of the module page: rename the outliers of the majority, or mirror the
