@@ -213,8 +213,9 @@ fn there_and_back(real: &RealMotion, count: usize) -> Vec<PathStep> {
 }
 
 /// The distance between each corner of the picture and where `camera` shows the same world point,
-/// px. The point is the ground at that corner, or, if the ground is farther than [`STAND_M`] or not
-/// visible, a point of the stand at that distance. Infinite if `camera` does not see it.
+/// px. The point is the ground at that corner, or, if the ground is farther than the stand behind
+/// the field or not visible, a point of the stand. Infinite if `camera` does not see it.
+#[must_use]
 pub fn corners_apart_px(truth: &PtzCamera, camera: &PtzCamera, size: ImageSize) -> [f64; 4] {
     size.corners().map(|corner| {
         let place = truth.base().position_m;

@@ -50,15 +50,15 @@ const CLIPS: [WildClip; 8] = [
     right("estudiantes-patronato", [1.29, -72.70, 27.82], 2.1),
     right("psg-marseille-smoke", [-0.70, -74.65, 21.64], 0.6),
     right("brighton-liverpool", [0.67, -69.67, 16.20], 3.2),
-    unanswered("chelsea-milan"),
+    right("chelsea-milan", [0.16, -51.96, 10.97], 0.5),
     unanswered("goal-close"),
     unanswered("behind-goal-tactical"),
 ];
 
-/// Those that are right stay right. The others are not counted: what they answer has to be looked
-/// at.
+/// Those that are right stay right; `chelsea-milan` is near the limit of frames that have to agree.
+/// The others are not counted: what they answer has to be looked at.
 pub const RATE: Rate = Rate {
-    tried: 5,
+    tried: 6,
     right: 5,
     wrong: 0,
 };

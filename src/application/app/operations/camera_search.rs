@@ -22,7 +22,7 @@ use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::base::FittedSize;
-use touchline_documents::document::{CameraId, Click, Document, Frame, FrameId, Step, Target};
+use touchline_documents::document::{CameraId, Click, Document, FrameId, Step, Target};
 
 /// Minimum number of frames. Fewer hardly separate what is painted on the ground from what moves
 /// over it.
@@ -147,13 +147,13 @@ impl Operation for CameraSearch {
                 app.ask_which_camera(two);
             }
             Ok(AutocalibrationAnswer::Abstained { why, clicks }) => {
-                let clicks = clicks.map(|clicks| (&*self.document.frames[clicks.frame], clicks));
                 let why = describe_abstention(&why, clicks);
+                let frame = |clicks: WantedClicks| self.document.frames[clicks.frame].id.clone();
                 app.session.notify(Level::Warning, why.clone());
                 app.operations.camera_search.left = Left::Abstained {
                     camera: self.camera.clone(),
                     why,
-                    frame: clicks.map(|(frame, _)| frame.id.clone()),
+                    frame: clicks.map(frame),
                 };
             }
             Err(failure) => {
@@ -477,7 +477,7 @@ fn place(found: &AutocalibratedCamera) -> String {
 }
 
 /// The reason for an abstention and a remedy, as text.
-fn describe_abstention(why: &Abstention, clicks: Option<(&Frame, WantedClicks)>) -> String {
+fn describe_abstention(why: &Abstention, clicks: Option<WantedClicks>) -> String {
     let (missing, clicks) = (missing_view(why), clicks_that_help(why, clicks));
     format!(
         "No camera was found: {}. {missing}, or {clicks}.",
@@ -516,15 +516,13 @@ fn missing_view(why: &Abstention) -> String {
 }
 
 /// The clicks that would replace the missing view.
-fn clicks_that_help(why: &Abstention, clicks: Option<(&Frame, WantedClicks)>) -> String {
+fn clicks_that_help(why: &Abstention, clicks: Option<WantedClicks>) -> String {
     match (why, clicks) {
         (Abstention::NotConnected { .. } | Abstention::NotTurning(_), _) => {
             "click 4 landmarks on 2 wide frames".to_owned()
         }
-        (_, Some((frame, clicks))) => format!(
-            "click {} landmarks far from each other on {} and look again",
-            clicks.landmarks,
-            frame.name()
+        (_, Some(WantedClicks { frame, landmarks })) => format!(
+            "click {landmarks} landmarks far from each other on frame {frame} and look again"
         ),
         (_, None) => "click 2 landmarks far from each other and look again".to_owned(),
     }
