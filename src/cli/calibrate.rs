@@ -1,6 +1,7 @@
 //! `touchline calibrate`: makes a project with its camera from frames alone.
 
 use super::Outcome;
+use super::document::{DocumentArg, Loaded, is_document};
 use super::match_report::MatchReport;
 use super::messages::Messages;
 use super::new::{parameter, read_field};
@@ -162,12 +163,6 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     })
 }
 
-/// Whether a path leads to a document: a folder with a project in it, or a JSON file.
-fn is_document(path: &Path) -> bool {
-    let is_json = |file: &Location| file.file().extension().is_some_and(|kind| kind == "json");
-    Location::find(path).is_ok_and(|location| is_json(&location))
-}
-
 /// A document that a person clicked in, with its paths as seen from the new project's folder.
 fn read_document(
     args: &CalibrateArgs,
@@ -179,10 +174,10 @@ fn read_document(
         "{}: a document states its field; leave out --field and --set",
         args.frames.display()
     );
-    let (location, document, recovery) = store::read(&args.frames)?;
-    if let Some(message) = recovery.message() {
-        messages.note(&message);
+    let Loaded { location, document } = DocumentArg {
+        document: args.frames.clone(),
     }
+    .load(messages)?;
     let with_base = document
         .cameras
         .iter()
@@ -194,11 +189,11 @@ fn read_document(
             camera.id.as_str()
         );
     }
+    let cameras = document.used_cameras().len();
     ensure!(
-        document.used_cameras().len() == 1,
-        "{}: its frames are of {} cameras; give a document with one",
-        args.frames.display(),
-        document.used_cameras().len()
+        cameras == 1,
+        "{}: its frames are of {cameras} cameras; give a document with one",
+        args.frames.display()
     );
     Ok(document.relocated(location.folder(), folder))
 }

@@ -49,6 +49,14 @@ impl DocumentArg {
     }
 }
 
+/// Whether a path is a project folder or a JSON file.
+pub fn is_document(path: &Path) -> bool {
+    path.join(store::PROJECT_FILE).is_file()
+        || path
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("json"))
+}
+
 /// Refuses a document that would have to contain a path that is not UTF-8.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! `touchline relocalize`: finds the cameras of unclicked frames with a trained forest.
 
 use super::Outcome;
-use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::document::{DocumentArg, DocumentOutput, Loaded, is_document};
 use super::features::{FeaturesArg, tell_refusal};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
@@ -301,15 +301,6 @@ fn read_input(
         "none of the images can be read"
     );
     Ok(input)
-}
-
-/// Whether a path is a project folder or a JSON file.
-fn is_document(path: &Path) -> bool {
-    path.join(touchline_documents::store::PROJECT_FILE)
-        .is_file()
-        || path
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("json"))
 }
 
 fn images_of(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {

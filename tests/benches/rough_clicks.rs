@@ -17,6 +17,8 @@ mod arguments;
 #[path = "no_click/drawing.rs"]
 #[allow(dead_code, reason = "other benches draw folders of pictures")]
 mod drawing;
+#[path = "no_click/scaled_camera.rs"]
+mod scaled_camera;
 
 use arguments::Arguments;
 use drawing::{CAMERA, SIZE, Shot, document_of_video, shots};
@@ -25,16 +27,18 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
+use scaled_camera::scaled_camera;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 use touchline::calibrate::clips;
-use touchline::camera::{CameraBase, Ptz, PtzCamera};
+use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{Click, Document, FieldSpec, document_to_string};
 use touchline::experiments::corners_apart_px;
 use touchline::field::{FieldModel, Landmark, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, median};
+use touchline::markings::project_landmarks;
 use touchline::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 use touchline::pipelines::{TrackingEvent, TrackingOptions, track_clips};
 use touchline::progress::Progress;
@@ -86,7 +90,10 @@ fn run(folder: &Path, seed: u64, is_verbose: bool) {
     if !folder.join(&name).exists() {
         draw(&field, &shots, &folder.join(&name), seed);
     }
-    let truth: Vec<PtzCamera> = shots.iter().map(|shot| as_shared(&shot.camera)).collect();
+    let truth: Vec<PtzCamera> = shots
+        .iter()
+        .map(|shot| scaled_camera(&shot.camera, SHARED_SCALE, [0.0; 2]))
+        .collect();
     let FrameSource::Video(info) = FrameSource::open(&folder.join(&name)).unwrap() else {
         unreachable!("{name} is a video")
     };
@@ -187,23 +194,6 @@ fn draw(field: &FieldModel, shots: &[Shot], video: &Path, seed: u64) {
     assert!(status.success(), "{}", video.display());
 }
 
-/// The camera of a shared picture.
-fn as_shared(drawn: &PtzCamera) -> PtzCamera {
-    let mut base: CameraBase = *drawn.base();
-    let at = base.principal_point;
-    base.principal_point = ImagePoint::new(SHARED_SCALE * at.x, SHARED_SCALE * at.y);
-    base.distortion.at_focal_px *= SHARED_SCALE;
-    base.distortion.per_1000_px /= SHARED_SCALE;
-    let ptz = drawn.ptz();
-    PtzCamera::new(
-        base,
-        Ptz {
-            focal_px: SHARED_SCALE * ptz.focal_px,
-            ..ptz
-        },
-    )
-}
-
 /// Clicks landmarks of the ground in the frames of the main camera that lie farthest apart in pan
 /// among those that show enough.
 fn click(document: &mut Document, truth: &[PtzCamera], field: &FieldModel, seed: u64) {
@@ -258,14 +248,10 @@ fn landmarks_seen<'a>(
     camera: &PtzCamera,
     field: &'a FieldModel,
 ) -> Vec<(&'a Landmark, ImagePoint)> {
-    let on_ground = field.landmarks.iter();
-    on_ground
-        .filter(|landmark| landmark.nominal_m.z == 0.0)
-        .filter_map(|landmark| {
-            let at = camera.image_from_world(field.landmark_in_world(landmark));
-            let at = at.ok().filter(|at| SHARED.contains(*at))?;
-            Some((landmark, at))
-        })
+    project_landmarks(field, camera, SHARED, 0.0)
+        .into_iter()
+        .map(|seen| (&field.landmarks[seen.landmark], seen.image))
+        .filter(|(landmark, _)| landmark.nominal_m.z == 0.0)
         .collect()
 }
 

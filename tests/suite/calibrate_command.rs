@@ -12,6 +12,7 @@ use touchline::document::{
 };
 use touchline::field::Landmark;
 use touchline::geometry::ImagePoint;
+use touchline::markings::project_landmarks;
 use touchline::media::FrameReader;
 use touchline::progress::Progress;
 use touchline::proposals::read_picture;
@@ -91,15 +92,11 @@ fn click_two(project: &Path, truth: &Document) {
         truth.pointed(frame).unwrap(),
         truth.field.model(Path::new("")).unwrap(),
     );
-    let seen: Vec<(&Landmark, ImagePoint)> = field
-        .landmarks
+    let shown = project_landmarks(&field, &camera, frame.image_size, 0.0);
+    let seen: Vec<(&Landmark, ImagePoint)> = shown
         .iter()
-        .filter(|landmark| landmark.nominal_m.z == 0.0)
-        .filter_map(|landmark| {
-            let at = camera.image_from_world(field.landmark_in_world(landmark));
-            Some((landmark, at.ok()?))
-        })
-        .filter(|(_, at)| frame.image_size.contains(*at))
+        .map(|seen| (&field.landmarks[seen.landmark], seen.image))
+        .filter(|(landmark, _)| landmark.nominal_m.z == 0.0)
         .collect();
     let pairs = seen
         .iter()

@@ -62,7 +62,7 @@ impl GroundClick {
 }
 
 /// The ray of a click, with the landmark that it meets.
-struct Sight {
+struct LandmarkRay {
     ray_in_panorama: Vec3,
     /// Horizontal position of the landmark, m.
     at_m: Vec2,
@@ -76,21 +76,21 @@ pub(super) fn poses_of_pairs(
     clicks: &[GroundClick],
     field: &FieldModel,
 ) -> Vec<Vec<PanoramaPose>> {
-    let sight = |click: &GroundClick| {
+    let ray_of = |click: &GroundClick| {
         let camera = rotations.camera(click.frame);
         let ray = camera.world_direction_from_image(click.image).ok()?;
         let landmark = field.landmark(click.landmark.as_str())?;
-        Some(Sight {
+        Some(LandmarkRay {
             ray_in_panorama: ray.try_normalize(0.0)?,
             at_m: field.landmark_in_world(landmark).xy(),
         })
     };
-    let sights: Vec<Sight> = clicks.iter().filter_map(sight).collect();
+    let rays: Vec<LandmarkRay> = clicks.iter().filter_map(ray_of).collect();
     let leans = leans();
     let mut found: Vec<(f64, Vec<PanoramaPose>)> = Vec::new();
     // All pairs of clicks. The distance of the landmarks is the sort key.
-    for (index, one) in sights.iter().enumerate() {
-        for other in &sights[index + 1..] {
+    for (index, one) in rays.iter().enumerate() {
+        for other in &rays[index + 1..] {
             let poses = leans.iter().filter_map(|lean| pose_of(one, other, lean));
             let poses: Vec<PanoramaPose> = poses.collect();
             if !poses.is_empty() {
@@ -124,9 +124,9 @@ fn leans() -> Vec<Mat3> {
 /// Where rays are given by their horizontal offsets r at 1 m below the camera, on a plane at depth
 /// h they are h times as far apart: h = |P₂ − P₁| / |r₂ − r₁|. The heading is the rotation between
 /// the two difference vectors, and the position follows from one of the points.
-fn pose_of(one: &Sight, other: &Sight, lean: &Mat3) -> Option<PanoramaPose> {
-    let offset = |sight: &Sight| {
-        let ray = lean * sight.ray_in_panorama;
+fn pose_of(one: &LandmarkRay, other: &LandmarkRay, lean: &Mat3) -> Option<PanoramaPose> {
+    let offset = |to: &LandmarkRay| {
+        let ray = lean * to.ray_in_panorama;
         (ray.z < -LEAST_FALL).then(|| ray.xy() / -ray.z)
     };
     let (ray, other_ray) = (offset(one)?, offset(other)?);

@@ -46,6 +46,8 @@ impl TurfLevels {
     pub fn of(ground: &GroundPicture, area: &GroundArea) -> Self {
         let (width, height) = (ground.size().width as usize, ground.size().height as usize);
         let (columns, rows) = (width.div_ceil(BLOCK_PX), height.div_ceil(BLOCK_PX));
+        // Brightness is counted once by block; the nine blocks around a point add their counts, so that
+        // the levels of neighbouring points are alike.
         let mut counts = vec![[0_u32; 256]; columns * rows];
         for y in 0..height {
             for x in 0..width {

@@ -11,6 +11,7 @@ use touchline::camera::PtzCamera;
 use touchline::document::{Click, Document};
 use touchline::field::{FieldModel, Landmark};
 use touchline::geometry::{ImagePoint, Vec3};
+use touchline::markings::project_landmarks;
 use touchline::media::FrameReader;
 use touchline::progress::Progress;
 use touchline::proposals::read_picture;
@@ -108,18 +109,9 @@ pub fn two_clicked(
     let mut seen: Vec<(usize, ImagePoint, &Landmark)> = Vec::new();
     for index in frames {
         let (camera, size) = (&truth[index], document.frames[index].image_size);
-        for landmark in field
-            .landmarks
-            .iter()
-            .filter(|landmark| landmark.nominal_m.z == 0.0)
-        {
-            let Ok(image) = camera.image_from_world(field.landmark_in_world(landmark)) else {
-                continue;
-            };
-            if size.contains(image) {
-                seen.push((index, image, landmark));
-            }
-        }
+        let shown = project_landmarks(field, camera, size, 0.0).into_iter();
+        let shown = shown.map(|shown| (index, shown.image, &field.landmarks[shown.landmark]));
+        seen.extend(shown.filter(|(_, _, landmark)| landmark.nominal_m.z == 0.0));
     }
     let apart =
         |(one, other): &(usize, usize)| (seen[*one].2.nominal_m - seen[*other].2.nominal_m).norm();

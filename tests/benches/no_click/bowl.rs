@@ -9,6 +9,7 @@ use super::answers::{Tally, Way, answer, judge_answer, two_clicked};
 use super::drawing::{SIZE, document};
 use super::gate::Rate;
 use super::matches::{Answered, soccer};
+use super::scaled_camera::scaled_camera;
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use std::fs;
@@ -19,7 +20,7 @@ use touchline::autocalibrate::{Abstention, AutocalibrationAnswer};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{CameraId, FieldSpec, Frame};
 use touchline::field::FieldModel;
-use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+use touchline::geometry::{Angle, ImageSize, Vec3};
 use touchline::synthetic::{
     FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions, camera_path, stadium,
 };
@@ -182,18 +183,7 @@ impl DrawnClip {
             Quality::Reencoded360 => (2.0 / 3.0, [0.0, 0.0]),
             Quality::OffScreen => (SCREEN_SHARE, SCREEN_CORNER_PX),
         };
-        let at = self.base.principal_point;
-        let mut base = self.base;
-        base.principal_point = ImagePoint::new(scale * at.x + corner[0], scale * at.y + corner[1]);
-        base.distortion.at_focal_px *= scale;
-        base.distortion.per_1000_px /= scale;
-        PtzCamera::new(
-            base,
-            Ptz {
-                focal_px: scale * ptz.focal_px,
-                ..ptz
-            },
-        )
+        scaled_camera(&PtzCamera::new(self.base, ptz), scale, corner)
     }
 
     /// What is shared of a drawn picture, before it is encoded.

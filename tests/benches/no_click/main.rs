@@ -22,6 +22,7 @@ mod gate;
 mod matches;
 mod real;
 mod refused;
+mod scaled_camera;
 mod spread;
 mod wild;
 
