@@ -106,9 +106,11 @@ experiments: build-packages ## measure the paper's tables and figures again, int
 	cargo build --release --features experiments
 	rm -rf target/experiments
 	cargo run --release --quiet --features experiments -- experiment all -o target/experiments
-	mkdir -p tests/experiments && rm -f tests/experiments/*.*
-	cd target/experiments && cp README.md *-sheet.png *.svg ../../tests/experiments/
+	mkdir -p tests/experiments && cd tests/experiments && rm -f *.md *.csv *.csv.gz *.svg *.png
+	cd target/experiments && gzip -9 -n *-frames.csv *-cameras.csv *-pictures.csv
+	cd target/experiments && cp README.md README-times.md *-sheet.png *.svg *.csv *.csv.gz ../../tests/experiments/
 	printf '\n%s\n' 'Real frames and real cameras, measured: [real/README.md](real/README.md).' >> tests/experiments/README.md
+	tests/experiments/recompute.py
 
 # DATA holds folders with a clicks.json each (frames of one fixed camera, clicked, in clips) and the published data that
 # `touchline experiment --help` names. No picture of it is kept.

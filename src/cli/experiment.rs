@@ -10,15 +10,17 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use touchline_documents::report::{Provenance, Report};
 use touchline_experiments::{
-    Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs, page,
+    Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs, claims_table, page,
+    times_page,
 };
 
 /// Measures the paper's tables and figures again: data as JSON and CSV, figures as SVG and PNG, a
 /// report in Markdown.
 ///
 /// The same seed gives the same bytes; what depends on the machine is kept apart, in files whose
-/// names end with `times`. Every frame asked stands in files whose names end with `frames.csv`.
-/// `all` also writes README.md, which begins with what the paper says beside what was measured.
+/// names end with `times`. Every test frame is in files whose names end with `frames.csv`. `all`
+/// runs those of the paper and writes README.md, which begins with what the paper says beside what
+/// was measured, and README-times.md. claims.csv has the numbers of these comparisons.
 ///
 /// Frames are drawn unless others are given: the authors' published data (--data), or documents of
 /// your own (--train), whose solved frames are the truth. --data DIR is searched, with the folders
@@ -27,9 +29,9 @@ use touchline_experiments::{
 /// for a published motion (`soccer_ground_truth.json`).
 #[derive(clap::Args, Debug)]
 pub struct ExperimentArgs {
-    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov,
-    /// baselines, descriptors, pose, annotator, those that need --data: homographies, motion; or
-    /// all.
+    /// Which one: synthetic, ransac, highlights, assumptions, worldcup, errors, threshold, trees,
+    /// fov, baselines, descriptors; those that need --data: homographies, motion; all of these; or
+    /// what the paper does not have: pose, annotator.
     #[arg(value_name = "NAME", value_parser = named)]
     experiments: Chosen,
     /// The folder to write; an empty one counts as absent.
@@ -67,7 +69,8 @@ struct Chosen(Vec<Experiment>);
 
 fn named(name: &str) -> Result<Chosen, String> {
     if name == "all" {
-        return Ok(Chosen(Experiment::ALL.to_vec()));
+        let of_paper = Experiment::ALL.into_iter().filter(|one| one.is_of_paper());
+        return Ok(Chosen(of_paper.collect()));
     }
     match name.parse() {
         Ok(experiment) => Ok(Chosen(vec![experiment])),
@@ -75,8 +78,11 @@ fn named(name: &str) -> Result<Chosen, String> {
     }
 }
 
-/// The file with the reports of all experiments.
+/// The file with the reports of all experiments, that with what depends on the machine, and that
+/// with the numbers of the comparisons.
 const REPORT_FILE: &str = "README.md";
+const TIMES_FILE: &str = "README-times.md";
+const CLAIMS_FILE: &str = "claims.csv";
 
 /// Runs the experiments and writes their reports.
 ///
@@ -131,9 +137,18 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
         reports.push(report);
     }
     if reports.len() > 1 {
+        for (name, text) in [
+            (REPORT_FILE, together(&reports, &left_out, args, &options)),
+            (TIMES_FILE, times_together(&reports, args, &options)),
+        ] {
+            write_file(&folder.join(name), text.as_bytes(), args.force)?;
+        }
+    }
+    let claims = claims_table(&reports);
+    if !claims.rows.is_empty() {
         write_file(
-            &folder.join(REPORT_FILE),
-            together(&reports, &left_out, args, &options).as_bytes(),
+            &folder.join(CLAIMS_FILE),
+            claims.to_csv().as_bytes(),
             args.force,
         )?;
     }
@@ -283,10 +298,26 @@ fn together(
             text.push_str(&part);
         }
     }
-    text.push_str("\n# Times on the machine that made this report\n");
-    for report in reports.iter().filter(|report| !report.times.is_empty()) {
+    text
+}
+
+/// What depends on the machine, of all reports.
+fn times_together(
+    reports: &[Report],
+    args: &ExperimentArgs,
+    options: &ExperimentOptions,
+) -> String {
+    let mut text = format!(
+        "# Times on the machine that made this report\n\n{}\n",
+        provenance("all", true, args, options).describe()
+    );
+    let each = reports
+        .iter()
+        .filter(|report| !report.times.is_empty())
+        .map(Report::times_to_markdown);
+    for part in std::iter::once(times_page(reports)).chain(each) {
         text.push('\n');
-        text.push_str(&report.times_to_markdown());
+        text.push_str(&part);
     }
     text
 }

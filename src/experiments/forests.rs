@@ -4,8 +4,8 @@ use super::answers::{FoundCamera, FrameAnswer, RayCount};
 use super::paper::INLIER_DEG;
 use super::sets::{FrameSet, KnownFrame, Split};
 use rayon::prelude::*;
-use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
-use touchline_core::geometry::Angle;
+use touchline_core::camera::{CameraBase, PanTilt, PtzCamera};
+use touchline_core::geometry::{Angle, Vec3};
 use touchline_core::progress::Progress;
 use touchline_vision::relocalize::{
     Forest, PredictOptions, RelocalizeOptions, Samples, SeenRange, TrainOptions, candidates_of,
@@ -43,12 +43,6 @@ impl ForestKind {
             Self::Published => "--published forest",
         }
     }
-
-    /// Explains both kinds to readers of the report.
-    pub const EXPLAINED: &'static str = "Two forests are compared on the same frames: the *default* one of this program, and the \
-        *--published* one with the paper's settings (`touchline train --published`: 5 trees of 30 frames each, depth 20, a leaf that is \
-        the mean of its samples; 4 leaves a tree are asked, and a leaf may mix rays). What follows, the camera from candidate rays, is \
-        this program's for both: its own refinement and its own test of whether an answer is to be trusted.";
 
     pub fn training(self, seed: u64) -> TrainOptions {
         match self {
@@ -124,6 +118,7 @@ impl<'a> Trained<'a> {
         asking: &RelocalizeOptions,
         base_of: &(dyn Fn(&PtzCamera) -> CameraBase + Sync),
     ) -> Vec<FrameAnswer> {
+        let untested = without_test(asking);
         let of_split = |(number, split): (usize, &Split)| -> Vec<FrameAnswer> {
             let one = |&frame: &usize| {
                 let known = &self.set.frames[frame];
@@ -132,11 +127,15 @@ impl<'a> Trained<'a> {
                     return tested;
                 };
                 let base = base_of(&known.truth);
-                let answer = relocalize(&known.features, forest, seen, &base, asking);
+                let answer = relocalize(&known.features, forest, seen, &base, &untested);
                 tested.predict_ms = answer.predict_time.as_secs_f64() * 1e3;
                 tested.pose_ms = answer.pose_time.as_secs_f64() * 1e3;
-                let found = |ptz: Ptz| FoundCamera::of(self.set, frame, &PtzCamera::new(base, ptz));
-                tested.found = answer.pose.ok().map(|pose| found(pose.ptz));
+                if let Ok(pose) = answer.pose {
+                    let camera = PtzCamera::new(base, pose.ptz);
+                    tested.untested = Some(FoundCamera::of(self.set, frame, &camera));
+                    let is_sure = pose.confidence >= asking.pose.min_confidence;
+                    tested.found = tested.untested.filter(|_| is_sure);
+                }
                 tested
             };
             split.test_frames.par_iter().map(one).collect()
@@ -154,8 +153,8 @@ impl<'a> Trained<'a> {
         self.ask(asking, &|truth| *truth.base())
     }
 
-    /// Counts the features of all test frames, those with an accepted ray, and those with a first
-    /// ray within 0.5° of the true one.
+    /// Counts the features of all test frames, the rays that were predicted for them, and those
+    /// within 0.5° of the true one: the nearest of each feature, and all.
     pub fn count_rays(&self, predict: &PredictOptions) -> RayCount {
         let of_split = |(number, split): (usize, &Split)| {
             let Some((forest, _)) = &self.forests[number] else {
@@ -169,15 +168,17 @@ impl<'a> Trained<'a> {
                     ..RayCount::default()
                 };
                 for feature in 0..matches.len() {
-                    let (Some(first), Ok(truth)) = (
-                        matches.rays(feature).first(),
-                        known.truth.ray_from_image(matches.point(feature)),
-                    ) else {
+                    let rays = matches.rays(feature);
+                    let Ok(truth) = known.truth.ray_from_image(matches.point(feature)) else {
                         continue;
                     };
-                    count.passing += 1;
-                    let off = PanTilt::from_direction(*first).angle_to(truth);
-                    count.right += usize::from(off.degrees() < INLIER_DEG);
+                    let is_right = |ray: &Vec3| {
+                        PanTilt::from_direction(*ray).angle_to(truth).degrees() < INLIER_DEG
+                    };
+                    count.with_ray += usize::from(!rays.is_empty());
+                    count.nearest_right += usize::from(rays.first().is_some_and(is_right));
+                    count.rays += rays.len();
+                    count.right += rays.iter().filter(|ray| is_right(ray)).count();
                 }
                 count
             };
@@ -194,6 +195,13 @@ impl<'a> Trained<'a> {
             .map(of_split)
             .fold(RayCount::default(), RayCount::plus)
     }
+}
+
+/// The same options without the test of confidence.
+pub fn without_test(asking: &RelocalizeOptions) -> RelocalizeOptions {
+    let mut untested = asking.clone();
+    untested.pose.min_confidence = 0.0;
+    untested
 }
 
 /// Trains a forest on these frames. Returns it with the range of their views; none if they have no

@@ -1,26 +1,24 @@
-//! `IoU` as a function of the field of view, to show where relocalization fails.
+//! `IoU` as a function of the field of view, with coverage apart: where relocalization fails.
 
-use super::answers::{FrameAnswer, TALLY_EXPLAINED, Tally, over_seeds, tally_table};
+use super::answers::{FrameAnswer, Tally, frame_table, tally_table};
+use super::contrast::{Contrast, Statement};
+use super::coverage::{ViewBin, is_covered};
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
 use super::paper::{FAILURE_IOU, FAILURES_BELOW_DEG, NO_FAILURE_ABOVE_DEG};
 use super::progress::Progress;
-use super::sequences::introduce;
-use super::sets::SetKind;
+use super::sequences::{introduce_again, on_both};
+use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs, lost_iou};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
-use touchline_documents::report::{Cell, Report, Verdict};
+use touchline_documents::report::{Cell, Report, Stated, Table};
 
-/// Bounds of the bins of the field of view, degrees. They include the paper's two limits.
-const BINS_DEG: [f64; 7] = [
-    0.0,
-    15.0,
-    20.0,
-    FAILURES_BELOW_DEG,
-    30.0,
-    NO_FAILURE_ABOVE_DEG,
-    180.0,
-];
+/// Test frames of one kind of sets.
+struct Asked<'a> {
+    name: &'static str,
+    sets: &'a [FrameSet],
+    answers: &'a [FrameAnswer],
+}
 
 /// Runs the experiment.
 ///
@@ -28,146 +26,190 @@ const BINS_DEG: [f64; 7] = [
 /// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
-    let is_own = sets[0].kind == SetKind::Own;
+    let kind = sets[0].kind;
     let mut report = Report::new("fov", &sets[0].heading("Field of view: where it fails"));
-    introduce(&mut report, sets, "");
-    report.text(&format!(
-        "A failure is a frame that was not found, or whose IoU is below {FAILURE_IOU}. {TALLY_EXPLAINED}"
-    ));
-    let mut failures = Vec::new();
-    for kind in ForestKind::BOTH {
-        let answers = inputs.answers(Sets::Highlights, kind, Masks::AsTheyAre, progress)?;
-        report.figure(
-            kind.key(),
-            &format!(
-                "1 − IoU over the horizontal field of view, a dot a frame: {}; not found: 1.",
-                kind.describe()
-            ),
-            figure(answers, !is_own),
-        );
-        // Statistics by bins of the field of view; empty bins are left out.
-        let bins = BINS_DEG
-            .windows(2)
-            .map(|bin| (bin[0], bin[1]))
-            .filter_map(|(from, to)| {
-                let within: Vec<&FrameAnswer> = answers
-                    .iter()
-                    .filter(|answer| (from..to).contains(&answer.view_deg))
-                    .collect();
-                let name = if to < 180.0 {
-                    format!("{from}–{to}°")
-                } else {
-                    format!("over {from}°")
-                };
-                (!within.is_empty()).then(|| (Cell::from(name), Tally::of(within.into_iter())))
-            });
-        let tallies: Vec<(Cell, Tally)> = bins.collect();
-        let failed = tallies.iter().map(|(_, tally)| tally.failed.into());
-        let table =
-            tally_table(("view", "view"), &tallies).with_column("failures", "failures", failed);
-        report.table(
-            &format!("bins-{}", kind.key()),
-            &format!("By field of view: {}.", kind.describe()),
-            table,
-        );
-        failures.push((answers, failed_by_bound(answers.iter())));
+    introduce_again(&mut report, sets, "highlights", "");
+    let mut chosen = vec![("highlights", Sets::Highlights)];
+    if kind == SetKind::Own {
+        chosen[0].0 = "own frames";
+    } else if inputs.worldcup(progress)?[0].kind == kind {
+        chosen.push(("World Cup", Sets::WorldCup));
     }
-    // The paper's claim can be tested on synthetic frames only: their cameras are those of its
-    // table 2.
-    if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &failures[..]) {
-        let shown = |[below, between, above]: &[[usize; 2]; 3]| {
-            format!(
-                "{} of {} frames below {FAILURES_BELOW_DEG}°, {} of {} between, {} of {} above {NO_FAILURE_ABOVE_DEG}°",
-                below[0], below[1], between[0], between[1], above[0], above[1]
-            )
-        };
-        let share = |of: [usize; 2]| of[0] as f64 / of[1].max(1) as f64;
-        let more_below = over_seeds(published.0, |answers| {
-            let [below, between, _] = failed_by_bound(answers);
-            share(below) - share(between)
-        });
-        let verdict = match published.1[2] {
-            [_, 0] => Verdict::NotMeasured,
-            [0, _] => Verdict::above(more_below, 0.0),
-            _ => Verdict::Differs,
-        };
-        report.claim(
-            verdict,
-            &format!("Failures below about {FAILURES_BELOW_DEG}° of view, none above {NO_FAILURE_ABOVE_DEG}°"),
-            &format!("failures: --published {}; default forest {}", shown(&published.1), shown(&default.1)),
-            "table 2's focal lengths give hardly a view above 40°",
-        );
+    report.text(&format!(
+        "A failure is a frame that was refused, or whose IoU is below {FAILURE_IOU}. A frame is *covered* if its middle lies within the \
+         picture of one of its references, by pan: a narrow view and a view that no reference shows are two causes."
+    ));
+    let (mut rows, mut every) = (Vec::new(), Table::default());
+    for forest in [ForestKind::Published, ForestKind::Default] {
+        for (name, which) in &chosen {
+            let asked = Asked {
+                name,
+                sets: inputs.sets(*which, progress)?,
+                answers: inputs.answers(*which, forest, Masks::AsTheyAre, progress)?,
+            };
+            rows.extend(asked.by_view(forest));
+            if forest == ForestKind::Published {
+                report.figure(
+                    &format!("iou-{}", asked.file_name()),
+                    &format!(
+                        "1 − IoU of the {} over the field of view, a dot for each frame, with the paper's two limits; refused: 1.",
+                        forest.describe()
+                    ),
+                    asked.figure(kind != SetKind::Own),
+                );
+            }
+            let table = frame_table(
+                asked.sets,
+                [(format!("{}, {name}", forest.key()), asked.answers)],
+            );
+            every.columns = table.columns;
+            every.rows.extend(table.rows);
+        }
+    }
+    let failed: Vec<Cell> = rows.iter().map(|(_, tally)| tally.failed.into()).collect();
+    report.table(
+        "views",
+        "By field of view; covered or not.",
+        tally_table(("view", "forest, frames, view"), &rows)
+            .with_column("failures", "failures", failed),
+    );
+    report.data("frames", "Every frame, by forest.", every);
+    if kind == SetKind::Drawn {
+        claims(&mut report);
     }
     Ok(report)
 }
 
-/// Numbers of failures and of frames: below, between and above the paper's two limits.
-fn failed_by_bound<'a>(answers: impl IntoIterator<Item = &'a FrameAnswer>) -> [[usize; 2]; 3] {
-    let mut counted = [[0; 2]; 3];
-    for answer in answers {
-        let place = usize::from(answer.view_deg >= FAILURES_BELOW_DEG)
-            + usize::from(answer.view_deg > NO_FAILURE_ABOVE_DEG);
-        counted[place][0] += usize::from(answer.is_failure());
-        counted[place][1] += 1;
+impl Asked<'_> {
+    fn file_name(&self) -> String {
+        self.name.to_lowercase().replace(' ', "-")
     }
-    counted
+
+    /// A row for each field of view, of covered frames and of the others. Empty ones are left out.
+    fn by_view(&self, forest: ForestKind) -> Vec<(Cell, Tally)> {
+        let parts = [true, false]
+            .into_iter()
+            .flat_map(|covered| ViewBin::ALL.map(|bin| (covered, bin)));
+        let row = |(covered, bin): (bool, ViewBin)| {
+            let within: Vec<&FrameAnswer> = self
+                .answers
+                .iter()
+                .filter(|answer| ViewBin::of(answer.view_deg) == bin)
+                .filter(|answer| is_covered(&self.sets[answer.repeat], answer) == covered)
+                .collect();
+            let coverage = if covered { "covered" } else { "not covered" };
+            let name = format!(
+                "{}, {}, {}, {coverage}",
+                forest.key(),
+                self.name,
+                bin.describe()
+            );
+            (!within.is_empty()).then(|| (Cell::from(name), Tally::of(within.into_iter())))
+        };
+        parts.filter_map(row).collect()
+    }
+
+    /// 1 − `IoU` of each frame over its field of view, with the paper's limits.
+    fn figure(&self, with_paper: bool) -> Figure {
+        let points = |covered: bool| -> Vec<[f64; 2]> {
+            let answers = self
+                .answers
+                .iter()
+                .filter(|answer| is_covered(&self.sets[answer.repeat], answer) == covered);
+            answers
+                .filter_map(|answer| {
+                    let lost = (1.0 - answer.iou()?).max(lost_iou::ENDS[0]);
+                    Some([answer.view_deg, lost])
+                })
+                .collect()
+        };
+        let views = self.answers.iter().map(|answer| answer.view_deg);
+        let (least, greatest) = views.fold(
+            (FAILURES_BELOW_DEG, NO_FAILURE_ABOVE_DEG),
+            |(l, g), view| (l.min(view), g.max(view)),
+        );
+        let ends = [(least - 2.0).max(0.0).floor(), (greatest + 2.0).ceil()];
+        let mut figure = Figure::new(
+            &format!("Field of view: {}", self.name),
+            Axis::linear("horizontal field of view (°)").within(ends[0], ends[1]),
+            lost_iou::axis(),
+        )
+        .with(
+            Series::new("covered", 1, points(true))
+                .lined(Line::None)
+                .marked(Mark::Dot),
+        )
+        .with(
+            Series::new("not covered", 2, points(false))
+                .lined(Line::None)
+                .marked(Mark::Cross),
+        );
+        if with_paper {
+            let line = |name: &str, points: Vec<[f64; 2]>, line| {
+                Series::new(name, 0, points).marked(Mark::None).lined(line)
+            };
+            let failure = 1.0 - FAILURE_IOU;
+            let upright = |view: f64| vec![[view, lost_iou::ENDS[0]], [view, lost_iou::ENDS[1]]];
+            figure = figure
+                .with(line(
+                    "failures above",
+                    vec![[ends[0], failure], [ends[1], failure]],
+                    Line::Dotted,
+                ))
+                .with(line(
+                    "paper: failures left",
+                    upright(FAILURES_BELOW_DEG),
+                    Line::Dashed,
+                ))
+                .with(line(
+                    "paper: none right",
+                    upright(NO_FAILURE_ABOVE_DEG),
+                    Line::Solid,
+                ));
+        }
+        figure
+    }
 }
 
-/// 1 − `IoU` of each frame over its field of view, with the paper's limits.
-fn figure(answers: &[FrameAnswer], with_paper: bool) -> Figure {
-    let lost = |answer: &FrameAnswer| {
-        Some([
-            answer.view_deg,
-            (1.0 - answer.iou()?).max(lost_iou::ENDS[0]),
-        ])
+/// Adds the paper's two sentences on failures, tested on the frames that references cover.
+fn claims(report: &mut Report) {
+    let rows = |forest: &str, bin: ViewBin| -> [(&'static str, String); 3] {
+        [
+            ("way", format!("{forest}, highlights")),
+            ("view", bin.key().to_owned()),
+            ("covered", "1".to_owned()),
+        ]
     };
-    let (found, not_found): (Vec<&FrameAnswer>, Vec<&FrameAnswer>) =
-        answers.iter().partition(|answer| answer.found.is_some());
-    let points = |answers: &[&FrameAnswer]| {
-        answers
-            .iter()
-            .filter_map(|answer| lost(answer))
-            .collect::<Vec<_>>()
+    let more_than = |forest: &str, other: ViewBin| {
+        let [narrow, other] = [rows(forest, ViewBin::Narrow), rows(forest, other)];
+        let narrow = narrow.each_ref().map(|(key, text)| (*key, text.as_str()));
+        let other = other.each_ref().map(|(key, text)| (*key, text.as_str()));
+        Contrast::over_frames("failed").plus(&narrow).minus(&other)
     };
-    let views = || answers.iter().map(|answer| answer.view_deg);
-    let (least, greatest) = (
-        views().fold(f64::INFINITY, f64::min),
-        views().fold(FAILURES_BELOW_DEG, f64::max),
-    );
-    let ends = [(least - 2.0).max(0.0).floor(), (greatest + 2.0).ceil()];
-    let mut figure = Figure::new(
-        "",
-        Axis::linear("horizontal field of view (°)").within(ends[0], ends[1]),
-        lost_iou::axis(),
-    )
-    .with(
-        Series::new("found", 1, points(&found))
-            .lined(Line::None)
-            .marked(Mark::Dot),
-    )
-    .with(
-        Series::new("not found", 2, points(&not_found))
-            .lined(Line::None)
-            .marked(Mark::Cross),
-    );
-    if with_paper {
-        let line = |name: &str, points: Vec<[f64; 2]>, line| {
-            Series::new(name, 0, points).marked(Mark::None).lined(line)
-        };
-        let failure = 1.0 - FAILURE_IOU;
-        figure = figure.with(line(
-            "failures above",
-            vec![[ends[0], failure], [ends[1], failure]],
-            Line::Dotted,
-        ));
-        figure = figure.with(line(
-            "paper: failures left",
-            vec![
-                [FAILURES_BELOW_DEG, lost_iou::ENDS[0]],
-                [FAILURES_BELOW_DEG, lost_iou::ENDS[1]],
-            ],
-            Line::Dashed,
-        ));
+    for (words, other) in [
+        (
+            format!(
+                "Failures lie below about {FAILURES_BELOW_DEG}°: share of failures below, minus that from \
+                 {FAILURES_BELOW_DEG}° to {NO_FAILURE_ABOVE_DEG}°"
+            ),
+            ViewBin::Middle,
+        ),
+        (
+            format!(
+                "There are none above {NO_FAILURE_ABOVE_DEG}°: share of failures below {FAILURES_BELOW_DEG}°, minus that above \
+                 {NO_FAILURE_ABOVE_DEG}°"
+            ),
+            ViewBin::Wide,
+        ),
+    ] {
+        Statement {
+            comparisons: 2,
+            ..Statement::new(
+                &words,
+                Stated::Positive,
+                "of the highlights' frames that a reference covers",
+            )
+        }
+        .test(report, &on_both(|forest| more_than(forest, other)));
     }
-    figure
 }

@@ -1,6 +1,7 @@
 //! Inputs that several experiments share, each computed once.
 
 use super::answers::FrameAnswer;
+use super::calibme::{self, Chosen};
 use super::forests::{ForestKind, ask_all};
 use super::given::folder_with;
 use super::homographies::holds_homographies;
@@ -28,6 +29,7 @@ pub struct SharedInputs {
     distorted: OnceLock<Vec<FrameSet>>,
     worldcup: OnceLock<Vec<FrameSet>>,
     answers: [OnceLock<Vec<FrameAnswer>>; 8],
+    calibme: [OnceLock<Vec<Chosen>>; 2],
 }
 
 /// Number of sequences in a synthetic set like the highlights.
@@ -77,7 +79,7 @@ impl SharedInputs {
                 folder_with(data, |folder| folder.join(MOTION_FILE).is_file())
             }
             Experiment::Worldcup => published_folder(data, PublishedKind::WorldCup),
-            Experiment::Synthetic | Experiment::Ransac => None,
+            Experiment::Synthetic | Experiment::Ransac | Experiment::Assumptions => None,
             _ => published_folder(data, PublishedKind::Highlights),
         });
         found.ok_or_else(|| ExperimentError::NotGiven {
@@ -177,6 +179,17 @@ impl SharedInputs {
                 kind,
             ),
         }))
+    }
+
+    /// The answers of few references, chosen to cover the views, to all test frames of the sets.
+    pub(super) fn calibme(
+        &self,
+        sets: Sets,
+        progress: Progress,
+    ) -> Result<&[Chosen], ExperimentError> {
+        let frames = self.sets(sets, progress)?;
+        let place = usize::from(sets == Sets::WorldCup);
+        Ok(self.calibme[place].get_or_init(|| calibme::measure(frames, progress)))
     }
 
     /// Draws a set of this number of frames for each seed.

@@ -16,6 +16,8 @@ pub enum Experiment {
     /// Sequences of one match, each relocalized with the others as references: the highlights
     /// (table 2).
     Highlights,
+    /// How the highlights' results move with what their drawn scenes assume.
+    Assumptions,
     /// Two games, half of each for training: the World Cup (table 3).
     Worldcup,
     /// The distributions of the errors of rotation and focal length.
@@ -29,7 +31,7 @@ pub enum Experiment {
     /// Matching to references, nearest neighbours and the forest, as a function of the number of
     /// references.
     Baselines,
-    /// SIFT compared with ORB and AKAZE.
+    /// SIFT compared with SURF, ORB and AKAZE.
     Descriptors,
     /// Refinement of the camera with and without lens distortion.
     Pose,
@@ -44,10 +46,11 @@ pub enum Experiment {
 
 impl Experiment {
     /// All experiments, in the order of the report.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Synthetic,
         Self::Ransac,
         Self::Highlights,
+        Self::Assumptions,
         Self::Worldcup,
         Self::Errors,
         Self::Threshold,
@@ -68,6 +71,7 @@ impl Experiment {
             Self::Synthetic => "synthetic",
             Self::Ransac => "ransac",
             Self::Highlights => "highlights",
+            Self::Assumptions => "assumptions",
             Self::Worldcup => "worldcup",
             Self::Errors => "errors",
             Self::Threshold => "threshold",
@@ -87,7 +91,12 @@ impl Experiment {
     pub const fn takes_frames(self) -> bool {
         !matches!(
             self,
-            Self::Synthetic | Self::Ransac | Self::Annotator | Self::Homographies | Self::Motion
+            Self::Synthetic
+                | Self::Ransac
+                | Self::Assumptions
+                | Self::Annotator
+                | Self::Homographies
+                | Self::Motion
         )
     }
 
@@ -95,6 +104,12 @@ impl Experiment {
     #[must_use]
     pub const fn takes_seeds(self) -> bool {
         self.takes_frames() && !matches!(self, Self::Pose)
+    }
+
+    /// Whether it belongs to the comparison with the paper.
+    #[must_use]
+    pub const fn is_of_paper(self) -> bool {
+        !matches!(self, Self::Pose | Self::Annotator)
     }
 
     /// Whether it needs data that does not come with the program.

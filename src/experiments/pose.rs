@@ -1,6 +1,6 @@
 //! Refinement of the camera with and without lens distortion.
 
-use super::answers::{TALLY_EXPLAINED, Tally, frame_table, tally_table};
+use super::answers::{Tally, frame_table, tally_table};
 use super::forests::{ForestKind, Trained};
 use super::progress::Progress;
 use super::sets::SetKind;
@@ -25,7 +25,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     };
     report.text(&format!(
         "Frames: {}. {lens} The rays that the forest has learnt are right in both cases; only the optimisation differs. One seed, the default \
-         forest. {TALLY_EXPLAINED}",
+         forest.",
         set.title
     ));
     let kind = ForestKind::Default;
@@ -52,7 +52,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let ways = names.into_iter().zip(answers.iter().map(Vec::as_slice));
     report.data(
         "frames",
-        "Every frame asked, with and without k1.",
+        "Every frame, with and without k1.",
         frame_table(std::slice::from_ref(set), ways),
     );
     Ok(report)

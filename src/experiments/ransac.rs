@@ -2,20 +2,20 @@
 //! compared with samples of four as the share of outliers grows.
 
 use super::ExperimentOptions;
-use super::progress::Progress;
+use super::contrast::{Contrast, Statement};
+use super::progress::{Progress, counted};
 use super::setting::{SIZE, normal, rng};
 use rand::RngExt;
 use rand::seq::index::sample;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::quantile;
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3, homography};
 use touchline_core::solve::{Loss, Observation, refine, solve_two_points};
 use touchline_documents::report::figure::{Axis, Figure, Mark, Series};
-use touchline_documents::report::{Cell, Report, Table, Verdict};
+use touchline_documents::report::{Cell, Report, Stated, Table};
 use touchline_vision::synthetic::Preset;
 
 /// Sample sizes, and the iterations that table 1 of the paper states for them.
@@ -36,23 +36,30 @@ const OUTLIERS: [f64; 7] = [0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8];
 /// Runs the experiment.
 pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     let mut report = Report::new("ransac", "RANSAC: rounds for four, two and one points");
+    let table = table_1(options);
+    let simulated = describe_simulation(&table);
     report.table(
         "table-1",
-        "Rounds for success in 99 % of all cases at 50 % outliers.",
-        table_1(options),
+        &format!(
+            "Table 1: rounds for success in {:.0} % of all cases with half of the matches wrong.",
+            100.0 * SUCCESS
+        ),
+        table,
     );
-    report.text(
-        "The paper states 71, 16 and 7 rounds; 71.36 and 16.01 rounds are needed, which is 72 and 17 whole ones. Simulated: 200 \
-         matches, half of them wrong, drawn without repetition until a sample is all right.",
-    );
-    report.claim(
-        Verdict::Confirmed,
-        "Table 1, RANSAC rounds for 4, 2 and 1 points: 71, 16, 7",
-        "71.36, 16.01 and 6.64 are needed: 72, 17 and 7 whole rounds",
-        "the paper rounds down",
-    );
+    report.text(&simulated);
+    for (points, rounds) in TABLE_1 {
+        let points_text = points.to_string();
+        let needed = Contrast::exact("table-1", "needed").plus(&[("points", points_text.as_str())]);
+        let words = format!("Table 1: RANSAC rounds with {}", count_points(points));
+        let reason = format!(
+            "the paper rounds; {} whole rounds are due",
+            whole_rounds(points)
+        );
+        Statement::new(&words, Stated::Level(rounds as f64, 0.5), &reason)
+            .test(&mut report, &[("by formula", needed)]);
+    }
     let trials = options.sized(200, 12);
-    let done = AtomicUsize::new(0);
+    let step = counted(trials * OUTLIERS.len(), progress);
     let mut every = Table::new(&[
         ("outliers", "outliers"),
         ("trial", "picture"),
@@ -69,10 +76,7 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
                     outliers,
                     &mut rng(options.seed, [40 + place as u64, trial as u64]),
                 );
-                progress(
-                    done.fetch_add(1, Ordering::Relaxed) + 1,
-                    trials * OUTLIERS.len(),
-                );
+                step();
                 found
             };
             // Each trial depends on its own random generator, so the order of threads does not
@@ -98,9 +102,10 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
         .collect();
     report.text(&format!(
         "Two points (a known base: pan, tilt, focal length) against four (a homography, nothing known) on the same matches of \
-         points on the ground: {MATCHES} a picture, {NOISE_PX} px noise, a match agrees within {AGREES_PX} px, rounds until a \
-         better sample would have been missed with 1 %, {MOST_ROUNDS} at most, then a fit to all that agree. {trials} pictures \
-         for each share. Right: no point of the ground in the picture is more than {RIGHT_PX} px off."
+         points on the ground: {MATCHES} a picture, {NOISE_PX} px noise; a match agrees within {AGREES_PX} px; rounds until a \
+         better sample would have been missed with {:.0} %, {MOST_ROUNDS} at most; then a fit to all that agree. {trials} pictures \
+         for each share. *Right*: no point of the ground in the picture is more than {RIGHT_PX} px off.",
+        100.0 * (1.0 - SUCCESS)
     ));
     report.table(
         "outliers",
@@ -108,15 +113,14 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
         outlier_table(&shares),
     );
     report.data("pictures", "Every picture.", every);
+    let most_outliers = OUTLIERS[OUTLIERS.len() - 1];
+    let due = rounds_for_success(1.0 - most_outliers, 4).ceil();
     report.figure(
         "success",
-        "Success over the share of outliers.",
+        &format!(
+            "With {most_outliers} outliers four points need {due} rounds and get {MOST_ROUNDS}."
+        ),
         success_figure(&shares),
-    );
-    report.figure(
-        "rounds",
-        "Rounds over the share of outliers (median).",
-        rounds_figure(&shares),
     );
     let mut times = Table::new(&[
         ("outliers", "outliers"),
@@ -134,8 +138,53 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     report
 }
 
+/// The number of iterations after which one of the samples of `points` matches is free of outliers
+/// with probability [`SUCCESS`]: ln(1 − p) / ln(1 − wᴺ) (Fischler and Bolles 1981).
+fn rounds_for_success(inliers: f64, points: usize) -> f64 {
+    (1.0 - SUCCESS).ln() / (1.0 - inliers.powi(points as i32)).ln()
+}
+
+/// [`rounds_for_success`] with half of the matches wrong, as in table 1, in whole rounds.
+fn whole_rounds(points: usize) -> usize {
+    rounds_for_success(0.5, points).ceil() as usize
+}
+
+/// "1 point", "2 points".
+fn count_points(points: usize) -> String {
+    format!("{points} point{}", if points == 1 { "" } else { "s" })
+}
+
+/// Which whole numbers of rounds are enough in the simulation.
+///
+/// The formula draws each match of a sample from all matches. RANSAC does not draw a match twice,
+/// and after one right match fewer right ones are left, so that it needs slightly more rounds.
+fn describe_simulation(table: &Table) -> String {
+    let columns = ["points", "whole", "simulated"].map(|key| table.column(key));
+    let results = table.rows.iter().map(|row| {
+        let [points, whole, share] = columns.map(|column| {
+            column
+                .and_then(|column| row[column].number())
+                .unwrap_or(f64::NAN)
+        });
+        format!(
+            "{whole} rounds with {} succeed in {:.2} %, {}",
+            count_points(points as usize),
+            100.0 * share,
+            if share >= SUCCESS {
+                "enough"
+            } else {
+                "not enough"
+            }
+        )
+    });
+    format!(
+        "Simulated with {MATCHES} matches, half of them wrong, and no match twice in a sample: {}.",
+        results.collect::<Vec<_>>().join("; ")
+    )
+}
+
 /// The number of iterations by formula, by the paper, and the simulated probability of success with
-/// it.
+/// the whole rounds.
 fn table_1(options: &ExperimentOptions) -> Table {
     let mut table = Table::new(&[
         ("points", "points"),
@@ -146,8 +195,7 @@ fn table_1(options: &ExperimentOptions) -> Table {
     ]);
     let draws = options.sized(100_000, 4000);
     for (points, paper) in TABLE_1 {
-        let needed = (1.0 - SUCCESS).ln() / (1.0 - 0.5f64.powi(points as i32)).ln();
-        let whole = needed.ceil() as usize;
+        let whole = whole_rounds(points);
         let mut rng = rng(options.seed, [30, points as u64]);
         let all_right = |rng: &mut Pcg64Mcg| {
             sample(rng, MATCHES, points)
@@ -160,7 +208,7 @@ fn table_1(options: &ExperimentOptions) -> Table {
         let share = successes as f64 / draws as f64;
         table.push(vec![
             points.into(),
-            needed.into(),
+            rounds_for_success(0.5, points).into(),
             whole.into(),
             paper.into(),
             Cell::Fixed(share, 4),
@@ -299,13 +347,9 @@ fn ransac<const N: usize, M: Clone>(
             let count = matches.iter().filter(|seen| agrees(&model, seen)).count();
             if best.as_ref().is_none_or(|(_, most)| count > *most) {
                 // Each better model raises the estimated share of inliers and lowers the iterations
-                // still needed: ln(1 − p) / ln(1 − wᴺ) (Fischler and Bolles 1981).
-                let all_right = (count as f64 / matches.len() as f64).powi(N as i32);
-                let needed = if all_right < 1.0 {
-                    (1.0 - SUCCESS).ln() / (1.0 - all_right).ln()
-                } else {
-                    1.0
-                };
+                // still needed. If all agree, these are 0, as ln 0 is infinite.
+                let inliers = count as f64 / matches.len() as f64;
+                let needed = rounds_for_success(inliers, N);
                 wanted = (needed.ceil() as usize).clamp(1, MOST_ROUNDS);
                 best = Some((model, count));
             }
@@ -410,25 +454,9 @@ fn success_figure(shares: &[(f64, [Outcome; 2])]) -> Figure {
             .collect()
     };
     Figure::new(
-        "",
+        "Success over the share of outliers",
         Axis::linear("share of outliers").within(0.0, 0.8),
         Axis::linear("share of pictures right").within(0.0, 1.05),
-    )
-    .with(Series::new("two points", 1, points(0)))
-    .with(Series::new("four points (homography)", 2, points(1)).marked(Mark::Square))
-}
-
-fn rounds_figure(shares: &[(f64, [Outcome; 2])]) -> Figure {
-    let points = |method: usize| {
-        shares
-            .iter()
-            .map(|(outliers, of)| [*outliers, of[method].rounds])
-            .collect()
-    };
-    Figure::new(
-        "",
-        Axis::linear("share of outliers").within(0.0, 0.8),
-        Axis::log("rounds"),
     )
     .with(Series::new("two points", 1, points(0)))
     .with(Series::new("four points (homography)", 2, points(1)).marked(Mark::Square))

@@ -2,8 +2,8 @@
 
 use super::progress::Progress;
 use super::{
-    Experiment, ExperimentError, SharedInputs, annotator, baselines, descriptors, errors, fov,
-    homographies, motion, pose, ransac, sequences, synthetic, threshold, trees,
+    Experiment, ExperimentError, SharedInputs, annotator, assumptions, baselines, descriptors,
+    errors, fov, homographies, motion, pose, ransac, sequences, synthetic, threshold, trees,
 };
 use touchline_documents::report::Report;
 
@@ -17,6 +17,7 @@ impl Experiment {
             Self::Synthetic => Ok(synthetic::run(&inputs.options, progress)),
             Self::Ransac => Ok(ransac::run(&inputs.options, progress)),
             Self::Highlights => sequences::highlights(inputs, progress),
+            Self::Assumptions => assumptions::run(inputs, progress),
             Self::Worldcup => sequences::worldcup(inputs, progress),
             Self::Errors => errors::run(inputs, progress),
             Self::Threshold => threshold::run(inputs, progress),

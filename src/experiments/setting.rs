@@ -15,8 +15,8 @@ const TILT_DEG: [f64; 2] = [-14.0, -5.0];
 const FOCAL_PX: [f64; 2] = [1500.0, 5000.0];
 /// Number of rays in a picture.
 pub const RAYS: usize = 200;
-/// Share of the rays to points outside the field.
-const OUTSIDE: f64 = 0.9;
+/// Share of the rays to points outside the field, by the paper.
+pub const OUTSIDE: f64 = 0.9;
 /// Length and width of the paper's field, yards.
 pub const FIELD_YD: [f64; 2] = [118.0, 70.0];
 /// Half the length and width of the field, m; and the distance of boards and stands from it, m.

@@ -1,17 +1,15 @@
 //! The threshold on distances of descriptors: table 4 of the paper.
 
-use super::answers::{
-    FrameAnswer, RayCount, TALLY_EXPLAINED, Tally, describe_difference, difference,
-    interval_over_seeds, tally_table,
-};
+use super::answers::{FrameAnswer, RayCount, Tally, frame_table, tally_table};
+use super::contrast::{Contrast, Statement};
 use super::forests::{ForestKind, Trained};
 use super::paper::{INLIER_DEG, TABLE_4};
 use super::progress::Progress;
-use super::sequences::introduce;
+use super::sequences::{introduce_again, on_both};
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
-use touchline_documents::report::{Cell, Report, Table, Verdict};
+use touchline_documents::report::{Cell, Report, Stated, Table};
 use touchline_vision::relocalize::{PredictOptions, RelocalizeOptions};
 
 /// The thresholds: squared distances of descriptors of unit length. These are at most 2, so the
@@ -19,12 +17,13 @@ use touchline_vision::relocalize::{PredictOptions, RelocalizeOptions};
 const GATES: [f32; 7] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 4.0];
 const PUBLISHED_GATE: f32 = 0.2;
 const NO_GATE: f32 = 4.0;
+/// Where the figure shows the forest without a gate.
+const NO_GATE_AT: f64 = 0.75;
 
 /// The results with one threshold.
 struct AtGate {
     gate: f32,
     answers: Vec<FrameAnswer>,
-    tally: Tally,
     /// Counts for each seed.
     rays: Vec<RayCount>,
 }
@@ -39,15 +38,14 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         "threshold",
         &sets[0].heading("Threshold: table 4, the gate on descriptors' distances"),
     );
-    introduce(
+    introduce_again(
         &mut report,
         sets,
+        "highlights",
         "A leaf farther than the gate (squared distance of unit descriptors) is no match.",
     );
-    report.text(ForestKind::EXPLAINED);
     report.text(&format!(
-        "*Passing* is the share of features with a ray that passes the gate, *Inlier.5* the share of those whose nearest ray lies \
-         within {INLIER_DEG}° of the true one. {TALLY_EXPLAINED}"
+        "*Inlier.5* counts the predictions of every tree, as the paper does: the share of them within {INLIER_DEG}° of the true ray."
     ));
     let gates: &[f32] = if inputs.options.quick {
         &[0.1, PUBLISHED_GATE, NO_GATE]
@@ -55,40 +53,42 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         &GATES
     };
     let mut axes = Figure::new(
-        "",
-        Axis::linear("gate (squared distance)").within(0.0, 0.65),
+        "The gate on descriptors' distances",
+        Axis::linear("gate (squared distance; the last: none)").within(0.0, NO_GATE_AT + 0.05),
         Axis::linear("Inlier.5, or mean IoU").within(0.0, 1.05),
     );
-    let mut both = Vec::new();
-    for (number, kind) in ForestKind::BOTH.into_iter().enumerate() {
+    let (mut rows, mut rays, mut ways) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, kind) in [ForestKind::Published, ForestKind::Default]
+        .into_iter()
+        .enumerate()
+    {
         let measured = measure(sets, kind, gates, &|done, total| {
             progress(number * total + done, 2 * total);
         });
-        report.table(
-            &format!("gates-{}", kind.key()),
-            &format!(
-                "By gate: {}; the published gate is {PUBLISHED_GATE}.",
-                kind.describe()
-            ),
-            gate_table(&measured, sets[0].kind != SetKind::Own),
-        );
-        let points = |of: &dyn Fn(&AtGate) -> f64| {
-            let gated = measured.iter().filter(|at| at.gate < NO_GATE);
-            gated
-                .map(|at| [f64::from(at.gate), of(at)])
-                .collect::<Vec<_>>()
-        };
         let line = if number == 0 {
             Line::Solid
         } else {
             Line::Dashed
+        };
+        let points = |of: &dyn Fn(&AtGate) -> f64| {
+            let place = |gate: f32| {
+                if gate < NO_GATE {
+                    f64::from(gate)
+                } else {
+                    NO_GATE_AT
+                }
+            };
+            measured
+                .iter()
+                .map(|at| [place(at.gate), of(at)])
+                .collect::<Vec<_>>()
         };
         axes = axes
             .with(
                 Series::new(
                     &format!("IoU, {}", kind.key()),
                     1,
-                    points(&|at| at.tally.iou_mean),
+                    points(&|at| Tally::of(at.answers.iter()).iou_mean),
                 )
                 .lined(line),
             )
@@ -96,22 +96,84 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
                 Series::new(
                     &format!("Inlier.5, {}", kind.key()),
                     2,
-                    points(&AtGate::inliers),
+                    points(&|at| inliers(at.all_rays())),
                 )
                 .lined(line)
                 .marked(Mark::Square),
             );
-        both.push(measured);
+        for at in measured {
+            let way = way(kind.key(), at.gate);
+            let tally = Tally::of(at.answers.iter());
+            rows.push((Cell::from(way.as_str()), tally, at.all_rays(), at.gate));
+            rays.extend(
+                at.rays
+                    .iter()
+                    .zip(sets)
+                    .map(|(count, set)| ray_row(&way, set.seed, *count)),
+            );
+            ways.push((way, at.answers));
+        }
+    }
+    if sets[0].kind != SetKind::Own {
+        axes = with_paper(axes);
     }
     report.figure(
         "gates",
-        "Mean IoU (not found: 0) and the share of passing rays within .5° of the true one, by gate.",
+        "Mean IoU (refused: 0) and Inlier.5 by gate; black: the paper.",
         axes,
     );
-    if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &both[..]) {
-        claims(&mut report, default, published);
+    report.table(
+        "gates",
+        "By gate.",
+        gate_table(&rows, sets[0].kind != SetKind::Own),
+    );
+    let mut counted = Table::new(&[
+        ("way", "way"),
+        ("seed", "seed"),
+        ("features", "features"),
+        ("with_ray", "with a ray"),
+        ("nearest_right", "nearest right"),
+        ("rays", "rays"),
+        ("right", "right"),
+        ("inlier_5", "Inlier.5"),
+    ]);
+    counted.rows = rays;
+    report.data("rays", "Features and rays, by gate and seed.", counted);
+    let each = ways.iter().map(|(way, answers)| (way, &answers[..]));
+    report.data("frames", "Every frame, by gate.", frame_table(sets, each));
+    if sets[0].kind == SetKind::Drawn {
+        claims(&mut report);
     }
     Ok(report)
+}
+
+/// The name of a forest with a gate in files.
+fn way(kind: &str, gate: f32) -> String {
+    if gate < NO_GATE {
+        format!("{kind} {gate}")
+    } else {
+        format!("{kind} no gate")
+    }
+}
+
+/// Adds the paper's four numbers to the figure.
+fn with_paper(mut axes: Figure) -> Figure {
+    let places = [NO_GATE_AT, f64::from(PUBLISHED_GATE)];
+    for (column, (name, mark)) in [
+        ("paper: Inlier.5", Mark::Square),
+        ("paper: IoU", Mark::Disc),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let points = places
+            .iter()
+            .zip(TABLE_4)
+            .map(|(place, stated)| [*place, stated[column]]);
+        let series = Series::new(name, 0, points.collect());
+        axes = axes.with(series.lined(Line::None).marked(mark));
+    }
+    axes
 }
 
 impl AtGate {
@@ -122,16 +184,11 @@ impl AtGate {
             .copied()
             .fold(RayCount::default(), RayCount::plus)
     }
-
-    /// The share of accepted rays that are correct.
-    fn inliers(&self) -> f64 {
-        inliers(self.all_rays())
-    }
 }
 
-/// The share of accepted rays that are correct.
+/// The share of predicted rays that are right.
 fn inliers(rays: RayCount) -> f64 {
-    rays.right as f64 / rays.passing.max(1) as f64
+    rays.right as f64 / rays.rays.max(1) as f64
 }
 
 /// Trains each set's forests once, and relocalizes with each threshold.
@@ -154,95 +211,82 @@ fn measure(sets: &[FrameSet], kind: ForestKind, gates: &[f32], progress: Progres
     let each = gates.iter().zip(answers).zip(rays);
     each.map(|((gate, answers), rays)| AtGate {
         gate: *gate,
-        tally: Tally::of(answers.iter()),
         answers,
         rays,
     })
     .collect()
 }
 
-fn gate_table(measured: &[AtGate], with_paper: bool) -> Table {
-    let name = |gate: f32| {
-        if gate < NO_GATE {
-            Cell::Fixed((f64::from(gate) * 1e6).round() / 1e6, 2)
-        } else {
-            "no gate".into()
-        }
-    };
-    let tallies: Vec<(Cell, Tally)> = measured
+/// The counts of rays of one seed.
+fn ray_row(way: &str, seed: u64, count: RayCount) -> Vec<Cell> {
+    let mut row: Vec<Cell> = vec![way.into(), (seed as usize).into()];
+    row.extend(
+        [
+            count.features,
+            count.with_ray,
+            count.nearest_right,
+            count.rays,
+            count.right,
+        ]
+        .map(Cell::from),
+    );
+    row.push(inliers(count).into());
+    row
+}
+
+/// A row for each forest and gate.
+fn gate_table(rows: &[(Cell, Tally, RayCount, f32)], with_paper: bool) -> Table {
+    let tallies: Vec<(Cell, Tally)> = rows
         .iter()
-        .map(|at| (name(at.gate), at.tally))
+        .map(|(name, tally, ..)| (name.clone(), *tally))
         .collect();
-    let share = |count: usize, of: usize| Cell::Fixed(count as f64 / of.max(1) as f64, 3);
-    let rays: Vec<RayCount> = measured.iter().map(AtGate::all_rays).collect();
-    let passing = rays.iter().map(|rays| share(rays.passing, rays.features));
-    let inliers = rays.iter().map(|rays| Cell::Fixed(inliers(*rays), 3));
-    let table = tally_table(("gate", "gate"), &tallies)
-        .with_column("passing", "passing", passing)
-        .with_column("inlier_5", "Inlier.5", inliers);
+    let shares = rows
+        .iter()
+        .map(|(.., rays, _)| Cell::Fixed(inliers(*rays), 3));
+    let nearest = rows.iter().map(|(.., rays, _)| {
+        Cell::Fixed(rays.nearest_right as f64 / rays.with_ray.max(1) as f64, 3)
+    });
+    let table = tally_table(("gate", "forest, gate"), &tallies)
+        .with_column("inlier_5", "Inlier.5", shares)
+        .with_column("nearest_inlier_5", "", nearest);
     if !with_paper {
         return table;
     }
     let [without, with] = TABLE_4;
-    let of_paper = |at: &AtGate| match at.gate {
-        NO_GATE => Some(without),
-        PUBLISHED_GATE => Some(with),
-        _ => None,
+    let stated = |gate: f32| match gate {
+        NO_GATE => format!("{}, {}", without[0], without[1]).into(),
+        PUBLISHED_GATE => format!("{}, {}", with[0], with[1]).into(),
+        _ => Cell::Empty,
     };
-    let stated = |column: usize| {
-        let of = move |at: &AtGate| {
-            of_paper(at).map_or(Cell::Empty, |stated| Cell::Fixed(stated[column], 2))
-        };
-        measured.iter().map(of).collect::<Vec<_>>()
-    };
-    table
-        .with_column("paper_inlier_5", "paper: Inlier.5", stated(0))
-        .with_column("paper_iou", "paper: IoU", stated(1))
+    let stated = rows.iter().map(|(.., gate)| stated(*gate));
+    table.with_column("paper", "paper: Inlier.5, IoU", stated)
 }
 
-/// Adds the claims that compare both forests with table 4.
-fn claims(report: &mut Report, default: &[AtGate], published: &[AtGate]) {
-    fn pair(measured: &[AtGate]) -> Option<[&AtGate; 2]> {
-        let at = |gate: f32| measured.iter().find(|at| at.gate == gate);
-        Some([at(NO_GATE)?, at(PUBLISHED_GATE)?])
-    }
-    let (Some(of_default), Some(of_published)) = (pair(default), pair(published)) else {
-        return;
-    };
+/// Adds the claims of table 4.
+fn claims(report: &mut Report) {
     let [[rays_without, iou_without], [rays_with, iou_with]] = TABLE_4;
-    let shown = |[without, with]: [&AtGate; 2], of: fn(&AtGate) -> f64| {
-        format!("{:.2} → {:.2}", of(without), of(with))
+    let gain = |start: Contrast, kind: &str| {
+        start
+            .plus(&[("way", &way(kind, PUBLISHED_GATE))])
+            .minus(&[("way", &way(kind, NO_GATE))])
     };
-    let of_iou = |at: &AtGate| at.tally.iou_mean;
-    let [without, with] = of_published;
-    let more_rays: Vec<f64> = with
-        .rays
-        .iter()
-        .zip(&without.rays)
-        .map(|(with, without)| inliers(*with) - inliers(*without))
-        .collect();
-    let more_rays = interval_over_seeds(&more_rays);
-    report.claim(
-        Verdict::above(more_rays, 0.0),
-        &format!("Table 4: the gate raises rays within .5° from {rays_without} to {rays_with}"),
-        &format!(
-            "--published {} (difference {}); default forest {}",
-            shown(of_published, AtGate::inliers),
-            describe_difference(more_rays),
-            shown(of_default, AtGate::inliers)
-        ),
+    let rounded = |number: f64| (number * 100.0).round() / 100.0;
+    Statement::new(
+        &format!("Table 4: the gate raises Inlier.5 from {rays_without} to {rays_with}"),
+        Stated::Effect(rounded(rays_with - rays_without)),
         "",
+    )
+    .test(
+        report,
+        &on_both(|kind| gain(Contrast::over("rays", "inlier_5", "seed"), kind)),
     );
-    let gain = difference(&with.answers, &without.answers, |tally| tally.iou_mean);
-    report.claim(
-        Verdict::above(gain, 0.0),
+    Statement::new(
         &format!("Table 4: the gate raises IoU from {iou_without} to {iou_with}"),
-        &format!(
-            "--published {} (difference {}); default forest {}",
-            shown(of_published, of_iou),
-            describe_difference(gain),
-            shown(of_default, of_iou)
-        ),
-        "both of ours find the camera by a robust search that tells wrong rays without a gate as well; the paper's needs it",
+        Stated::Effect(rounded(iou_with - iou_without)),
+        "our search for the camera tells wrong rays without a gate as well; the paper's needs it",
+    )
+    .test(
+        report,
+        &on_both(|kind| gain(Contrast::over_frames("iou_part"), kind)),
     );
 }

@@ -1,26 +1,22 @@
 //! The number of trees, from one to ten: its effect on the distribution of 1 − `IoU`.
 
-use super::answers::{FrameAnswer, difference, mean_sd};
+use super::answers::{FrameAnswer, Tally, frame_table, tally_table};
+use super::contrast::{Contrast, Statement};
 use super::forests::{ForestKind, Trained};
 use super::paper::ENOUGH_TREES;
 use super::progress::Progress;
-use super::sequences::introduce;
+use super::sequences::{introduce_again, on_both};
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs, lost_iou};
-use touchline_core::geometry::quantile;
-use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
-use touchline_documents::report::{Cell, Column, Report, Table, Verdict};
+use touchline_documents::report::figure::{Axis, Figure, Line, Series};
+use touchline_documents::report::{Cell, Report, Stated};
 use touchline_vision::relocalize::TrainOptions;
 
-/// The quantiles of 1 − `IoU` in tables and figures.
-const QUANTILES: [(f64, &str); 4] = [
-    (0.5, "median"),
-    (0.75, "75 %"),
-    (0.9, "90 %"),
-    (0.95, "95 %"),
-];
-/// A gain of mean `IoU` up to this counts as none.
-const IMPROVES: f64 = 0.005;
+/// Numbers of trees; the last one is the most that the paper shows.
+const COUNTS: [usize; 10] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
+const QUICK_COUNTS: [usize; 3] = [1, 2, 5];
+/// The numbers of trees in the figure and the table.
+const IN_FIGURE: [usize; 4] = [1, 2, 5, 10];
 
 /// Runs the experiment.
 ///
@@ -29,107 +25,126 @@ const IMPROVES: f64 = 0.005;
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let mut report = Report::new("trees", &sets[0].heading("Trees: how many are needed"));
-    introduce(
-        &mut report,
-        sets,
-        "1 − IoU of all frames asked; not found counts as 1.",
-    );
-    report.text(ForestKind::EXPLAINED);
+    introduce_again(&mut report, sets, "highlights", "");
     let counts: &[usize] = if inputs.options.quick {
-        &[1, 2, 5]
+        &QUICK_COUNTS
     } else {
-        &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10]
+        &COUNTS
     };
-    let mut both = Vec::new();
-    for (number, kind) in ForestKind::BOTH.into_iter().enumerate() {
+    let mut ways: Vec<(String, Vec<FrameAnswer>)> = Vec::new();
+    for (number, kind) in [ForestKind::Published, ForestKind::Default]
+        .into_iter()
+        .enumerate()
+    {
         let answers = measure(sets, kind, counts, &|done, total| {
             progress(number * total + done, 2 * total);
         });
-        let lost: Vec<Vec<f64>> = answers.iter().map(|answer| lost(answer)).collect();
-        let mut figure = Figure::new(
-            "",
-            Axis::linear("trees").within(0.0, counts.last().copied().unwrap_or(1) as f64 + 0.5),
-            lost_iou::axis(),
-        );
-        let styles = [
-            (Mark::Disc, Line::Solid),
-            (Mark::Square, Line::Dashed),
-            (Mark::Triangle, Line::Dotted),
-            (Mark::Cross, Line::Solid),
-        ];
-        for (place, ((share, name), (mark, line))) in QUANTILES.into_iter().zip(styles).enumerate()
-        {
-            let points = counts
-                .iter()
-                .zip(&lost)
-                .map(|(trees, lost)| [*trees as f64, quantile(lost, share).max(lost_iou::ENDS[0])]);
-            figure = figure.with(
-                Series::new(name, place + 1, points.collect())
-                    .marked(mark)
-                    .lined(line),
+        if kind == ForestKind::Published {
+            report.figure(
+                kind.key(),
+                &format!(
+                    "Share of frames within 1 − IoU, a curve for each number of trees: {}.",
+                    kind.describe()
+                ),
+                figure(counts, &answers),
             );
         }
-        report.figure(
-            kind.key(),
-            &format!(
-                "The distribution of 1 − IoU by the number of trees: {} (quantiles of all frames; 1: not found).",
-                kind.describe()
-            ),
-            figure,
-        );
-        report.table(
-            kind.key(),
-            &format!("1 − IoU: {}.", kind.describe()),
-            table(counts, &lost),
-        );
-        both.push(answers);
+        let named = counts.iter().map(|trees| way(kind.key(), *trees));
+        ways.extend(named.zip(answers));
     }
-    if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &both[..]) {
-        let shown = |answers: &[Vec<FrameAnswer>]| {
-            let each = counts
-                .iter()
-                .zip(answers)
-                .filter(|(trees, _)| [1, 2, 5, 10].contains(*trees));
-            let means = each.map(|(trees, answers)| {
-                format!("{trees}: {:.3}", 1.0 - mean_sd(&lost(answers))[0])
-            });
-            means.collect::<Vec<_>>().join(", ")
-        };
-        let at = counts
-            .iter()
-            .position(|trees| *trees == ENOUGH_TREES)
-            .unwrap_or(0);
-        let gain = |to: usize, from: usize| {
-            difference(&published[to], &published[from], |tally| tally.iou_mean)
-        };
-        // Contradicted if more trees are better by more than [`IMPROVES`], by the whole interval.
-        let verdict = match Verdict::above(gain(at, 0), 0.0) {
-            Verdict::Confirmed
-                if (at + 1..counts.len()).any(|more| gain(more, at)[0] > IMPROVES) =>
-            {
-                Verdict::Differs
-            }
-            verdict => verdict,
-        };
-        report.claim(
-            verdict,
-            &format!("The distribution of 1 − IoU improves up to about {ENOUGH_TREES} trees"),
-            &format!("mean IoU by trees: --published {}; default forest {}", shown(published), shown(default)),
-            "beyond, little is gained and the seeds are few; a tree of the default forest holds every sample, so that one tree is nearly as good as ten",
-        );
+    let shown = ways
+        .iter()
+        .zip(counts.iter().cycle())
+        .filter(|(_, trees)| IN_FIGURE.contains(trees));
+    let tallies: Vec<(Cell, Tally)> = shown
+        .map(|((way, answers), _)| (way.as_str().into(), Tally::of(answers.iter())))
+        .collect();
+    report.table(
+        "counts",
+        "By number of trees.",
+        tally_table(("trees", "forest, trees"), &tallies),
+    );
+    let each = ways.iter().map(|(way, answers)| (way, &answers[..]));
+    report.data(
+        "frames",
+        "Every frame, by number of trees.",
+        frame_table(sets, each),
+    );
+    if sets[0].kind == SetKind::Drawn {
+        claims(&mut report, counts);
     }
     Ok(report)
 }
 
-/// 1 − `IoU` of all frames, ascending.
-fn lost(answers: &[FrameAnswer]) -> Vec<f64> {
-    let mut lost: Vec<f64> = answers
+/// The name of a forest with so many trees in files.
+fn way(kind: &str, trees: usize) -> String {
+    format!("{kind} {trees}")
+}
+
+/// Adds the paper's sentence in two parts: trees help up to about five, and hardly beyond.
+fn claims(report: &mut Report, counts: &[usize]) {
+    let most = counts.last().copied().unwrap_or(1);
+    let mean = |contrast: Contrast, weight: f64, kind: &str, trees: usize| {
+        contrast.weighted(weight, &[("way", &way(kind, trees))])
+    };
+    let start = || Contrast::over_frames("iou_part");
+    Statement {
+        comparisons: 2,
+        ..Statement::new(
+            &format!("More trees help up to about {ENOUGH_TREES}: IoU with {ENOUGH_TREES} minus that with one"),
+            Stated::Positive,
+            "a tree of the default forest holds every sample, so that one is nearly as good as ten",
+        )
+    }
+    .test(
+        report,
+        &on_both(|kind| mean(mean(start(), 1.0, kind, ENOUGH_TREES), -1.0, kind, 1)),
+    );
+    // Of the gain of all trees less than a half is left beyond: (IoU₁₀ − IoU₅) − (IoU₅ − IoU₁) < 0.
+    Statement {
+        comparisons: 2,
+        ..Statement::new(
+            &format!("… and hardly beyond: the gain from {ENOUGH_TREES} to {most}, minus that up to {ENOUGH_TREES}"),
+            Stated::AtMost(0.0),
+            "",
+        )
+    }
+    .test(
+        report,
+        &on_both(|kind| {
+            let gains = mean(mean(start(), 1.0, kind, most), -2.0, kind, ENOUGH_TREES);
+            mean(gains, 1.0, kind, 1)
+        }),
+    );
+}
+
+/// The cumulative distribution of 1 − `IoU` for some numbers of trees, as the paper draws it.
+fn figure(counts: &[usize], answers: &[Vec<FrameAnswer>]) -> Figure {
+    let mut figure = Figure::new(
+        "1 − IoU by the number of trees",
+        lost_iou::axis(),
+        Axis::linear("share of frames").within(0.0, 1.0),
+    );
+    let lines = [Line::Dotted, Line::Dashed, Line::Solid, Line::Dashed];
+    let shown = counts
         .iter()
-        .filter_map(FrameAnswer::iou)
-        .map(|iou| 1.0 - iou)
-        .collect();
-    lost.sort_by(f64::total_cmp);
-    lost
+        .zip(answers)
+        .filter(|(trees, _)| IN_FIGURE.contains(trees));
+    for (number, ((trees, answers), line)) in shown.zip(lines).enumerate() {
+        let lost: Vec<f64> = answers
+            .iter()
+            .filter(|answer| answer.found.is_some())
+            .filter_map(|answer| Some((1.0 - answer.iou()?).max(lost_iou::ENDS[0])))
+            .collect();
+        let name = if *trees == 1 {
+            "1 tree".to_owned()
+        } else {
+            format!("{trees} trees")
+        };
+        figure =
+            figure.with(Series::cumulative(&name, number + 1, &lost, answers.len()).lined(line));
+    }
+    figure
 }
 
 /// The results of all test frames, for each number of trees.
@@ -153,20 +168,4 @@ fn measure(
         }
     }
     answers
-}
-
-fn table(counts: &[usize], lost: &[Vec<f64>]) -> Table {
-    let mut table = Table::new(&[("trees", "trees"), ("mean", "mean"), ("sd", "SD")]);
-    for (share, name) in QUANTILES {
-        table
-            .columns
-            .push(Column::new(&format!("quantile_{}", 100.0 * share), name));
-    }
-    for (trees, lost) in counts.iter().zip(lost) {
-        let [mean, sd] = mean_sd(lost);
-        let mut row: Vec<Cell> = vec![(*trees).into(), Cell::Fixed(mean, 4), Cell::Fixed(sd, 4)];
-        row.extend(QUANTILES.map(|(share, _)| Cell::Fixed(quantile(lost, share), 4)));
-        table.push(row);
-    }
-    table
 }

@@ -49,7 +49,16 @@ fn data_figures_and_report_are_written_and_repeat() {
     assert!(one["ransac-table-1.csv"].starts_with(b"points,needed,whole,paper,simulated\n"));
     let json: serde_json::Value = serde_json::from_slice(&one["ransac.json"]).unwrap();
     assert!(json["tables"]["ransac-outliers"].is_array());
-    assert_eq!(json["claims"][0]["verdict"], "confirmed");
+    let claims = String::from_utf8(one["claims.csv"].clone()).unwrap();
+    let first = claims.lines().nth(1).unwrap();
+    assert!(
+        first.starts_with("Table 1: RANSAC rounds with 4 points,by formula,number,71,0.5,1,71.3"),
+        "{first}"
+    );
+    assert!(
+        first.contains(",confirmed,ransac-table-1,needed,,points=4: 1"),
+        "{first}"
+    );
     let made_by = &json["made_by"];
     assert_eq!(
         made_by["command"],
@@ -114,45 +123,56 @@ fn drawn_games_have_the_papers_row_beside_them_and_every_frame_in_a_file() {
     let out = files(&folder.path().join("out"));
     let report = String::from_utf8(out["worldcup.md"].clone()).unwrap();
     assert!(
-        report.contains("| paper: IoU ± SD | paper: CalibMe |"),
+        report.contains("| IoU of the whole | paper: IoU ± SD |"),
         "{report}"
     );
-    assert!(
-        report.contains("| .99 ± .01 | .84 ± .24 |")
-            && report.contains("By sequence: --published forest."),
-        "{report}"
-    );
+    let row = |start: &str| report.lines().find(|line| line.starts_with(start));
+    let row = row("| published, BRA–MEX |").unwrap();
+    assert!(row.ends_with("| .99 ± .01 |"), "{row}");
     let frames = String::from_utf8(out["worldcup-frames.csv"].clone()).unwrap();
     let mut lines = frames.lines();
     assert!(
         lines
             .next()
             .unwrap()
-            .starts_with("way,seed,sequence,frame,view_deg,found,iou_part,")
+            .starts_with("way,seed,sequence,frame,view_deg,view,covered,right,wrong,refused,")
     );
-    // Nine frames asked of two forests, with players and without.
-    assert_eq!(lines.clone().count(), 4 * 9, "{frames}");
-    // Where nothing was found the mean of all frames is smaller than that of those found.
-    let rows = csv_rows(&out["worldcup-sequences-default.csv"]);
-    for row in &rows {
-        let number = |key: &str| row[key].parse::<f64>().unwrap_or(f64::NAN);
-        let share = number("found") / number("asked");
-        let all = if share > 0.0 {
-            share * number("iou_of_found")
-        } else {
-            0.0
-        };
-        assert!((number("iou_mean") - all).abs() < 1e-9, "{row:?}");
+    // Nine frames: two forests, with and without their test, without players, and of five
+    // references; and three numbers of references for the homography.
+    assert_eq!(lines.count(), (2 * 4 + 3) * 9, "{frames}");
+    // Each frame is right, wrong or refused, and a refused one has an IoU of 0.
+    for row in csv_rows(&out["worldcup-frames.csv"]) {
+        let number = |key: &str| row[key].parse::<f64>().unwrap();
+        let outcomes = ["right", "wrong", "refused"].map(number);
+        assert_eq!(outcomes.iter().sum::<f64>(), 1.0, "{row:?}");
+        assert!(
+            number("refused") == 0.0 || number("iou_part") == 0.0,
+            "{row:?}"
+        );
     }
-    assert_eq!(rows.len(), 3);
+    let rows = csv_rows(&out["worldcup-summary.csv"]);
+    assert_eq!(rows.len(), 2 * 3 + 2 * 2 + 3 + 2);
+    let all = rows.iter().find(|row| row["method"] == "published, all");
+    let counts = ["right", "wrong", "refused"].map(|key| all.unwrap()[key].parse::<u32>().unwrap());
+    assert_eq!(counts.iter().sum::<u32>(), 9);
 }
 
-/// The rows of a table without commas in its cells, by column.
+/// The rows of a table, by column. Cells in quotes hold commas, never quotes.
 #[cfg(feature = "opencv")]
 fn csv_rows(bytes: &[u8]) -> Vec<BTreeMap<String, String>> {
     let text = std::str::from_utf8(bytes).unwrap();
-    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
-    let keys: Vec<String> = lines.next().unwrap().collect();
+    let cells = |line: &str| {
+        let parts = line.split('"').enumerate();
+        let hidden = parts.map(|(number, part)| match number % 2 {
+            0 => part.to_owned(),
+            _ => part.replace(',', "\u{1}"),
+        });
+        let cells = hidden.collect::<String>();
+        let cells = cells.split(',').map(|cell| cell.replace('\u{1}', ","));
+        cells.collect::<Vec<String>>()
+    };
+    let mut lines = text.lines().map(cells);
+    let keys = lines.next().unwrap();
     lines
         .map(|cells| keys.iter().cloned().zip(cells).collect())
         .collect()

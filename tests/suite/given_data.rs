@@ -3,7 +3,7 @@
 #![cfg(all(feature = "experiments", feature = "opencv"))]
 
 use crate::program::touchline;
-use serde_json::Value;
+use serde_json::{Value, json as value};
 use std::fs;
 use std::path::Path;
 
@@ -51,16 +51,17 @@ fn clips_of_a_users_document_are_asked_of_each_other() {
     );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let tables = &json(&folder.path().join("out/highlights.json"))["tables"];
-    let names: Vec<&str> = tables["highlights-sequences-default"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|row| row["sequence"].as_str().unwrap())
-        .collect();
-    assert_eq!(names, ["clip 0", "clip 1", "all"]);
-    let all = &tables["highlights-sequences-default"][2];
+    let rows = tables["highlights-summary"].as_array().unwrap();
+    let row = |name: &str| rows.iter().find(|row| row["method"] == name).unwrap();
+    for clip in ["default, clip 0", "published, clip 1", "calibme 5, all"] {
+        assert!(
+            number(row(clip), "right") + number(row(clip), "refused") > 0.0,
+            "{rows:?}"
+        );
+    }
+    let all = row("default, all");
     assert!(
-        number(all, "found") >= 6.0 && number(all, "rotation_median_deg") < 0.02,
+        number(all, "right") >= 6.0 && number(all, "rotation_median_deg") < 0.02,
         "{all}"
     );
     assert!(
@@ -70,7 +71,7 @@ fn clips_of_a_users_document_are_asked_of_each_other() {
     assert_eq!(tables["highlights-worst"].as_array().unwrap().len(), 5);
     let report = fs::read_to_string(folder.path().join("out/highlights.md")).unwrap();
     assert!(
-        report.starts_with("## Sequences: asked of other sequences (own frames)"),
+        report.starts_with("## Sequences: relocalized with other sequences (own frames)"),
         "{report}"
     );
     assert!(
@@ -93,9 +94,15 @@ fn clips_of_a_users_document_are_asked_of_each_other() {
     let kinds =
         json(&folder.path().join("features/descriptors.json"))["tables"]["descriptors-kinds"]
             .clone();
-    for (row, name) in ["SIFT", "ORB", "AKAZE"].into_iter().enumerate() {
-        assert_eq!(kinds[row]["features"], name);
-        assert!(number(&kinds[row], "found") >= 1.0, "{kinds}");
+    let methods = ["published", "default", "nearest neighbours"];
+    let ways = methods.map(|method| ["SIFT", "SURF", "ORB", "AKAZE"].map(|kind| (method, kind)));
+    for (row, (method, kind)) in ways.as_flattened().iter().enumerate() {
+        assert_eq!(
+            (&kinds[row]["method"], &kinds[row]["features"]),
+            (&value!(method), &value!(kind))
+        );
+        let answered = number(&kinds[row], "right") + number(&kinds[row], "wrong");
+        assert!(answered >= 1.0, "{kinds}");
     }
 }
 

@@ -36,6 +36,7 @@ mod drawn_clip;
 mod evaluate_command;
 mod exchange_commands;
 mod experiment_command;
+mod experiment_report;
 mod failing_places;
 mod fields_command;
 mod figures;

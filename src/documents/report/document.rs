@@ -1,6 +1,6 @@
 //! A report: text, tables and figures in order, and the files they become.
 
-use super::claim::{Claim, Verdict};
+use super::claim::Claim;
 use super::figure::{Figure, FigureError};
 use super::provenance::Provenance;
 use super::table::Table;
@@ -105,26 +105,6 @@ impl Report {
         });
     }
 
-    /// Adds a published statement and the measurement that tests it.
-    pub fn claim(&mut self, verdict: Verdict, stated: &str, measured: &str, reason: &str) {
-        let [stated, measured, reason] = [stated, measured, reason].map(str::to_owned);
-        self.claims.push(Claim {
-            stated,
-            measured,
-            verdict,
-            reason,
-            of_times: false,
-        });
-    }
-
-    /// Adds a statement about times, which depend on the machine.
-    pub fn time_claim(&mut self, verdict: Verdict, stated: &str, measured: &str, reason: &str) {
-        self.claim(verdict, stated, measured, reason);
-        if let Some(claim) = self.claims.last_mut() {
-            claim.of_times = true;
-        }
-    }
-
     /// Adds a figure.
     pub fn figure(&mut self, stem: &str, caption: &str, figure: Figure) {
         self.blocks.push(Block::Figure {
@@ -159,6 +139,20 @@ impl Report {
             caption: caption.to_owned(),
             figure,
         });
+    }
+
+    /// A table of this report by the name of its file; that of a [`Block::Data`] or [`Block::Table`].
+    #[must_use]
+    pub fn table_of_file(&self, file: &str) -> Option<&Table> {
+        self.blocks
+            .iter()
+            .chain(&self.times)
+            .find_map(|block| match block {
+                Block::Table { stem, table, .. } | Block::Data { stem, table, .. } => {
+                    (stem == file).then_some(table)
+                }
+                _ => None,
+            })
     }
 
     fn stem(&self, stem: &str) -> String {
@@ -201,7 +195,7 @@ impl Report {
             ),
             (
                 format!("{}.json", self.name),
-                self.json(&self.blocks, false).into_bytes(),
+                self.json(&self.blocks).into_bytes(),
             ),
         ];
         if !self.times.is_empty() {
@@ -209,7 +203,7 @@ impl Report {
             files.push((format!("{}-times.md", self.name), times.into_bytes()));
             files.push((
                 format!("{}-times.json", self.name),
-                self.json(&self.times, true).into_bytes(),
+                self.json(&self.times).into_bytes(),
             ));
         }
         for block in self.blocks.iter().chain(&self.times) {
@@ -230,8 +224,8 @@ impl Report {
         Ok(files)
     }
 
-    /// The tables of these blocks as JSON, with the claims that are, or are not, about times.
-    fn json(&self, blocks: &[Block], of_times: bool) -> String {
+    /// The tables of these blocks as JSON.
+    fn json(&self, blocks: &[Block]) -> String {
         let tables = blocks.iter().filter_map(|block| match block {
             Block::Table { stem, table, .. } => Some((stem.clone(), table.to_json())),
             _ => None,
@@ -240,14 +234,6 @@ impl Report {
         let mut whole = json!({ "experiment": self.name, "title": self.title, "tables": tables });
         if let Some(provenance) = &self.provenance {
             whole["made_by"] = provenance.json();
-        }
-        let claims: Vec<&Claim> = self
-            .claims
-            .iter()
-            .filter(|claim| claim.of_times == of_times)
-            .collect();
-        if !claims.is_empty() {
-            whole["claims"] = claims.into_iter().map(Claim::json).collect();
         }
         format!("{whole:#}\n")
     }
@@ -264,11 +250,20 @@ fn markdown(title: &str, blocks: &[Block]) -> String {
                 writeln!(out, "\n{caption}\n\n{}", table.to_markdown().trim_end())
             }
             Block::Data { stem, caption, .. } => writeln!(out, "\n{caption} File: `{stem}.csv`."),
-            Block::Figure { stem, caption, .. } => {
-                writeln!(out, "\n![{caption}]({stem}.svg)\n\n{caption}")
+            Block::Figure {
+                stem,
+                caption,
+                figure,
+            } => {
+                let title = if figure.title.is_empty() {
+                    stem
+                } else {
+                    &figure.title
+                };
+                writeln!(out, "\n![{title}]({stem}.svg)\n\n{caption}")
             }
             Block::Picture { stem, caption, .. } => {
-                writeln!(out, "\n![{caption}]({stem}.png)\n\n{caption}")
+                writeln!(out, "\n![{stem}]({stem}.png)\n\n{caption}")
             }
         };
     }

@@ -18,7 +18,8 @@ pub struct Table {
 pub struct Column {
     /// Its key in CSV and JSON, including the unit: `rotation_deg`.
     pub key: String,
-    /// Its heading in text and Markdown, including the unit.
+    /// Its heading in text and Markdown, including the unit. Empty for a column that only CSV and
+    /// JSON have.
     pub label: String,
 }
 
@@ -94,7 +95,8 @@ impl fmt::Display for Cell {
 impl Cell {
     /// As in CSV: the shortest number that reads back exactly, and text that a spreadsheet does not
     /// evaluate as a formula.
-    fn exact(&self) -> String {
+    #[must_use]
+    pub fn exact(&self) -> String {
         match self {
             Self::Empty => String::new(),
             Self::Text(text) => text_cell(text),
@@ -110,6 +112,16 @@ impl Cell {
             Self::Count(count) => Value::from(*count),
             // JSON has no infinity, so a number that is not finite becomes null.
             Self::Number(number) | Self::Fixed(number, _) => Value::from(*number),
+        }
+    }
+
+    /// The number in the cell; none for text and for no measurement.
+    #[must_use]
+    pub const fn number(&self) -> Option<f64> {
+        match self {
+            Self::Empty | Self::Text(_) => None,
+            Self::Count(count) => Some(*count as f64),
+            Self::Number(number) | Self::Fixed(number, _) => Some(*number),
         }
     }
 
@@ -177,6 +189,26 @@ impl Table {
     /// Aligned columns for a terminal.
     #[must_use]
     pub fn to_text(&self) -> String {
+        let shown = self.with_shown_columns();
+        shown.aligned()
+    }
+
+    /// The table without the columns that only files have.
+    fn with_shown_columns(&self) -> Self {
+        let shown = |column: &usize| !self.columns[*column].label.is_empty();
+        let shown: Vec<usize> = (0..self.columns.len()).filter(shown).collect();
+        let cells = |row: &Vec<Cell>| shown.iter().map(|&column| row[column].clone()).collect();
+        Self {
+            columns: shown
+                .iter()
+                .map(|&column| self.columns[column].clone())
+                .collect(),
+            rows: self.rows.iter().map(cells).collect(),
+        }
+    }
+
+    /// All columns, aligned.
+    fn aligned(&self) -> String {
         let cells: Vec<Vec<String>> = self
             .rows
             .iter()
@@ -213,6 +245,11 @@ impl Table {
     /// A Markdown table.
     #[must_use]
     pub fn to_markdown(&self) -> String {
+        self.with_shown_columns().all_in_markdown()
+    }
+
+    /// All columns as a Markdown table.
+    fn all_in_markdown(&self) -> String {
         let escaped = |text: &str| text.replace('|', "\\|");
         let line = |texts: Vec<String>| format!("| {} |\n", texts.join(" | "));
         let mut out = line(
@@ -273,6 +310,12 @@ impl Table {
         Value::Array(self.rows.iter().map(object).collect())
     }
 
+    /// The index of a column by its key.
+    #[must_use]
+    pub fn column(&self, key: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column.key == key)
+    }
+
     /// Whether a column contains numbers, and is therefore aligned to the right.
     fn is_right(&self, column: usize) -> bool {
         self.rows.iter().any(|row| row[column].is_number())
@@ -292,6 +335,15 @@ mod tests {
         table.push(vec!["a, \"b\"".into(), 0.012_345_678.into(), 3.into()]);
         table.push(vec!["c|d".into(), Cell::Empty, 12.into()]);
         table
+    }
+
+    #[test]
+    fn a_column_without_a_heading_is_in_files_only() {
+        let table = table().with_column("sd", "", [Cell::Number(0.5)]);
+        assert!(table.to_csv().starts_with("name,error_px,count,sd\n"));
+        assert!(table.to_csv().lines().nth(1).unwrap().ends_with(",3,0.5"));
+        assert!(!table.to_markdown().contains("0.5") && !table.to_text().contains("0.5"));
+        assert_eq!((table.column("sd"), table.column("none")), (Some(3), None));
     }
 
     #[test]

@@ -2,14 +2,20 @@
 //! the other in one run.
 
 use super::methods::{Matched, Reference};
-use super::{MARKS, METHODS, no_more_than};
+use super::{DEFAULT, HOMOGRAPHY, MARKS, METHODS, PUBLISHED, no_more_than};
+use crate::ExperimentError;
+use crate::contrast::{Contrast, Statement};
 use crate::forests::{ForestKind, trained_on};
-use crate::sets::{FrameSet, KnownFrame};
+use crate::paper::TABLE_2_SECONDS;
+use crate::sequences::on_both;
+use crate::sets::{FrameSet, KnownFrame, as_picture};
 use std::hint::black_box;
 use std::time::Instant;
 use touchline_core::geometry::quantile;
 use touchline_documents::report::figure::{Axis, Figure, Series};
-use touchline_documents::report::{Cell, Column, Report, Table};
+use touchline_documents::report::{Cell, Column, Report, Stated, Table};
+use touchline_vision::features::{FeatureOptions, extract};
+use touchline_vision::media::FrameReader;
 use touchline_vision::relocalize::{PoseOptions, SeenRange, relocalize};
 
 /// Numbers of references.
@@ -17,18 +23,31 @@ const COUNTS: [usize; 7] = [5, 10, 20, 50, 100, 200, 500];
 const QUICK_COUNTS: [usize; 3] = [5, 20, 40];
 /// Number of frames that are timed.
 const TESTED: usize = 6;
+/// Number of references of a sequence of table 2: three sequences of 29 frames.
+const REFERENCES_OF_TABLE_2: usize = 87;
 
-/// Median times (ms) of the methods, by the number of references.
-pub type Times = Vec<(usize, [f64; METHODS.len()])>;
+/// Times of one frame.
+pub struct Times {
+    /// Finding its features, ms (median).
+    features_ms: f64,
+    /// The rest, ms (median): of each method, by the number of references.
+    answer_ms: Vec<(usize, [f64; METHODS.len()])>,
+}
 
 /// Measures the times. References are the training frames of the first split, then frames of the
 /// sets with other seeds. These show other stadiums, but cost as much.
-pub fn measured(sets: &[FrameSet], quick: bool) -> Times {
+///
+/// # Errors
+/// A picture cannot be read, or its features cannot be found.
+pub fn measured(sets: &[FrameSet], quick: bool) -> Result<Times, ExperimentError> {
     let Some((set, split)) = sets
         .first()
         .and_then(|set| Some((set, set.splits.first()?)))
     else {
-        return Vec::new();
+        return Ok(Times {
+            features_ms: f64::NAN,
+            answer_ms: Vec::new(),
+        });
     };
     let own = split
         .training_frames
@@ -45,10 +64,32 @@ pub fn measured(sets: &[FrameSet], quick: bool) -> Times {
         .step_by(stride)
         .map(|&frame| &set.frames[frame])
         .collect();
-    counts
+    let answer_ms = counts
         .into_iter()
         .map(|count| (count, of_count(&references[..count], &tested, set.seed)))
-        .collect()
+        .collect();
+    Ok(Times {
+        features_ms: features_ms(&tested)?,
+        answer_ms,
+    })
+}
+
+/// Median time (ms) of finding a frame's features.
+fn features_ms(tested: &[&KnownFrame]) -> Result<f64, ExperimentError> {
+    let mut reader = FrameReader::new();
+    let mut times = Vec::with_capacity(tested.len());
+    for known in tested {
+        let picture = as_picture(known.picture(&mut reader)?)?;
+        let start = Instant::now();
+        _ = black_box(extract(
+            &picture,
+            known.used_masks(),
+            &FeatureOptions::default(),
+        )?);
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(quantile(&times, 0.5))
 }
 
 /// Median times (ms) of the methods with these references.
@@ -107,33 +148,40 @@ fn of_count(references: &[&KnownFrame], tested: &[&KnownFrame], seed: u64) -> [f
     })
 }
 
-/// The growth of a method's time: the number of references to start from, the maximum number, and
-/// the ratio of the times. The start is the smallest number that is at least a tenth of the
-/// maximum.
-pub fn growth(times: &Times, method: usize) -> Option<(usize, usize, f64)> {
-    let (most, last) = times.last()?;
-    let (from, first) = times.iter().find(|(count, _)| 10 * count >= *most)?;
-    Some((*from, *most, last[method] / first[method]))
-}
-
-/// Adds the table and the figure of times.
+/// Adds the tables and the figure of times.
 pub fn write(report: &mut Report, times: &Times) {
     let mut table = Table::new(&[("references", "references")]);
     table
         .columns
         .extend(METHODS.map(|(key, name)| Column::new(&format!("{key}_ms"), name)));
-    for (count, times) in times {
+    for (count, times) in &times.answer_ms {
         let mut row: Vec<Cell> = vec![(*count).into()];
         row.extend(times.map(Cell::Number));
         table.push(row);
     }
+    report.time_table(
+        "references-times",
+        "One frame, features found already, median of a few frames (ms), on one thread.",
+        table,
+    );
+    report.time_table(
+        "growth-times",
+        "How many times as long with the most references as with about a tenth of them.",
+        growth_table(times),
+    );
+    report.time_table(
+        "whole-times",
+        "One frame from picture to camera: CalibMe with the fewest references, forests with about as many as table 2 has.",
+        whole_table(times),
+    );
     let mut figure = Figure::new(
-        "",
+        "Time of one frame by number of references",
         Axis::log("references"),
         Axis::log("time of one frame (ms)"),
     );
     for (method, (_, name)) in METHODS.into_iter().enumerate() {
         let points = times
+            .answer_ms
             .iter()
             .map(|(count, times)| [*count as f64, times[method]])
             .collect();
@@ -144,14 +192,111 @@ pub fn write(report: &mut Report, times: &Times) {
                 .lined(line),
         );
     }
-    report.time_table(
-        "references-times",
-        "One frame, features found already, median of a few frames (ms), on one thread.",
-        table,
-    );
     report.time_figure(
-        "growth-times",
-        "The time of one frame over the number of references, on one thread.",
+        "references-times-figure",
+        "The time of one frame by the number of references, on one thread.",
         figure,
+    );
+}
+
+/// The growth of each method's time, from the smallest number of references that is at least a
+/// tenth of the greatest.
+fn growth_table(times: &Times) -> Table {
+    let mut table = Table::new(&[
+        ("method", "method"),
+        ("from", "from"),
+        ("to", "to"),
+        ("growth", "times as long"),
+    ]);
+    let Some((most, last)) = times.answer_ms.last() else {
+        return table;
+    };
+    let from = times
+        .answer_ms
+        .iter()
+        .find(|(count, _)| 10 * count >= *most);
+    if let Some((from, first)) = from {
+        for (method, (key, _)) in METHODS.into_iter().enumerate() {
+            table.push(vec![
+                key.into(),
+                (*from).into(),
+                (*most).into(),
+                (last[method] / first[method]).into(),
+            ]);
+        }
+    }
+    table
+}
+
+/// The time from picture to camera of `CalibMe` and of both forests, beside the paper's.
+fn whole_table(times: &Times) -> Table {
+    let mut table = Table::new(&[
+        ("method", "method"),
+        ("references", "references"),
+        ("features_ms", "features (ms)"),
+        ("answer_ms", "camera (ms)"),
+        ("whole_ms", "whole (ms)"),
+        ("as_published", "times --published"),
+        ("paper_ms", "paper (ms)"),
+    ]);
+    let with_all = times
+        .answer_ms
+        .iter()
+        .find(|(count, _)| *count >= REFERENCES_OF_TABLE_2);
+    let (Some((few, least)), Some((many, all))) = (
+        times.answer_ms.first(),
+        with_all.or_else(|| times.answer_ms.last()),
+    ) else {
+        return table;
+    };
+    let [calib_me, theirs] = TABLE_2_SECONDS.map(|seconds| 1e3 * seconds);
+    let published = times.features_ms + all[PUBLISHED];
+    for (method, references, answer_ms, paper) in [
+        (HOMOGRAPHY, few, least[HOMOGRAPHY], Some(calib_me)),
+        (DEFAULT, many, all[DEFAULT], None),
+        (PUBLISHED, many, all[PUBLISHED], Some(theirs)),
+    ] {
+        let whole = times.features_ms + answer_ms;
+        table.push(vec![
+            METHODS[method].0.into(),
+            (*references).into(),
+            times.features_ms.into(),
+            answer_ms.into(),
+            whole.into(),
+            (whole / published).into(),
+            paper.into(),
+        ]);
+    }
+    table
+}
+
+/// Adds the paper's claims about times.
+pub fn claims(report: &mut Report) {
+    Statement::new(
+        "Matching's time grows with the number of references, a forest's does not (growth, forest's less half of matching's)",
+        Stated::AtMost(0.0),
+        "a --published tree has 30 frames however many there are; one of the default forest has all of them",
+    )
+    .test_times(
+        report,
+        &on_both(|kind| {
+            Contrast::exact("growth-times", "growth")
+                .plus(&[("method", kind)])
+                .weighted(-0.5, &[("method", METHODS[HOMOGRAPHY].0)])
+        }),
+    );
+    let [calib_me, theirs] = TABLE_2_SECONDS;
+    Statement::new(
+        "Table 2: CalibMe takes so many times as long for a frame, from picture to camera",
+        Stated::Level(calib_me / theirs, 0.5),
+        "features on both sides; our matching is a product of matrices",
+    )
+    .test_times(
+        report,
+        &[(
+            "published",
+            Contrast::exact("whole-times", "as_published")
+                .plus(&[("method", METHODS[HOMOGRAPHY].0)]),
+        )],
     );
 }

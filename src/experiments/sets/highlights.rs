@@ -3,7 +3,8 @@
 //! One camera is low behind a corner, at the base of the published sequence. There are four
 //! sequences of two games, each with the ranges of pan, tilt and focal length of the table.
 //! Spectators move from frame to frame; between sequences some spectators, boards and the exposure
-//! change. Players are visible and not masked.
+//! change. Players are visible and not masked. [`Scenery`] holds how much of this changes, and how
+//! the pictures are taken.
 
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
@@ -27,11 +28,42 @@ const SEQUENCE_EVERY_S: f64 = 90.0;
 const SECOND_GAME_S: f64 = 5000.0;
 /// The first two sequences are of one game, the others of another.
 const SEQUENCES_OF_FIRST_GAME: usize = 2;
-/// Shares of spectators and of boards that change between sequences, and between games.
-const FROM_SEQUENCE_TO_SEQUENCE: [f64; 2] = [0.1, 0.25];
-const FROM_GAME_TO_GAME: [f64; 2] = [0.9, 0.6];
-/// 1-σ of the exposure between sequences, stops.
-const EXPOSURE_SIGMA_EV: f64 = 0.35;
+
+/// What the drawn highlights assume and the paper does not state. The experiment `assumptions`
+/// measures how the results move with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scenery {
+    /// Shares of seats with another spectator: from sequence to sequence, and from game to game.
+    pub people_changed: [f64; 2],
+    /// Shares of boards that are drawn again: from sequence to sequence, and from game to game.
+    pub boards_changed: [f64; 2],
+    /// How much spectators move from frame to frame ([`Moment::restlessness`]).
+    pub restlessness: f64,
+    /// 1-σ of the exposure between sequences, stops.
+    pub exposure_sigma_ev: f64,
+    /// How each picture is taken: shutter, focus, noise, compression.
+    pub shoot: ShootOptions,
+}
+
+impl Scenery {
+    /// The scenery of all experiments but `assumptions`, with the light, the lens and, if the
+    /// preset is `hard`, the pictures of a preset.
+    pub fn new(preset: Preset) -> Self {
+        Self {
+            people_changed: [0.1, 0.9],
+            boards_changed: [0.25, 0.6],
+            restlessness: 1.0,
+            exposure_sigma_ev: 0.35,
+            shoot: broadcast(preset),
+        }
+    }
+}
+
+impl Default for Scenery {
+    fn default() -> Self {
+        Self::new(Preset::Paper)
+    }
+}
 
 /// Draws the four sequences of table 2. Each is tested with the other three as references.
 ///
@@ -43,43 +75,57 @@ pub fn highlights(
     seed: u64,
     progress: &(dyn Fn() + Sync),
 ) -> Result<FrameSet, ExperimentError> {
+    highlights_in(options, &Scenery::new(preset), 1, seed, progress)
+}
+
+/// Draws every `stride`-th frame of the four sequences, in another scenery. A frame has the same
+/// number, camera, players and noise with any stride and in any scenery.
+///
+/// # Errors
+/// This program was built without OpenCV, or a picture cannot be encoded.
+pub fn highlights_in(
+    options: &ExperimentOptions,
+    scenery: &Scenery,
+    stride: usize,
+    seed: u64,
+    progress: &(dyn Fn() + Sync),
+) -> Result<FrameSet, ExperimentError> {
     let frames = frames_a_sequence(options);
     let size = picture_size(options);
-    let shoot = broadcast(preset);
+    let shoot = scenery.shoot;
+    let [people_in_sequence, people_in_game] = scenery.people_changed;
+    let [boards_in_sequence, boards_in_game] = scenery.boards_changed;
     let first = stadium(&StadiumOptions {
         daylight: shoot.daylight,
         ..StadiumOptions::new(paper_field()?, scene_seed(seed, 0))
     });
-    let [people_changed, boards_changed] = FROM_GAME_TO_GAME;
-    let occasion = scene_seed(seed, 1);
     // The second game is in the same stadium, with most spectators and boards replaced.
     let second = first.at(&Moment {
-        occasion,
-        people_changed,
-        boards_changed,
+        occasion: scene_seed(seed, 1),
+        people_changed: people_in_game,
+        boards_changed: boards_in_game,
         ..Moment::default()
     });
-    let [people_changed, boards_changed] = FROM_SEQUENCE_TO_SEQUENCE;
     let base = paper_base(&shoot, size);
     let mut orders = Vec::new();
     for (number, stated) in TABLE_2.iter().enumerate() {
         let mut draw = rng(seed, [90, number as u64]);
-        let exposure_ev = EXPOSURE_SIGMA_EV * normal(&mut draw);
+        let exposure_ev = scenery.exposure_sigma_ev * normal(&mut draw);
         let of_second = number >= SEQUENCES_OF_FIRST_GAME;
         let begins_s =
             SEQUENCE_EVERY_S * number as f64 + if of_second { SECOND_GAME_S } else { 0.0 };
         let path = Path::drawn(stated, size, &mut draw);
-        for frame in 0..frames {
+        for frame in (0..frames).step_by(stride) {
             let step = path.step(frame as f64 / (frames - 1) as f64, begins_s);
             let of_all = number * frames + frame;
             orders.push(Order {
                 scene: if of_second { &second } else { &first },
                 moment: Moment {
                     occasion: number as u64,
-                    people_changed,
-                    boards_changed,
+                    people_changed: people_in_sequence,
+                    boards_changed: boards_in_sequence,
                     instant: seed.wrapping_mul(1_000).wrapping_add(of_all as u64),
-                    restlessness: 1.0,
+                    restlessness: scenery.restlessness,
                 },
                 camera: PtzCamera::new(base, step.ptz),
                 step,
@@ -92,6 +138,7 @@ pub fn highlights(
         }
     }
     let sequences = TABLE_2.len();
+    let frames = frames.div_ceil(stride);
     let frames_of = |sequence: usize| sequence * frames..(sequence + 1) * frames;
     let split = |sequence: usize| Split {
         name: format!("sequence {}", sequence + 1),

@@ -9,7 +9,7 @@ mod worldcup;
 
 pub use documents::{OwnDocument, OwnDocuments, of_own};
 pub use drawn::as_picture;
-pub use highlights::{frames_a_sequence, highlights};
+pub use highlights::{Scenery, frames_a_sequence, highlights, highlights_in};
 pub use motion::{MOTION_FILE, RealMotion, motion};
 pub use published::{PublishedKind, published, published_folder};
 pub use worldcup::{frames_a_game, worldcup};

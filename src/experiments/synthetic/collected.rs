@@ -1,5 +1,6 @@
 //! Errors of many trials with many cameras.
 
+use crate::statistics::mean_sd;
 use touchline_core::camera::{AngularDistance, PtzCamera};
 use touchline_core::score::camera_error;
 use touchline_documents::report::{Cell, Table};
@@ -16,7 +17,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    pub fn of(truth: &PtzCamera, estimate: &PtzCamera) -> Self {
+    pub fn between(truth: &PtzCamera, estimate: &PtzCamera) -> Self {
         let error = camera_error(truth, estimate);
         Self {
             rotation_deg: error.rotation.degrees(),
@@ -54,24 +55,25 @@ impl Collected {
     }
 
     /// Mean and standard deviation over the cameras.
-    pub fn spread(&self, of: fn(&Errors) -> f64) -> [f64; 2] {
-        let count = self.by_camera.len() as f64;
-        let mean = self
+    pub fn mean_sd(&self, of: fn(&Errors) -> f64) -> [f64; 2] {
+        let errors: Vec<f64> = self
             .by_camera
             .iter()
             .map(|(_, errors)| of(errors))
-            .sum::<f64>()
-            / count;
-        let squares: f64 = self
-            .by_camera
-            .iter()
-            .map(|(_, errors)| (of(errors) - mean).powi(2))
-            .sum();
-        [mean, (squares / (count - 1.0).max(1.0)).sqrt()]
+            .collect();
+        mean_sd(&errors)
+    }
+
+    /// The mean minus and plus one standard deviation over the cameras. Errors are positive and
+    /// skewed, so that the low end may be below 0, which a logarithmic axis draws as an open end.
+    pub fn bar(&self, of: fn(&Errors) -> f64) -> [f64; 2] {
+        let [mean, sd] = self.mean_sd(of);
+        [mean - sd, mean + sd]
     }
 }
 
-/// A table with a row for each camera, noise and method: the means over the trials.
+/// A table with a row for each camera, noise and method: the means over the trials, with six
+/// digits, as the file is kept with the program.
 pub fn camera_table<'a, const N: usize>(
     noise: &str,
     methods: [&str; N],
@@ -90,10 +92,33 @@ pub fn camera_table<'a, const N: usize>(
             for (camera, errors) in &collected.by_camera {
                 let numbers = [errors.rotation_deg, errors.pan_tilt_deg, errors.focal_px];
                 let mut row = vec![sigma.into(), (*method).into(), (*camera).into()];
-                row.extend(numbers.map(Cell::Number));
+                row.extend(numbers.map(|number| Cell::Number(six_digits(number))));
                 table.push(row);
             }
         }
     }
     table
+}
+
+/// Rounds to six significant digits.
+fn six_digits(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_to_six_digits() {
+        for (number, rounded) in [
+            (0.001_234_567_89, 0.001_234_57),
+            (-123_456.7, -123_457.0),
+            (0.0, 0.0),
+            (f64::INFINITY, f64::INFINITY),
+        ] {
+            assert_eq!(six_digits(number), rounded);
+        }
+        assert!(six_digits(f64::NAN).is_nan());
+    }
 }

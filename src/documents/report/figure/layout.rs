@@ -15,10 +15,18 @@ const INK: Rgb = [0, 0, 0];
 const GRID: Rgb = [225, 225, 225];
 const MARK_RADIUS: f64 = 3.2;
 const DOT_RADIUS: f64 = 1.5;
+/// Half the width of the cap of an error bar.
+const BAR_CAP: f64 = 3.0;
 const LEGEND_ROW: f64 = 16.0;
 const LEGEND_SAMPLE: f64 = 26.0;
 const LEGEND_GAP: f64 = 14.0;
+/// A little larger than the axes' labels.
+const TITLE_TEXT: f64 = 15.0;
+/// Height of a title of one line, and of each further line.
 const TITLE_ROW: f64 = 22.0;
+const TITLE_FURTHER_ROW: f64 = 16.0;
+/// Left and right of a title, at least.
+const TITLE_MARGIN: f64 = 12.0;
 
 /// The rectangle between the axes, px, and the axes.
 struct Plot {
@@ -40,6 +48,22 @@ impl Plot {
         ])
     }
 
+    /// The height of an end of an error bar, px, which may lie beyond the frame: infinitely far for
+    /// an infinite end, and below it for a number that a logarithmic axis cannot show. None for NaN.
+    fn bar_end(&self, value: f64) -> Option<f64> {
+        if value.is_nan() {
+            return None;
+        }
+        let Some(share) = self.y.share(value) else {
+            return Some(if value > 0.0 {
+                f64::NEG_INFINITY
+            } else {
+                f64::INFINITY
+            });
+        };
+        Some(self.bottom - share * (self.bottom - self.top))
+    }
+
     /// Whether a position is inside the plot, within half a px.
     fn contains(&self, [x, y]: [f64; 2]) -> bool {
         let slack = 0.5;
@@ -55,12 +79,7 @@ impl Figure {
     pub(super) fn laid_out(&self) -> Result<Drawing, FigureError> {
         let typeface = Typeface::load()?;
         let points = || self.series.iter().flat_map(|series| &series.points);
-        let bars = self
-            .series
-            .iter()
-            .flat_map(|series| &series.bars)
-            .flatten()
-            .copied();
+        let bars = self.series.iter().flat_map(bar_values);
         let x = Ruler::new(&self.x, points().map(|point| point[0]));
         let y = Ruler::new(&self.y, points().map(|point| point[1]).chain(bars));
         // The widest number of the y axis determines the left margin.
@@ -70,12 +89,8 @@ impl Figure {
             .map(|(_, label)| typeface.width(label, SMALL_TEXT))
             .fold(0.0, f64::max);
         let (left, right) = (34.0 + widest, WIDTH - 16.0);
-        let heading = if self.title.is_empty() {
-            0.0
-        } else {
-            TITLE_ROW
-        };
         let mut shapes = Vec::new();
+        let heading = self.add_title(&mut shapes, &typeface);
         let rows = self.add_legend(&mut shapes, [left, right], heading, &typeface);
         let top = heading + LEGEND_ROW * rows as f64 + 9.0;
         let plot = Plot {
@@ -97,7 +112,41 @@ impl Figure {
         })
     }
 
-    /// Adds grid, tick marks, numbers, frame, labels and title.
+    /// Adds the title, centred at the top of the figure. Returns the height that it takes.
+    ///
+    /// A title that is too wide is shrunk, at most to the size of the smallest text; one that is too
+    /// wide even then is broken at spaces. A word that is wider than the figure shrinks the title
+    /// further.
+    fn add_title(&self, shapes: &mut Vec<Shape>, typeface: &Typeface) -> f64 {
+        let title = self.title.trim();
+        if title.is_empty() {
+            return 0.0;
+        }
+        let room = WIDTH - 2.0 * TITLE_MARGIN;
+        let fitting = TITLE_TEXT * room / typeface.width(title, TITLE_TEXT);
+        let (lines, size) = if fitting >= SMALL_TEXT {
+            (vec![title.to_owned()], fitting.min(TITLE_TEXT))
+        } else {
+            let lines = break_lines(title, SMALL_TEXT, room, typeface);
+            let widths = lines.iter().map(|line| typeface.width(line, SMALL_TEXT));
+            let widest = widths.fold(room, f64::max);
+            (lines, SMALL_TEXT * room / widest)
+        };
+        let further = |rows: usize| TITLE_FURTHER_ROW * rows as f64;
+        let height = TITLE_ROW + further(lines.len() - 1);
+        for (row, text) in lines.into_iter().enumerate() {
+            shapes.push(Shape::Text {
+                text,
+                at: [WIDTH / 2.0, 18.0 + further(row)],
+                size,
+                anchor: Anchor::Middle,
+                upright: false,
+            });
+        }
+        height
+    }
+
+    /// Adds grid, tick marks, numbers, frame and labels.
     fn add_axes(&self, shapes: &mut Vec<Shape>, plot: &Plot) {
         let Plot {
             left,
@@ -164,7 +213,7 @@ impl Figure {
             colour: INK,
             dashes: &[],
         });
-        // Labels and title, centred on their side of the plot.
+        // Labels, centred on their side of the plot.
         let middle = f64::midpoint(left, right);
         shapes.push(text(
             &self.x.label,
@@ -180,15 +229,6 @@ impl Figure {
             Anchor::Middle,
             true,
         ));
-        if !self.title.is_empty() {
-            shapes.push(text(
-                &self.title,
-                [middle, 19.0],
-                TEXT,
-                Anchor::Middle,
-                false,
-            ));
-        }
     }
 
     /// Adds the legend, in rows above the plot. Returns the number of rows.
@@ -230,26 +270,46 @@ impl Figure {
     }
 }
 
+/// Breaks text at spaces into lines that are no wider than `room`, as far as its words allow.
+fn break_lines(text: &str, size: f64, room: f64, typeface: &Typeface) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        if let Some(line) = lines.last_mut() {
+            let longer = format!("{line} {word}");
+            if typeface.width(&longer, size) <= room {
+                *line = longer;
+                continue;
+            }
+        }
+        lines.push(word.to_owned());
+    }
+    lines
+}
+
+/// The numbers that an axis has to show for the error bars of a series.
+///
+/// A bar whose low end is not positive has no lower end on a logarithmic axis. Half of the number at
+/// its point is added for it, so that the axis goes on below the point and the bar can be seen. A
+/// linear axis shows that number anyway: it lies between the bar's low end and its point.
+fn bar_values(series: &Series) -> impl Iterator<Item = f64> {
+    let bars = series.points.iter().zip(&series.bars);
+    bars.filter(|(_, bar)| bar.iter().all(|end| !end.is_nan()))
+        .flat_map(|(point, [low, high])| {
+            let open = (*low <= 0.0 && point[1] > 0.0).then_some(point[1] / 2.0);
+            [Some(*low), Some(*high), open].into_iter().flatten()
+        })
+}
+
 fn colour(series: &Series) -> Rgb {
     PALETTE[series.colour % PALETTE.len()]
 }
 
 /// Adds a series: error bars, then the line, then the marks.
 fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
-    let stroke = |points| Shape::Path {
-        points,
-        width: 1.2,
-        colour: colour(series),
-        dashes: &[],
-    };
-    for (point, [low, high]) in series.points.iter().zip(&series.bars) {
-        let ends = [*low, *high].map(|end| plot.at([point[0], end]));
-        if let [Some([x, from]), Some([_, to])] = ends {
-            let [from, to] = [from, to].map(|y| y.clamp(plot.top, plot.bottom));
-            shapes.push(stroke(vec![[x, from], [x, to]]));
-            for y in [from, to] {
-                shapes.push(stroke(vec![[x - 3.0, y], [x + 3.0, y]]));
-            }
+    for ([x, _], bar) in series.points.iter().zip(&series.bars) {
+        if let Some(share) = plot.x.share(*x) {
+            let x = plot.left + share * (plot.right - plot.left);
+            add_bar(shapes, colour(series), x, *bar, plot);
         }
     }
     // The line is interrupted at points that an axis cannot show, and clipped at the frame.
@@ -276,6 +336,33 @@ fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
         .filter(|at| plot.contains(*at))
     {
         add_mark(shapes, series, at);
+    }
+}
+
+/// Adds an error bar: a line with a cap at either end.
+///
+/// An end beyond the frame is open: the line goes up to the frame and has no cap there. On a
+/// logarithmic axis, that includes a low end that is not positive, as mean minus standard deviation
+/// often is. A bar with an end that is NaN, or without a part inside the frame, is not drawn.
+fn add_bar(shapes: &mut Vec<Shape>, colour: Rgb, x: f64, [low, high]: [f64; 2], plot: &Plot) {
+    let (Some(low), Some(high)) = (plot.bar_end(low), plot.bar_end(high)) else {
+        return;
+    };
+    let mut add_stroke = |points| {
+        shapes.push(Shape::Path {
+            points,
+            width: 1.2,
+            colour,
+            dashes: &[],
+        });
+    };
+    let [from, to] = [low.min(plot.bottom), high.max(plot.top)];
+    if !plot.contains([x, from]) || !plot.contains([x, to]) {
+        return;
+    }
+    add_stroke(vec![[x, from], [x, to]]);
+    for end in [low, high].into_iter().filter(|y| plot.contains([x, *y])) {
+        add_stroke(vec![[x - BAR_CAP, end], [x + BAR_CAP, end]]);
     }
 }
 
@@ -440,10 +527,12 @@ mod tests {
     fn svg_and_png_are_made_and_repeat() {
         let svg = figure().to_svg().unwrap();
         assert!(svg.starts_with("<svg xmlns=") && svg.ends_with("</svg>\n"));
+        // Once as the figure's name, once as the label of what is drawn.
+        assert_eq!(svg.matches("Errors &lt;of&gt; two").count(), 2);
         assert!(
-            svg.contains("Errors &lt;of&gt; two")
-                && svg.contains("noise (px)")
+            svg.contains("aria-label=\"noise (px)\"")
                 && svg.contains("stroke-dasharray=\"6 4\"")
+                && !svg.contains("<text")
         );
         assert!(!svg.contains("NaN"));
         let png = figure().to_png().unwrap();
@@ -460,6 +549,124 @@ mod tests {
             .filter(|pixel| pixel.0 == [0, 0, 0])
             .count();
         assert!(blue > 200 && ink > 2000, "{blue} {ink}");
+    }
+
+    #[test]
+    fn a_figure_without_a_title_is_named_by_its_axes() {
+        let untitled = Figure {
+            title: String::new(),
+            ..figure()
+        };
+        let svg = untitled.to_svg().unwrap();
+        assert!(svg.contains("<title>error (°) over noise (px)</title>"));
+        assert!(!svg.contains("Errors"));
+        let height = |figure: Figure| figure.laid_out().unwrap().height;
+        assert_eq!(height(figure()) - height(untitled), TITLE_ROW);
+    }
+
+    /// The lines of a title with their size, and the height that they take.
+    fn lay_out_title(title: &str) -> (Vec<String>, f64, f64) {
+        let figure = Figure::new(title, Axis::linear("x"), Axis::linear("y"));
+        let typeface = Typeface::load().unwrap();
+        let mut shapes = Vec::new();
+        let height = figure.add_title(&mut shapes, &typeface);
+        let mut sizes = Vec::new();
+        let mut lines = Vec::new();
+        for shape in shapes {
+            let Shape::Text { text, at, size, .. } = shape else {
+                continue;
+            };
+            assert!(typeface.width(&text, size) <= WIDTH - 2.0 * TITLE_MARGIN + 1e-9);
+            // Room for the parts of letters below the baseline.
+            assert!(at[1] + 0.25 * size <= height, "{} {height}", at[1]);
+            lines.push(text);
+            sizes.push(size);
+        }
+        (lines, sizes.first().copied().unwrap_or(0.0), height)
+    }
+
+    #[test]
+    fn a_title_that_is_too_wide_is_shrunk_then_broken() {
+        assert_eq!(lay_out_title(" "), (vec![], 0.0, 0.0));
+        let (lines, size, height) = lay_out_title("Errors of two");
+        assert_eq!((lines.len(), size, height), (1, TITLE_TEXT, TITLE_ROW));
+        let (lines, size, height) = lay_out_title(&"noise ".repeat(12));
+        assert_eq!((lines.len(), height), (1, TITLE_ROW));
+        assert!(size > SMALL_TEXT && size < TITLE_TEXT, "{size}");
+        let (lines, size, height) = lay_out_title(&"noise ".repeat(20));
+        assert_eq!((lines.len(), size), (2, SMALL_TEXT));
+        assert_eq!(height, TITLE_ROW + TITLE_FURTHER_ROW);
+        let (lines, size, _) = lay_out_title(&"noise".repeat(20));
+        assert!(lines.len() == 1 && size < SMALL_TEXT, "{size}");
+    }
+
+    /// The error bar of one point on this vertical axis: the upper and the lower end of its line, as
+    /// shares of the plot's height from the top, and the number of its caps.
+    fn lay_out_bar(y: Axis, point: f64, bar: [f64; 2]) -> Option<([f64; 2], usize)> {
+        let series = Series::new("", 1, vec![[1.0, point]])
+            .lined(Line::None)
+            .marked(Mark::None)
+            .with_bars(vec![bar]);
+        let x = Axis::linear("").within(0.0, 2.0);
+        let drawing = Figure::new("", x, y).with(series).laid_out().unwrap();
+        let (mut line, mut caps) = (None, 0);
+        for shape in drawing.shapes {
+            match shape {
+                Shape::Path { points, colour, .. } if colour == PALETTE[1] => {
+                    if points[0][0] == points[1][0] {
+                        // Without legend, the plot begins 9 px below the top.
+                        let share = |at: [f64; 2]| (at[1] - 9.0) / (HEIGHT - 53.0);
+                        line = Some([share(points[1]), share(points[0])]);
+                    } else {
+                        caps += 1;
+                    }
+                }
+                _ => {}
+            }
+        }
+        line.map(|line| (line, caps))
+    }
+
+    #[test]
+    fn error_bars_are_open_beyond_the_axis() {
+        let log = || Axis::log("").within(0.1, 10.0);
+        let linear = || Axis::linear("").within(0.0, 4.0);
+        let closed = lay_out_bar(linear(), 2.0, [1.0, 3.0]);
+        assert_eq!(closed, Some(([0.25, 0.75], 2)));
+        // A low end that a logarithmic axis cannot show.
+        for low in [0.0, -1.0, f64::NEG_INFINITY] {
+            let ([top, bottom], caps) = lay_out_bar(log(), 1.0, [low, 1.0]).unwrap();
+            assert!((top - 0.5).abs() < 1e-9, "{top}");
+            assert_eq!((bottom, caps), (1.0, 1));
+        }
+        // Ends beyond the range.
+        let open = lay_out_bar(linear(), 2.0, [1.0, 30.0]);
+        assert_eq!(open, Some(([0.0, 0.75], 1)));
+        let open = lay_out_bar(linear(), 2.0, [-1.0, f64::INFINITY]);
+        assert_eq!(open, Some(([0.0, 1.0], 0)));
+        // Bars that are nowhere within it.
+        assert_eq!(lay_out_bar(linear(), 2.0, [5.0, 6.0]), None);
+        assert_eq!(lay_out_bar(log(), 2.0, [-2.0, -1.0]), None);
+    }
+
+    #[test]
+    fn error_bars_without_an_end_are_not_drawn() {
+        for bar in [[f64::NAN, 3.0], [1.0, f64::NAN], [f64::NAN; 2]] {
+            assert_eq!(lay_out_bar(Axis::linear(""), 2.0, bar), None);
+            assert_eq!(lay_out_bar(Axis::log(""), 2.0, bar), None);
+        }
+    }
+
+    #[test]
+    fn a_log_axis_goes_on_below_a_point_with_an_open_bar() {
+        let log = Axis::log("");
+        let ([top, bottom], caps) = lay_out_bar(log, 1.0, [-1.0, 5.0]).unwrap();
+        // The axis goes from half of the point to the upper end.
+        assert!(top.abs() < 1e-9, "{top}");
+        assert_eq!((bottom, caps), (1.0, 1));
+        // A linear axis gains nothing by it, below zero either.
+        let bar = lay_out_bar(Axis::linear(""), -6.0, [-7.0, -5.0]);
+        assert_eq!(bar, Some(([0.0, 1.0], 2)));
     }
 
     #[test]

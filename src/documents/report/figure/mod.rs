@@ -1,8 +1,8 @@
 //! Diagrams for publication, as SVG and PNG: labelled axes with units, legends, error bars.
 //!
 //! A [`Figure`] is laid out once into a few kinds of shapes. [`Figure::to_svg`] writes these, and
-//! [`Figure::to_png`] rasterises them, so that both files agree. Neither needs a system font or a
-//! GPU. Colours are those of Okabe and Ito, which remain distinct with colour vision deficiency.
+//! [`Figure::to_png`] rasterises them, so that both files agree. Text is drawn as outlines of the
+//! program's own typeface in both. Neither needs a system font or a GPU. Colours are those of Okabe and Ito, which remain distinct with colour vision deficiency.
 //! Marks and dashes differ as well, for printing in grey.
 //!
 //! Why not `plotters` 0.3? Two of the figures were drawn with it for comparison. Its bitmaps do not
@@ -26,7 +26,7 @@ use thiserror::Error;
 /// A diagram with two axes. The legend is above the axes, where it covers no data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// The title above it; empty for none.
+    /// The title, which is drawn above the legend; empty for none.
     pub title: String,
     /// The horizontal axis.
     pub x: Axis,
@@ -64,7 +64,9 @@ pub struct Series {
     pub name: String,
     /// Its points.
     pub points: Vec<[f64; 2]>,
-    /// Error bars: low and high end for each point. Empty for none.
+    /// Error bars: low and high end for each point. Empty for none. An end beyond the axis is drawn
+    /// open, such as a low end that is not positive on a logarithmic axis; a bar with an end that is
+    /// NaN is not drawn.
     pub bars: Vec<[f64; 2]>,
     /// The mark at each point.
     pub mark: Mark,
@@ -217,12 +219,18 @@ impl Figure {
         self
     }
 
-    /// The figure as SVG. Text remains text.
+    /// The figure as SVG. Text is drawn as outlines, and labelled for screen readers. They name a
+    /// figure without a title by its axes.
     ///
     /// # Errors
-    /// The program's typeface, which measures the text, cannot be read.
+    /// The program's typeface cannot be read.
     pub fn to_svg(&self) -> Result<String, FigureError> {
-        Ok(svg::write(&self.laid_out()?, &self.title))
+        let drawing = self.laid_out()?;
+        if self.title.trim().is_empty() {
+            svg::write(&drawing, &format!("{} over {}", self.y.label, self.x.label))
+        } else {
+            svg::write(&drawing, &self.title)
+        }
     }
 
     /// The figure as PNG, 84 mm wide (a column) at 300 dots per inch.

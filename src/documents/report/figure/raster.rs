@@ -65,16 +65,18 @@ fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
             anchor,
             upright,
         } => {
-            let place = |[x, y]: [f32; 2]| {
-                // Rotate by 90° anticlockwise: upright text runs from bottom to top.
-                let [x, y] = if *upright { [y, -x] } else { [x, y] }.map(f64::from);
-                scaled([at[0] + x, at[1] + y])
-            };
-            fill(
-                picture,
-                &curves(&typeface.outlines(text, *size, *anchor), place),
-                [0, 0, 0],
-            );
+            let line = typeface.place_glyphs(text, *size, *anchor);
+            let mut outlines = Vec::new();
+            for glyph in &line.glyphs {
+                let place = |[x, y]: [f64; 2]| {
+                    let [x, y] = [glyph.x + x, y].map(|units| units * line.px_per_unit);
+                    // Rotate by 90° anticlockwise: upright text runs from bottom to top.
+                    let [x, y] = if *upright { [y, -x] } else { [x, y] };
+                    scaled([at[0] + x, at[1] + y])
+                };
+                outlines.extend(curves(&typeface.outline(glyph.id), place));
+            }
+            fill(picture, &outlines, [0, 0, 0]);
         }
     }
 }
@@ -120,8 +122,8 @@ fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     (0..CIRCLE_CORNERS).map(corner).collect()
 }
 
-/// The outlines of text in pixels. `place` maps a point of the text to the picture.
-fn curves(strokes: &[Stroke], place: impl Fn([f32; 2]) -> Point) -> Vec<Piece> {
+/// The outline of a glyph in pixels. `place` maps a point of the glyph to the picture.
+fn curves(strokes: &[Stroke], place: impl Fn([f64; 2]) -> Point) -> Vec<Piece> {
     let mut at = point(0.0, 0.0);
     let mut pieces = Vec::with_capacity(strokes.len());
     for stroke in strokes {

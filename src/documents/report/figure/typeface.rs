@@ -1,21 +1,47 @@
-//! The typeface of figures: width and outlines of text.
+//! The typeface of figures: where the glyphs of a text are, and their outlines.
+//!
+//! SVG and PNG both draw what [`Typeface::place_glyphs`] and [`Typeface::outline`] return, so that
+//! their text agrees. Lengths are in font units, as the typeface states them: they are integers,
+//! apart from some halves, and hold for all sizes.
 
 use super::shape::Anchor;
-use ab_glyph::{Font as _, FontRef, InvalidFont, OutlineCurve, PxScale, ScaleFont as _};
+use ab_glyph::{Font as _, FontRef, GlyphId, InvalidFont, OutlineCurve, Point};
 
 const TYPEFACE: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
+/// For a typeface that does not state its own.
+const USUAL_UNITS_PER_EM: f32 = 1000.0;
 
 /// The typeface that is built into the program.
 pub struct Typeface {
     font: FontRef<'static>,
 }
 
-/// A piece of a letter's outline, from the end of the piece before; px, y down.
+/// A line of text. Lengths are in font units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextLine {
+    /// The glyphs, from left to right.
+    pub glyphs: Vec<PlacedGlyph>,
+    pub width: f64,
+    /// The size of a font unit at the text's size.
+    pub px_per_unit: f64,
+}
+
+/// A glyph of a line of text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedGlyph {
+    pub id: GlyphId,
+    /// The position of the glyph's origin along the baseline, relative to the text's anchor.
+    pub x: f64,
+}
+
+/// A piece of a glyph's outline, from the end of the piece before. Positions are in font units
+/// relative to the glyph's origin, y down.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stroke {
-    Begin([f32; 2]),
-    Line([f32; 2]),
-    Quad([f32; 2], [f32; 2]),
-    Cubic([f32; 2], [f32; 2], [f32; 2]),
+    Begin([f64; 2]),
+    Line([f64; 2]),
+    Quad([f64; 2], [f64; 2]),
+    Cubic([f64; 2], [f64; 2], [f64; 2]),
 }
 
 impl Typeface {
@@ -25,56 +51,103 @@ impl Typeface {
         })
     }
 
-    /// The scale for a font size in px per em, as SVG has it. `ab_glyph` scales by the font's
-    /// height (ascent minus descent) instead.
-    fn scale(&self, size: f64) -> PxScale {
-        let em = self.font.units_per_em().unwrap_or(1000.0);
-        PxScale::from(size as f32 * self.font.height_unscaled() / em)
-    }
-
     /// The width of text, px.
     pub fn width(&self, text: &str, size: f64) -> f64 {
-        let font = self.font.as_scaled(self.scale(size));
-        text.chars()
-            .map(|letter| f64::from(font.h_advance(font.glyph_id(letter))))
-            .sum()
+        let line = self.place_glyphs(text, size, Anchor::Start);
+        line.width * line.px_per_unit
     }
 
-    /// The outlines of text, px, y down, with the anchor at the origin of the baseline.
-    pub fn outlines(&self, text: &str, size: f64, anchor: Anchor) -> Vec<Stroke> {
-        let scale = self.scale(size);
-        let factor = scale.y / self.font.height_unscaled();
-        let scaled = self.font.as_scaled(scale);
-        let width = self.width(text, size) as f32;
-        let mut x = match anchor {
+    /// Places the glyphs of text. `size` is px per em, as SVG has it. A character that the typeface
+    /// lacks gets its replacement glyph.
+    pub fn place_glyphs(&self, text: &str, size: f64, anchor: Anchor) -> TextLine {
+        let mut glyphs = Vec::new();
+        let mut width = 0.0;
+        for letter in text.chars() {
+            let id = self.font.glyph_id(letter);
+            glyphs.push(PlacedGlyph { id, x: width });
+            width += f64::from(self.font.h_advance_unscaled(id));
+        }
+        let start = match anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => -width / 2.0,
             Anchor::End => -width,
         };
+        for glyph in &mut glyphs {
+            glyph.x += start;
+        }
+        let units_per_em = self.font.units_per_em().unwrap_or(USUAL_UNITS_PER_EM);
+        TextLine {
+            glyphs,
+            width,
+            px_per_unit: size / f64::from(units_per_em),
+        }
+    }
+
+    /// The outline of a glyph; empty for a space.
+    pub fn outline(&self, glyph: GlyphId) -> Vec<Stroke> {
+        let at = |point: Point| [f64::from(point.x), -f64::from(point.y)];
+        let curves = self.font.outline(glyph).map(|outline| outline.curves);
         let mut strokes = Vec::new();
-        for letter in text.chars() {
-            let glyph = scaled.glyph_id(letter);
-            if let Some(outline) = self.font.outline(glyph) {
-                let at = |point: ab_glyph::Point| [x + point.x * factor, -point.y * factor];
-                let mut end = None;
-                for curve in outline.curves {
-                    let (from, stroke, to) = match curve {
-                        OutlineCurve::Line(a, b) => (a, Stroke::Line(at(b)), b),
-                        OutlineCurve::Quad(a, b, c) => (a, Stroke::Quad(at(b), at(c)), c),
-                        OutlineCurve::Cubic(a, b, c, d) => {
-                            (a, Stroke::Cubic(at(b), at(c), at(d)), d)
-                        }
-                    };
-                    // A curve that does not start where the last one ended begins a new contour.
-                    if end != Some(from) {
-                        strokes.push(Stroke::Begin(at(from)));
-                    }
-                    strokes.push(stroke);
-                    end = Some(to);
-                }
+        let mut end = None;
+        for curve in curves.unwrap_or_default() {
+            let (from, stroke, to) = match curve {
+                OutlineCurve::Line(a, b) => (a, Stroke::Line(at(b)), b),
+                OutlineCurve::Quad(a, b, c) => (a, Stroke::Quad(at(b), at(c)), c),
+                OutlineCurve::Cubic(a, b, c, d) => (a, Stroke::Cubic(at(b), at(c), at(d)), d),
+            };
+            // The font's contours are closed by a line, which often has no length.
+            if matches!(stroke, Stroke::Line(_)) && from == to {
+                continue;
             }
-            x += scaled.h_advance(glyph);
+            // A curve that does not start where the last one ended begins a new contour.
+            if end != Some(from) {
+                strokes.push(Stroke::Begin(at(from)));
+            }
+            strokes.push(stroke);
+            end = Some(to);
         }
         strokes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_lies_at_its_anchor() {
+        let typeface = Typeface::load().unwrap();
+        let place = |anchor| typeface.place_glyphs("noise (px)", 13.0, anchor);
+        let [start, middle, end] = [Anchor::Start, Anchor::Middle, Anchor::End].map(place);
+        assert!(start.width > 0.0 && start.glyphs.len() == 10);
+        for ((start, middle), end) in start.glyphs.iter().zip(&middle.glyphs).zip(&end.glyphs) {
+            assert_eq!((start.id, start.id), (middle.id, end.id));
+        }
+        let first = [&start, &middle, &end].map(|line| line.glyphs[0].x);
+        assert_eq!(first, [0.0, -start.width / 2.0, -start.width]);
+        // Widths add up and grow with the size.
+        let width = |text| typeface.width(text, 13.0);
+        assert!((width("noise") + width(" (px)") - width("noise (px)")).abs() < 1e-9);
+        assert!((2.0 * width("noise") - typeface.width("noise", 26.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn outlines_are_closed_contours_above_the_baseline() {
+        let typeface = Typeface::load().unwrap();
+        let glyph = |letter: &str| typeface.place_glyphs(letter, 1.0, Anchor::Start).glyphs[0].id;
+        assert!(typeface.outline(glyph(" ")).is_empty());
+        let letter = typeface.outline(glyph("B"));
+        let begins = letter
+            .iter()
+            .filter(|stroke| matches!(stroke, Stroke::Begin(_)));
+        // The outer contour and two holes.
+        assert_eq!(begins.count(), 3);
+        for stroke in letter {
+            let (Stroke::Begin([_, y])
+            | Stroke::Line([_, y])
+            | Stroke::Quad(_, [_, y])
+            | Stroke::Cubic(_, _, [_, y])) = stroke;
+            assert!((-1000.0..20.0).contains(&y), "{y}");
+        }
     }
 }
