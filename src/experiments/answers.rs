@@ -266,7 +266,8 @@ fn interval_of_iou(all: &[&FrameAnswer]) -> [f64; 2] {
         return Summary::of(one, 0).map_or([f64::NAN; 2], |summary| summary.mean_interval);
     }
     let means: Vec<f64> = seeds.iter().map(|ious| mean_sd(ious)[0]).collect();
-    interval_of_mean(&means, 1).map(|end| end.clamp(0.0, 1.0))
+    // Adding 0 makes −0 a 0.
+    interval_of_mean(&means, 1).map(|end| end.clamp(0.0, 1.0) + 0.0)
 }
 
 /// A table with a row for each tally.

@@ -39,6 +39,22 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         "A failure is a frame that was refused, or whose IoU is below {FAILURE_IOU}. A frame is *covered* if its middle lies within the \
          picture of one of its references, by pan: a narrow view and a view that no reference shows are two causes."
     ));
+    let mut views = Figure::new(
+        "Fields of view",
+        Axis::linear("horizontal field of view (°)"),
+        Axis::linear("share of frames").within(0.0, 1.0),
+    );
+    for (number, (name, which)) in chosen.iter().enumerate() {
+        let answers = inputs.answers(*which, ForestKind::Published, Masks::AsTheyAre, progress)?;
+        let degrees: Vec<f64> = answers.iter().map(|answer| answer.view_deg).collect();
+        views = views.with(Series::cumulative(
+            name,
+            number + 1,
+            &degrees,
+            degrees.len(),
+        ));
+    }
+    report.figure("distribution", "How wide the test frames look.", views);
     let (mut rows, mut every) = (Vec::new(), Table::default());
     for forest in [ForestKind::Published, ForestKind::Default] {
         for (name, which) in &chosen {

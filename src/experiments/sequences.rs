@@ -87,8 +87,11 @@ pub fn worldcup(inputs: &SharedInputs, progress: Progress) -> Result<Report, Exp
     };
     tables(&mut report, inputs, Sets::WorldCup, paper, progress)?;
     if kind == SetKind::Drawn {
-        let reason = "the drawn cameras are those of two real games, which need not be the paper's";
-        for (game, _, [calib_me, theirs]) in TABLE_3 {
+        let reasons = [
+            "drawn with the game's own camera, from published homographies",
+            "drawn with the camera of another game of the tournament",
+        ];
+        for ((game, _, [calib_me, theirs]), reason) in TABLE_3.into_iter().zip(reasons) {
             let game = Some(game);
             claim_level(&mut report, "Table 3", game, theirs, reason);
             claim_lead(&mut report, "Table 3", game, theirs.mean - calib_me.mean);
