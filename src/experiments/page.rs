@@ -25,7 +25,7 @@ pub fn page(reports: &[Report]) -> String {
         "{} statements on the paper's own forest: {}. Frames are drawn in the paper's setting; its own were real: agreement shows that the \
          method does what the paper says, not how it does on anyone's footage.\n\n{}\n{}\n\n**Rules.** {} \
          Intervals are 95 % (Student's t over seeds; over cameras in the synthetic experiment), wider where a statement makes several \
-         comparisons (Bonferroni). `claims.csv` has every number of this table and how it follows from the other files; \
+         comparisons (Bonferroni), and not cut at 0 or 1. `claims.csv` has every number of this table and how it follows from the other files; \
          `recompute.py` does it again.\n\n{}",
         claims.len(),
         counts.join(", "),

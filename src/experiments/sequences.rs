@@ -171,7 +171,7 @@ fn claim_lead(report: &mut Report, table: &str, game: Option<&str>, lead: f64) {
         "{table}{}: IoU above CalibMe's",
         game.map_or_else(String::new, |game| format!(", {game}"))
     );
-    let reason = "CalibMe here: five references by farthest points, a homography; no answer is tested on either side";
+    let reason = "CalibMe here: five references by farthest points, a homography (*baselines* has five at random); no answer is tested on either side";
     Statement::new(
         &words,
         Stated::Effect((lead * 100.0).round() / 100.0),

@@ -142,7 +142,7 @@ fn lens_model(name: &str) -> PyResult<Option<LensModel>> {
 /// Estimates where the cameras of a document stand, their base rotations and lenses, from the
 /// clicks of all frames but rejected ones, and solves all frames, as `touchline refine-base`.
 ///
-/// Three and more frames with four landmarks each are a good start. `crown_m`: None chooses it by
+/// Three and more frames with four landmarks or lines each are a good start. `crown_m`: None chooses it by
 /// cross-validation. `progress(done, of)` as in `solve`.
 #[pyfunction]
 #[pyo3(signature = (

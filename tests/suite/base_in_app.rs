@@ -585,7 +585,7 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
             assert!(
                 next_step(&fixture.app)
                     .text
-                    .starts_with("2 of 4 landmarks here"),
+                    .starts_with("2 of 4 landmarks or lines here"),
                 "{}",
                 next_step(&fixture.app).text
             );

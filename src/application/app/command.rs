@@ -281,7 +281,7 @@ rows! {
     TryOtherCamera, "try_other_camera", Camera, Picture, "Try the other camera found", "Use the other of two cameras that explain the paint equally well. One step of undo.", [];
     EstimateBase, "estimate_base", Camera, Picture, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
     BaseOnPaint, "base_on_paint", Camera, Application, "Use the painted lines for the base", "Also fit the base to the painted lines in the frames' pictures, then refine each frame on its lines. Takes longer: every picture is read twice.", [];
-    ShowForBase, "show_for_base", Camera, Picture, "Where to click for the base", "Go to the frame whose points would help this camera's base most: it looks where no frame with four landmarks does.", [];
+    ShowForBase, "show_for_base", Camera, Picture, "Where to click for the base", "Go to the frame whose points would help this camera's base most: it looks where no frame with four landmarks or lines does.", [];
     UseEstimatedBase, "use_estimated_base", Camera, Picture, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
     DropEstimatedBase, "drop_estimated_base", Camera, Picture, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
     StopSolving, "stop_solving", Camera, Picture, "Stop solving frames again", "Stop the change that solves many frames again; nothing is changed.", [];

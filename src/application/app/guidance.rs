@@ -3,7 +3,7 @@
 use super::progress::{ALL_DONE, missing_references};
 use super::session::{Mode, reason_label};
 use super::{App, Command};
-use touchline_calibration::calibrate::{CalibrationError, LANDMARKS_ALONE};
+use touchline_calibration::calibrate::{CalibrationError, LANDMARKS_ALONE, points_alone};
 use touchline_core::geometry::counted;
 use touchline_core::solve::{ClickResidual, SolveError, Verdict};
 use touchline_documents::document::{Frame, FrameStatus, SolutionSource, Target};
@@ -240,11 +240,11 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
         return Some(Guidance::say(text).offer("Estimate the base now", Command::EstimateBase));
     }
     // What the points of this frame lack: a few more, nothing, or all of them.
-    let here = frame.landmark_clicks();
+    let here = points_alone(frame);
     let text = match LANDMARKS_ALONE.saturating_sub(here) {
         missing @ 1..LANDMARKS_ALONE => {
             format!(
-                "{here} of {LANDMARKS_ALONE} landmarks here; {missing} more, spread over the picture. {}",
+                "{here} of {LANDMARKS_ALONE} landmarks or lines here; {missing} more, spread over the picture. {}",
                 ready.describe()
             )
         }

@@ -3,6 +3,7 @@
 use super::base_readiness::LANDMARKS_ALONE;
 use super::field_size::set_field_size;
 use super::on_paint::OnPaint;
+use super::own_cameras::cameras_from_lines;
 use super::solve_frames::{ShownFields, is_by_clicks, solve_frames};
 use super::{CalibrationError, observations};
 use std::collections::BTreeMap;
@@ -63,6 +64,8 @@ pub struct BaseProblem {
     pub(super) image_size: ImageSize,
     pub(super) principal_point: ImagePoint,
     pub(super) previous: Option<CameraBase>,
+    /// Cameras by the lines of single frames, where no frame has landmarks enough.
+    pub(super) own_cameras: Vec<PtzCamera>,
 }
 
 /// An estimated base with its inputs. Frames are numbered as in the document.
@@ -143,6 +146,7 @@ impl BaseProblem {
             image_size: camera.image_size,
             principal_point: base.principal_point,
             previous: Some(*base),
+            own_cameras: Vec::new(),
         }
     }
 
@@ -183,6 +187,13 @@ impl BaseProblem {
                 });
             }
         }
+        let has_landmarks =
+            |index: &usize| document.frames[*index].landmark_clicks() >= LANDMARKS_ALONE;
+        let own_cameras = if frames.iter().any(has_landmarks) {
+            Vec::new()
+        } else {
+            cameras_from_lines(&field, &clicks, known.image_size)
+        };
         Ok(Self {
             camera: camera.clone(),
             field,
@@ -191,6 +202,7 @@ impl BaseProblem {
             image_size: known.image_size,
             principal_point: known.principal_point,
             previous: known.base(),
+            own_cameras,
         })
     }
 
@@ -230,6 +242,7 @@ impl BaseProblem {
             frames: &self.clicks,
             image_size: self.image_size,
             principal_point: self.principal_point,
+            own_cameras: &self.own_cameras,
         }
     }
 
@@ -533,6 +546,7 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
         frames: &frames,
         image_size,
         principal_point,
+        own_cameras: &[],
     };
     // The linear start, then the nonlinear refinement of position, rotation, pan, tilt and focal
     // length.

@@ -6,7 +6,8 @@ use touchline_core::geometry::Angle;
 use touchline_core::markings::project_landmarks;
 use touchline_documents::document::{CameraId, Document, Frame};
 
-/// This number of landmarks on the ground determines a camera without a known base.
+/// This number of landmarks on the ground, or of lines with two points each, determines a camera
+/// without a known base: each of them gives two equations for the camera's seven unknowns.
 pub const LANDMARKS_ALONE: usize = 4;
 
 /// This number of wide frames, left, centre and right, determines a camera's position.
@@ -19,7 +20,7 @@ pub struct BaseReadiness {
     pub frames: usize,
     /// Number of named clicks in these frames.
     pub clicks: usize,
-    /// Frames with four or more landmarks, which determine a camera by themselves.
+    /// Frames with four or more landmarks and lines, which determine a camera by themselves.
     pub wide: usize,
     /// Frames that a person has excluded.
     pub left_out: usize,
@@ -40,7 +41,7 @@ impl BaseReadiness {
                 ..Self::default()
             }
         } else if frame.is_used_for_base() && clicks > 0 {
-            let wide = usize::from(frame.landmark_clicks() >= LANDMARKS_ALONE);
+            let wide = usize::from(points_alone(frame) >= LANDMARKS_ALONE);
             Self {
                 frames: 1,
                 clicks,
@@ -72,11 +73,17 @@ impl BaseReadiness {
     #[must_use]
     pub fn describe(&self) -> String {
         format!(
-            "On {WIDE_FRAMES} wide frames (left, centre, right) click {LANDMARKS_ALONE} or more landmarks. Done: {} of \
-             {WIDE_FRAMES}.",
+            "On {WIDE_FRAMES} wide frames (left, centre, right) click {LANDMARKS_ALONE} or more landmarks, or two points on as many lines. \
+             Done: {} of {WIDE_FRAMES}.",
             self.wide.min(WIDE_FRAMES)
         )
     }
+}
+
+/// The number of landmarks and lines of a frame that count towards [`LANDMARKS_ALONE`].
+#[must_use]
+pub fn points_alone(frame: &Frame) -> usize {
+    frame.landmark_clicks() + frame.drawn_lines()
 }
 
 /// The frame of a camera to be clicked next for its base: one that shows enough landmarks of the

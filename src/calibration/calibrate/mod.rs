@@ -46,7 +46,9 @@ pub use base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, camera_alone, describe_mirrored,
 };
 pub use base_on_paint::{BaseOnPaint, PictureOf, PulledFrames, estimate_on_paint};
-pub use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
+pub use base_readiness::{
+    BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base, points_alone,
+};
 pub use better_camera::{BetterCamera, better_camera};
 pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, Joined, NewCamera};
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};

@@ -5,13 +5,17 @@
 //! is of no use there; each frame's lines give position, rotation, lens and focal length together
 //! ([`camera_from_lines`]). The document then has a camera for each such frame.
 
+use super::base_readiness::LANDMARKS_ALONE;
 use super::observations;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 use thiserror::Error;
+use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::progress::Progress;
+use touchline_core::solve::base::FrameClicks;
 use touchline_core::solve::from_lines::{
     CameraFromLines, FromLinesError, FromLinesOptions, LinePicture, camera_from_lines,
 };
@@ -44,6 +48,9 @@ pub struct OwnCameras {
 
 /// Frames that are solved before their cameras are written; limits the memory.
 const AT_ONCE: usize = 4096;
+
+/// Number of frames of one camera whose lines are tried for a start of its base.
+const MAX_BY_LINES: usize = 12;
 
 /// Gives each frame a camera of its own that has clicks, no camera pose, and whose camera has no
 /// base. Frames of the same camera are taken as pictures of different ones. `folder` is the
@@ -96,6 +103,30 @@ pub fn give_own_cameras(
     }
     drop_unused(document, &with_base);
     Ok(Some(result))
+}
+
+/// The cameras that single frames have by their lines, of up to [`MAX_BY_LINES`] frames that could
+/// have one.
+pub(super) fn cameras_from_lines(
+    field: &FieldModel,
+    frames: &[FrameClicks],
+    image_size: ImageSize,
+) -> Vec<PtzCamera> {
+    let enough: Vec<&FrameClicks> = frames
+        .iter()
+        .filter(|frame| frame.equations() >= 2 * LANDMARKS_ALONE)
+        .collect();
+    let chosen: Vec<&FrameClicks> = subsample(enough, MAX_BY_LINES).collect();
+    let camera = |frame: &&FrameClicks| {
+        let picture = LinePicture {
+            field,
+            observations: &frame.observations,
+            image_size,
+        };
+        let found = camera_from_lines(&picture, &FromLinesOptions::default());
+        found.ok().map(|found| found.camera())
+    };
+    chosen.par_iter().filter_map(camera).collect()
 }
 
 /// A camera of a frame's lines, with the root mean square distance of its points, px.
@@ -210,11 +241,13 @@ impl FreeNames {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::{BaseProblem, BaseReadiness};
     use std::ops::ControlFlow;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::field::builtin;
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_core::score::annotated_lines;
+    use touchline_core::solve::base::BaseOptions;
     use touchline_documents::document::{Click, FieldSpec, Target};
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
@@ -281,6 +314,48 @@ mod tests {
         // Nothing is left to do.
         let again = give_own_cameras(&mut document, folder, &Progress::default());
         assert_eq!(again.unwrap().unwrap().solved, Vec::<usize>::new());
+    }
+
+    #[test]
+    fn frames_of_one_camera_with_lines_alone_give_its_base() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let level = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(3.0, -70.0, 17.0), level, SIZE.centre());
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let id = CameraId::from("main");
+        document.cameras.push(Camera::new(id.clone(), SIZE).into());
+        let mut wide = 0;
+        for (pan_deg, tilt_deg, focal_px) in [
+            (-28.0, -12.0, 1500.0),
+            (-2.0, -13.0, 1300.0),
+            (27.0, -12.5, 1700.0),
+        ] {
+            let camera = PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px));
+            let name = format!("{}.jpg", document.frames.len());
+            let mut frame = Frame::from_image(&name, id.clone(), SIZE);
+            for line in annotated_lines(&field, &camera, SIZE) {
+                let target = Target::Line(field.lines[line.line].id.clone());
+                let click = |at| Click::new(target.clone(), at);
+                frame.clicks.extend(line.points.into_iter().map(click));
+            }
+            wide += BaseReadiness::of_frame(&frame).wide;
+            document.frames.push(frame.into());
+        }
+        assert!(wide >= 2, "{wide}");
+        let problem = BaseProblem::of(document.at(Path::new(".")), &id).unwrap();
+        let options = BaseOptions::default();
+        let found = problem.estimate(&document, &options, &Progress::default());
+        let found = found.unwrap().estimate.base;
+        let off_m = (found.position_m - base.position_m).norm();
+        assert!(off_m < 0.5, "{off_m} m, stated {:?}", found.sigma);
+        // Two lines in each frame are not enough for a start, and it is said what is.
+        for frame in &mut document.frames {
+            frame.clicks.truncate(4);
+        }
+        let problem = BaseProblem::of(document.at(Path::new(".")), &id).unwrap();
+        let error = problem.estimate(&document, &options, &Progress::default());
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("two points on as many lines"), "{error}");
     }
 
     #[test]

@@ -423,7 +423,7 @@ fn what_cannot_be_estimated_says_why() {
     assert!(
         error
             .to_string()
-            .contains("click four or more on wide frames")
+            .contains("click four or more that are not on one line")
     );
     // Names dealt out at random.
     let (mut nonsense, _) = frames(&base, &field, 5, 8, 1.0, &mut rng);

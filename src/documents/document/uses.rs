@@ -1,6 +1,7 @@
 //! The uses of a frame: training of the forest, and estimation of its camera's base.
 
 use super::{Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, Target};
+use std::collections::BTreeMap;
 use touchline_core::markings::LineVerdict;
 use touchline_core::solve::Verdict;
 
@@ -209,6 +210,21 @@ impl Frame {
         self.clicks
             .iter()
             .filter(|click| !click.check && landmarks(&click.target))
+            .count()
+    }
+
+    /// The number of lines with two or more clicks that are not check points.
+    #[must_use]
+    pub fn drawn_lines(&self) -> usize {
+        let mut clicks_on = BTreeMap::new();
+        for click in self.clicks.iter().filter(|click| !click.check) {
+            if let Some(Target::Line(line)) = &click.target {
+                *clicks_on.entry(line).or_insert(0) += 1;
+            }
+        }
+        clicks_on
+            .into_values()
+            .filter(|clicks| *clicks >= 2)
             .count()
     }
 }

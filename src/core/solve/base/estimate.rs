@@ -175,6 +175,7 @@ pub fn estimate_base(
         frames,
         image_size,
         principal_point,
+        ..
     } = *clicks;
     let models = models(
         field,
@@ -260,6 +261,7 @@ pub fn estimate_base_on_paint(
         frames,
         image_size,
         principal_point,
+        ..
     } = *clicks;
     // Frames without paint, which are most of a long video, take no part in the choice of the model.
     let ptz = cameras_with_clicks(painted, start.1);

@@ -11,8 +11,8 @@
 //! # Method
 //!
 //! 1. **Start** (`start.rs`). A frame with four landmarks on the ground gives a homography, and
-//!    that gives a camera (`plane_pose.rs`). Its position is noisy, and some positions are grossly
-//!    wrong. So each is tested as the base of a sample of frames, and the one with the lowest
+//!    that gives a camera (`plane_pose.rs`); frames with lines alone bring a camera with them
+//!    (`../from_lines`). Its position is noisy, and some positions are grossly wrong. So each is tested as the base of a sample of frames, and the one with the lowest
 //!    robust cost wins. Wrong names in a few frames do not affect the result.
 //! 2. **Bundle adjustment** (`bundle.rs`, `adjust.rs`). All parameters together by damped
 //!    Gauss–Newton. Frames are coupled only through the shared parameters, so their own three
@@ -83,7 +83,7 @@ pub use shared_place::{SharedPlace, shared_places};
 pub use start::{BaseStart, start_base};
 
 use super::Observation;
-use crate::camera::Ptz;
+use crate::camera::{Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize};
 use thiserror::Error;
@@ -123,6 +123,9 @@ pub struct CameraClicks<'a> {
     pub image_size: ImageSize,
     /// Where the optical axis meets the picture, px.
     pub principal_point: ImagePoint,
+    /// Cameras that some frames have by the lines drawn in them, found without a base. The search
+    /// starts from these as well.
+    pub own_cameras: &'a [PtzCamera],
 }
 
 impl<'a> CameraClicks<'a> {
@@ -138,6 +141,7 @@ impl<'a> CameraClicks<'a> {
             frames,
             image_size,
             principal_point: image_size.centre(),
+            own_cameras: &[],
         }
     }
 }
@@ -148,8 +152,9 @@ impl<'a> CameraClicks<'a> {
 pub enum BaseError {
     /// No frame determines a camera by itself.
     #[error(
-        "no frame has four landmarks on the ground that are not on one line ({frames} frames with clicks, the best has \
-         {most_landmarks}): click four or more on wide frames, left, centre and right"
+        "no frame determines a camera by itself ({frames} frames with clicks, the best has {most_landmarks} landmarks on the \
+         ground): on wide frames, left, centre and right, click four or more that are not on one line, or two points on as many \
+         lines in two directions"
     )]
     NoStart {
         /// Frames with clicks.

@@ -1,7 +1,8 @@
 //! The start of the adjustment: a base that many frames agree on, from the clicks alone.
 //!
-//! Every frame with four ground landmarks determines a camera by itself. Its position is noisy, and
-//! a few positions are grossly wrong. Each such position, and their median, is tested as the base
+//! Every frame with four ground landmarks determines a camera by itself; a frame with lines alone
+//! may have one that was found before ([`CameraClicks::own_cameras`]). Its position is noisy, and a
+//! few positions are grossly wrong. Each such position, and their median, is tested as the base
 //! on a sample of frames, with a level head and with the rotation of least roll. The base with the
 //! lowest robust cost wins. Wrong names in some frames therefore do not spoil the start.
 
@@ -40,22 +41,25 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
         frames,
         image_size,
         principal_point,
+        own_cameras,
         ..
     } = *clicks;
-    // Position and x axis (`world`) of each frame's own camera. Positions below 1 m, above 200 m or
-    // farther than 500 m away are no sports cameras.
-    let mut poses: Vec<(Vec3, Vec3)> = Vec::new();
-    let mut most_landmarks = 0;
-    for frame in frames {
-        let ground = ground_landmarks(frame);
-        most_landmarks = most_landmarks.max(ground.len());
-        let Ok(pose) = pose_from_plane(&ground, principal_point) else {
-            continue;
-        };
-        if (1.0..200.0).contains(&pose.position_m.z) && pose.position_m.norm() < 500.0 {
-            poses.push((pose.position_m, pose.cam_from_world.row(0).transpose()));
-        }
-    }
+    // Position and x axis (`world`) of each frame's own camera.
+    let ground: Vec<Vec<(Vec2, ImagePoint)>> = frames.iter().map(ground_landmarks).collect();
+    let most_landmarks = ground.iter().map(Vec::len).max().unwrap_or(0);
+    let by_landmarks = ground.iter().filter_map(|ground| {
+        let pose = pose_from_plane(ground, principal_point).ok()?;
+        Some((pose.position_m, pose.cam_from_world.row(0).transpose()))
+    });
+    let by_lines = own_cameras.iter().map(|camera| {
+        let x_axis = camera.cam_from_world().row(0).transpose();
+        (camera.base().position_m, x_axis)
+    });
+    // Positions below 1 m, above 200 m or farther than 500 m away are no sports cameras.
+    let poses: Vec<(Vec3, Vec3)> = by_landmarks
+        .chain(by_lines)
+        .filter(|(position_m, _)| (1.0..200.0).contains(&position_m.z) && position_m.norm() < 500.0)
+        .collect();
     if poses.is_empty() {
         let frames = frames.iter().filter(|frame| frame.equations() > 0).count();
         return Err(BaseError::NoStart {
