@@ -6,7 +6,7 @@
 //! axis. Pan and tilt can make up for two components, those across the optical axis, and nothing for
 //! the third, the roll. If the base's error passes straight to them, the error of pan (times the
 //! cosine of tilt) and tilt is a vector of two independent normal components, of mean length
-//! σ √(π/2); the picture errs by the roll alone, |ω_z|, on average σ √(2/π).
+//! σ √(π/2); the picture errs by the roll alone, `|ω_z|`, on average σ √(2/π).
 
 use super::Setting;
 use super::collected::{Collected, Errors, camera_table};
