@@ -120,8 +120,9 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         &mut report,
         &sets[..1],
         &format!(
-            "They are one in {stride} of the frames of one seed of `highlights`. With fewer references the level is not the one there; what \
-             counts is the difference from the row *as assumed*."
+            "They are one in {stride} of the frames of one seed of `highlights`. With fewer \
+             references the level is not the one there; what counts is the difference from the \
+             row *as assumed*."
         ),
     );
     report.text(&explain());
@@ -130,9 +131,10 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     }
     report.table(
         "summary",
-        "Spectators replaced, boards redrawn: shares in the other game. Movement 1: spectators lean by up to 0.11 m, and one in eight \
-         stands; 2: twice that. Defocus: the greatest radius of the blur; each frame has its own. Right: rotation within 1°; \
-         wrong: beyond; refused: no answer.",
+        "Spectators replaced, boards redrawn: shares in the other game. Movement 1: spectators \
+         lean by up to 0.11 m, and one in eight stands; 2: twice that. Defocus: the greatest \
+         radius of the blur; each frame has its own. Right: rotation within 1°; wrong: beyond; \
+         refused: no answer.",
         summary_table(&measured),
     );
     let ways = measured.iter().flat_map(|measured| {
@@ -202,10 +204,12 @@ fn explain() -> String {
     let assumed = Scenery::default();
     let ([people, _], [boards, _]) = (assumed.people_changed, assumed.boards_changed);
     format!(
-        "None of this is in the paper, whose frames are real. All values were set by eye, to look like broadcast frames of 2014 to 2016, in one \
-         commit that replaced drawn sets so easy that most figures were flat lines; they have not been changed since. Not varied: \
-         {people} of the spectators and {boards} of the boards change from one sequence to the next of the same game; the exposure changes by \
-         {} stops (σ) between sequences and by {} between frames; the noise has {} levels of 255 (σ).",
+        "None of this is in the paper, whose frames are real. All values were set by eye, to \
+         look like broadcast frames of 2014 to 2016, in one commit that replaced drawn sets so \
+         easy that most figures were flat lines; they have not been changed since. Not varied: \
+         {people} of the spectators and {boards} of the boards change from one sequence to the \
+         next of the same game; the exposure changes by {} stops (σ) between sequences and by {} \
+         between frames; the noise has {} levels of 255 (σ).",
         assumed.exposure_sigma_ev, assumed.shoot.exposure_sigma_ev, assumed.shoot.noise_levels
     )
 }
@@ -254,8 +258,9 @@ fn summarize(measured: &[Measured], place: usize, kind: ForestKind) -> String {
         .count();
     let never = (0..frames).filter(|&frame| times_right(frame) == 0).count();
     format!(
-        "{together}{alone} One frame more or less moves a mean by up to {:.3}. Of {frames} frames, {always} are right in every row of the \
-         table and {never} in no row. Wrong answers in a row: {least} to {most}.",
+        "{together}{alone} One frame more or less moves a mean by up to {:.3}. Of {frames} \
+         frames, {always} are right in every row of the table and {never} in no row. Wrong \
+         answers in a row: {least} to {most}.",
         1.0 / frames as f64
     )
 }

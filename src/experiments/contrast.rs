@@ -47,16 +47,16 @@ impl Contrast {
 
     /// Adds the mean over the rows with these cells.
     pub fn plus(self, cells: &[(&'static str, &str)]) -> Self {
-        self.weighted(1.0, cells)
+        self.add(1.0, cells)
     }
 
     /// Subtracts the mean over the rows with these cells.
     pub fn minus(self, cells: &[(&'static str, &str)]) -> Self {
-        self.weighted(-1.0, cells)
+        self.add(-1.0, cells)
     }
 
     /// Adds a multiple of the mean over the rows with these cells.
-    pub fn weighted(mut self, weight: f64, cells: &[(&'static str, &str)]) -> Self {
+    pub fn add(mut self, weight: f64, cells: &[(&'static str, &str)]) -> Self {
         let cells = cells.iter().map(|(key, text)| (*key, (*text).to_owned()));
         self.terms.push(Term {
             weight,

@@ -36,8 +36,9 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         chosen.push(("World Cup", Sets::WorldCup));
     }
     report.text(&format!(
-        "A failure is a frame that was refused, or whose IoU is below {FAILURE_IOU}. A frame is *covered* if its middle lies within the \
-         picture of one of its references, by pan: a narrow view and a view that no reference shows are two causes."
+        "A failure is a frame that was refused, or whose IoU is below {FAILURE_IOU}. A frame is \
+         *covered* if its middle lies within the picture of one of its references, by pan: a \
+         narrow view and a view that no reference shows are two causes."
     ));
     let mut views = Figure::new(
         "Fields of view",
@@ -205,15 +206,15 @@ fn claims(report: &mut Report) {
     for (words, other) in [
         (
             format!(
-                "Failures lie below about {FAILURES_BELOW_DEG}°: share of failures below, minus that from \
-                 {FAILURES_BELOW_DEG}° to {NO_FAILURE_ABOVE_DEG}°"
+                "Failures lie below about {FAILURES_BELOW_DEG}°: share of failures below, minus \
+                 that from {FAILURES_BELOW_DEG}° to {NO_FAILURE_ABOVE_DEG}°"
             ),
             ViewBin::Middle,
         ),
         (
             format!(
-                "There are none above {NO_FAILURE_ABOVE_DEG}°: share of failures below {FAILURES_BELOW_DEG}°, minus that above \
-                 {NO_FAILURE_ABOVE_DEG}°"
+                "There are none above {NO_FAILURE_ABOVE_DEG}°: share of failures below \
+                 {FAILURES_BELOW_DEG}°, minus that above {NO_FAILURE_ABOVE_DEG}°"
             ),
             ViewBin::Wide,
         ),

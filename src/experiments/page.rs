@@ -22,11 +22,13 @@ pub fn page(reports: &[Report]) -> String {
     // Writing to a string cannot fail.
     let _ = write!(
         text,
-        "{} statements on the paper's own forest: {}. Frames are drawn in the paper's setting; its own were real: agreement shows that the \
-         method does what the paper says, not how it does on anyone's footage.\n\n{}\n{}\n\n**Rules.** {} \
-         Intervals are 95 % (Student's t over seeds; over cameras in the synthetic experiment), wider where a statement makes several \
-         comparisons (Bonferroni), and not cut at 0 or 1. `claims.csv` has every number of this table and how it follows from the other files; \
-         `recompute.py` does it again.\n\n{}",
+        "{} statements on the paper's own forest: {}. Frames are drawn in the paper's setting; \
+         its own were real: agreement shows that the method does what the paper says, not how it \
+         does on anyone's footage.\n\n{}\n{}\n\n**Rules.** {} Intervals are 95 % (Student's t \
+         over seeds; over cameras in the synthetic experiment), wider where a statement makes \
+         several comparisons (Bonferroni), and not cut at 0 or 1. `claims.csv` has every number \
+         of this table and how it follows from the other files; `recompute.py` does it \
+         again.\n\n{}",
         claims.len(),
         counts.join(", "),
         in_brief(&claims),
@@ -55,12 +57,14 @@ fn in_brief(claims: &[(&Report, &Claim)]) -> String {
 }
 
 /// What is measured, once for all experiments.
-const MEASURES: &str = "**Measures.** *IoU of the part* is that of the part of the field in the picture, *of the whole* that of the \
-    whole field, as the paper may count it; a refused frame counts as 0. *Right*: rotation within 1° of the true one; *wrong*: beyond; \
-    *refused*: no answer.\n\n\
-    **Forests.** *published*: the paper's settings (5 trees of 30 frames, depth 20, a leaf is the mean of its samples, 4 leaves of each \
-    tree are visited); *default*: this program's. The camera is found from their rays by this program for both, with its refinement \
-    and, unless *untested*, its test of whether an answer is to be trusted.";
+const MEASURES: &str = "**Measures.** *IoU of the part* is that of the part of the field in the \
+    picture, *of the whole* that of the whole field, as the paper may count it; a refused frame \
+    counts as 0. *Right*: rotation within 1° of the true one; *wrong*: beyond; *refused*: no \
+    answer.\n\n\
+    **Forests.** *published*: the paper's settings (5 trees of 30 frames, depth 20, a leaf is \
+    the mean of its samples, 4 leaves of each tree are visited); *default*: this program's. The \
+    camera is found from their rays by this program for both, with its refinement and, unless \
+    *untested*, its test of whether an answer is to be trusted.";
 
 /// The statements about times, which depend on the machine. Empty without any.
 #[must_use]
@@ -110,14 +114,14 @@ fn claim_table(claims: &[(&Report, &Claim)]) -> Table {
                 }
                 verdict => format!("**{}**", verdict.describe()).into(),
             },
-            filled(&others),
-            filled(&claim.reason),
+            or_empty(&others),
+            or_empty(&claim.reason),
         ]);
     }
     table
 }
 
-fn filled(text: &str) -> Cell {
+fn or_empty(text: &str) -> Cell {
     Some(text)
         .filter(|text| !text.is_empty())
         .map_or(Cell::Empty, Cell::from)

@@ -24,8 +24,8 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         }
     };
     report.text(&format!(
-        "Frames: {}. {lens} The rays that the forest has learnt are right in both cases; only the optimisation differs. One seed, the default \
-         forest.",
+        "Frames: {}. {lens} The rays that the forest has learnt are right in both cases; only \
+         the optimisation differs. One seed, the default forest.",
         set.title
     ));
     let kind = ForestKind::Default;

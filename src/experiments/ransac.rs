@@ -101,10 +101,12 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
         })
         .collect();
     report.text(&format!(
-        "Two points (a known base: pan, tilt, focal length) against four (a homography, nothing known) on the same matches of \
-         points on the ground: {MATCHES} a picture, {NOISE_PX} px noise; a match agrees within {AGREES_PX} px; rounds until a \
-         better sample would have been missed with {:.0} %, {MOST_ROUNDS} at most; then a fit to all that agree. {trials} pictures \
-         for each share. *Right*: no point of the ground in the picture is more than {RIGHT_PX} px off.",
+        "Two points (a known base: pan, tilt, focal length) against four (a homography, nothing \
+         known) on the same matches of points on the ground: {MATCHES} a picture, {NOISE_PX} px \
+         noise; a match agrees within {AGREES_PX} px; rounds until a better sample would have \
+         been missed with {:.0} %, {MOST_ROUNDS} at most; then a fit to all that agree. {trials} \
+         pictures for each share. *Right*: no point of the ground in the picture is more than \
+         {RIGHT_PX} px off.",
         100.0 * (1.0 - SUCCESS)
     ));
     report.table(

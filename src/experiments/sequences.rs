@@ -37,10 +37,12 @@ pub fn introduce_again(report: &mut Report, sets: &[FrameSet], experiment: &str,
 }
 
 /// Describes the setting of the synthetic highlights.
-const DRAWN_HIGHLIGHTS: &str = "The setting is the paper's: the base of its published sequence (behind a corner, 6.4 m up), a field of \
-    118 × 70 yards, and for each sequence the ranges of pan, tilt and focal length of table 2; sequences 1 and 2 show one game, 3 and 4 \
-    another. Players are not masked. The base is exactly known, and there are no cuts, flags, smoke, rain or moving shadows. What \
-    changes from frame to frame and from game to game is in `assumptions`.";
+const DRAWN_HIGHLIGHTS: &str = "The setting is the paper's: the base of its published sequence \
+    (behind a corner, 6.4 m up), a field of 118 × 70 yards, and for each sequence the ranges of \
+    pan, tilt and focal length of table 2; sequences 1 and 2 show one game, 3 and 4 another. \
+    Players are not masked. The base is exactly known, and there are no cuts, flags, smoke, rain \
+    or moving shadows. What changes from frame to frame and from game to game is in \
+    `assumptions`.";
 
 /// Four sequences of 29 frames, each relocalized with the other three as references (the paper's
 /// `highlights`).
@@ -130,7 +132,7 @@ fn claims_of_table_2(report: &mut Report) {
             Contrast::over_frames("iou_part").minus(&[("way", way), ("sequence", "sequence 3")]),
             |contrast, other| {
                 let sequence = format!("sequence {other}");
-                contrast.weighted(1.0 / 3.0, &[("way", way), ("sequence", &sequence)])
+                contrast.add(1.0 / 3.0, &[("way", way), ("sequence", &sequence)])
             },
         )
     };
@@ -164,7 +166,7 @@ fn claim_lead(report: &mut Report, table: &str, game: Option<&str>, lead: f64) {
     let calibme = with_most("calibme");
     let lead_of = |way: &str| {
         Contrast::over_frames("iou_part")
-            .plus(&rows(&untested(way), game))
+            .plus(&rows(&name_untested(way), game))
             .minus(&rows(&calibme, game))
     };
     let words = format!(
@@ -187,7 +189,7 @@ fn rows<'a>(way: &'a str, game: Option<&'a str>) -> Vec<(&'static str, &'a str)>
 }
 
 /// The name of a forest's answers without the test of their confidence.
-fn untested(way: &str) -> String {
+fn name_untested(way: &str) -> String {
     format!("{way} untested")
 }
 
@@ -210,7 +212,7 @@ fn tables(
         let answers = inputs.answers(which, kind, Masks::AsTheyAre, progress)?;
         ways.push((kind.key().to_owned(), answers.to_vec()));
         let tested_off = answers.iter().map(FrameAnswer::without_test).collect();
-        ways.push((untested(kind.key()), tested_off));
+        ways.push((name_untested(kind.key()), tested_off));
         if inputs.are_drawn(which, progress)? {
             let masked = inputs.answers(which, kind, Masks::Masked, progress)?;
             ways.push((format!("{} masked", kind.key()), masked.to_vec()));
@@ -224,8 +226,9 @@ fn tables(
     );
     report.table(
         "summary",
-        "*untested*: without the test of whether an answer is to be trusted; *masked*: without the features on players; a number: so many \
-         references, chosen by farthest points, instead of all.",
+        "*untested*: without the test of whether an answer is to be trusted; *masked*: without \
+         the features on players; a number: so many references, chosen by farthest points, \
+         instead of all.",
         summary(&sets[0], &ways, paper),
     );
     let answers = inputs.answers(which, ForestKind::Published, Masks::AsTheyAre, progress)?;
@@ -238,8 +241,8 @@ fn tables(
     if let Some(png) = sheet(sets, answers)? {
         report.picture(
             "sheet",
-            "Two wrong, two refused and two right answers of the published forest, as far as there are; orange: by the answer, blue: by \
-             the true camera.",
+            "Two wrong, two refused and two right answers of the published forest, as far as \
+             there are; orange: by the answer, blue: by the true camera.",
             png,
         );
     }

@@ -85,7 +85,7 @@ fn way(kind: &str, trees: usize) -> String {
 fn claims(report: &mut Report, counts: &[usize]) {
     let most = counts.last().copied().unwrap_or(1);
     let mean = |contrast: Contrast, weight: f64, kind: &str, trees: usize| {
-        contrast.weighted(weight, &[("way", &way(kind, trees))])
+        contrast.add(weight, &[("way", &way(kind, trees))])
     };
     let start = || Contrast::over_frames("iou_part");
     Statement {

@@ -89,13 +89,15 @@ pub enum Verdict {
 impl Stated {
     /// The rules of [`Stated::verdict`], for readers of a report.
     pub const RULES: &'static str = "\
-        A *difference* of stated size is confirmed if our interval excludes 0 in the stated direction, and either contains the stated size \
-        or lies between half and one and a half of it; it differs if the interval excludes the stated direction; otherwise it is smaller or \
-        larger if the interval excludes the stated size, and undecided if it contains both that size and 0. \
-        A difference of which only the *sign* is stated is confirmed or differs if the interval excludes 0. \
-        A *number* is confirmed if the interval contains it (to its rounding) and is no wider than half of it, undecided if the interval \
-        is wider, otherwise ours is smaller or larger. \
-        A *bound* is confirmed or differs if the whole interval lies on one side of it.";
+        A *difference* of stated size is confirmed if our interval excludes 0 in the stated \
+        direction, and either contains the stated size or lies between half and one and a half \
+        of it; it differs if the interval excludes the stated direction; otherwise it is smaller \
+        or larger if the interval excludes the stated size, and undecided if it contains both \
+        that size and 0. A difference of which only the *sign* is stated is confirmed or differs \
+        if the interval excludes 0. A *number* is confirmed if the interval contains it (to its \
+        rounding) and is no wider than half of it, undecided if the interval is wider, otherwise \
+        ours is smaller or larger. A *bound* is confirmed or differs if the whole interval lies \
+        on one side of it.";
 
     /// Compares a confidence interval with the statement; [`Stated::RULES`] has the rules.
     #[must_use]

@@ -190,7 +190,7 @@ impl Table {
     #[must_use]
     pub fn to_text(&self) -> String {
         let shown = self.with_shown_columns();
-        shown.aligned()
+        shown.align()
     }
 
     /// The table without the columns that only files have.
@@ -208,7 +208,7 @@ impl Table {
     }
 
     /// All columns, aligned.
-    fn aligned(&self) -> String {
+    fn align(&self) -> String {
         let cells: Vec<Vec<String>> = self
             .rows
             .iter()

@@ -79,11 +79,13 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         &format!("One frame in {stride} is tested."),
     );
     report.text(&format!(
-        "References are drawn at random from the training frames of a sequence, the same for all methods. *{}*: the paper's baseline, \
-         made strong: of the five references with most matches (ratio test) the one whose homography most matches agree with \
-         (four-point RANSAC); its camera, without use of the base. *{}*: the same five, each verified by two points with the known \
-         base. *{}*: every feature's nearest neighbour among all references is its ray, then the camera as from a forest's rays. \
-         No method tests its answer here: the program's rule of confidence is left off for all.",
+        "References are drawn at random from the training frames of a sequence, the same for all \
+         methods. *{}*: the paper's baseline, made strong: of the five references with most \
+         matches (ratio test) the one whose homography most matches agree with (four-point \
+         RANSAC); its camera, without use of the base. *{}*: the same five, each verified by two \
+         points with the known base. *{}*: every feature's nearest neighbour among all \
+         references is its ray, then the camera as from a forest's rays. No method tests its \
+         answer here: the program's rule of confidence is left off for all.",
         METHODS[0].1, METHODS[1].1, METHODS[2].1
     ));
     let mut by_count: ByCount = counts

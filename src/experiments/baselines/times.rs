@@ -282,7 +282,7 @@ pub fn claims(report: &mut Report) {
         &on_both(|kind| {
             Contrast::exact("growth-times", "growth")
                 .plus(&[("method", kind)])
-                .weighted(-0.5, &[("method", METHODS[HOMOGRAPHY].0)])
+                .add(-0.5, &[("method", METHODS[HOMOGRAPHY].0)])
         }),
     );
     let [calib_me, theirs] = TABLE_2_SECONDS;

@@ -66,7 +66,7 @@ impl FeatureKind {
     }
 
     /// Squared distances of the stored descriptors, relative to those of unit length.
-    const fn squared_scale(self) -> f32 {
+    const fn scale_of_squares(self) -> f32 {
         match self {
             Self::Surf => SQUARED_SCALE,
             Self::Sift | Self::Orb | Self::Akaze => 1.0,
@@ -75,7 +75,7 @@ impl FeatureKind {
 
     /// A forest's maximum squared distance, of descriptors as they are stored.
     pub fn forest_gate(self) -> f32 {
-        self.unit_gate() * self.squared_scale()
+        self.unit_gate() * self.scale_of_squares()
     }
 }
 
@@ -137,7 +137,7 @@ impl Described {
         match &self.compared {
             Compared::Numbers(rows) if rows[other].is_empty() => vec![None; rows[frame].len()],
             Compared::Numbers(rows) => {
-                let largest = MAX_SQUARED_DISTANCE * self.kind.squared_scale();
+                let largest = MAX_SQUARED_DISTANCE * self.kind.scale_of_squares();
                 crate::matching::nearest(&rows[frame], &rows[other])
                     .iter()
                     .map(|found| Some((found.squared_distance / largest, found.feature)))

@@ -111,11 +111,13 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         &format!("One frame in {stride} is tested, the same ones with every kind."),
     );
     report.text(&format!(
-        "At most {MOST_FEATURES} features a picture, spread over it. SIFT, ORB and AKAZE are OpenCV's, with its own settings; SURF is \
-         upright SURF-64, written from its publication (Bay, Ess, Tuytelaars, Van Gool, CVIU 2008), with a gate that lets \
-         as many unrelated features pass as SIFT's. Forests split bytes: of ORB and AKAZE they see 128 bits, each as a byte, as in \
-         `touchline train --detector`. *Nearest neighbours* is no forest: each feature has the ray of its nearest neighbour among all \
-         references' features, and all bits are compared."
+        "At most {MOST_FEATURES} features a picture, spread over it. SIFT, ORB and AKAZE are \
+         OpenCV's, with its own settings; SURF is upright SURF-64, written from its publication \
+         (Bay, Ess, Tuytelaars, Van Gool, CVIU 2008), with a gate that lets as many unrelated \
+         features pass as SIFT's. Forests split bytes: of ORB and AKAZE they see 128 bits, each \
+         as a byte, as in `touchline train --detector`. *Nearest neighbours* is no forest: each \
+         feature has the ray of its nearest neighbour among all references' features, and all \
+         bits are compared."
     ));
 
     let mut ways: Vec<Way> = Vec::new();

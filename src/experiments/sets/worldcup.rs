@@ -96,9 +96,10 @@ pub fn worldcup(
             counts[0], counts[1], size.width, size.height
         ),
         protocol: format!(
-            "Every other frame of a game is used for training, the rest for testing; frames are seconds apart. \
-             Each game has the main camera of a real one, estimated from published homographies of the World Cup 2014: {}, {}. \
-             Pan, tilt and focal length reach the ends of the ranges of its published frames.",
+            "Every other frame of a game is used for training, the rest for testing; frames are \
+             seconds apart. Each game has the main camera of a real one, estimated from \
+             published homographies of the World Cup 2014: {}, {}. Pan, tilt and focal length \
+             reach the ends of the ranges of its published frames.",
             CAMERAS[0].describe(),
             CAMERAS[1].describe()
         ),

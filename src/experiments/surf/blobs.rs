@@ -58,10 +58,10 @@ pub fn find_blobs(grey: &Integral) -> Vec<Blob> {
             };
             // The largest of the three filters fits at the samples that are compared.
             let half = sizes[middle + 1] / 2;
-            let rows = compared(grey.height(), half, step);
-            for (row, column) in rows
-                .flat_map(|row| compared(grey.width(), half, step).map(move |column| (row, column)))
-            {
+            let rows = comparable_range(grey.height(), half, step);
+            for (row, column) in rows.flat_map(|row| {
+                comparable_range(grey.width(), half, step).map(move |column| (row, column))
+            }) {
                 if let Some(offset) = locate_maximum(three, row, column) {
                     // A pixel's centre is half a pixel from its corner.
                     let place = |sample: usize, off: f64| (sample as f64 + off) * step as f64 + 0.5;
@@ -80,7 +80,7 @@ pub fn find_blobs(grey: &Integral) -> Vec<Blob> {
 }
 
 /// The samples along an axis at which a filter of this half width fits, and at their neighbours.
-fn compared(extent: usize, half: usize, step: usize) -> std::ops::Range<usize> {
+fn comparable_range(extent: usize, half: usize, step: usize) -> std::ops::Range<usize> {
     let first = half.div_ceil(step) + 1;
     let last = extent.saturating_sub(1 + half) / step;
     first..last
@@ -217,7 +217,7 @@ mod tests {
                 let fits = |sample: usize| sample * step >= half && sample * step + half < extent;
                 for sample in 0..extent + 2 {
                     let expected = sample > 0 && (sample - 1..=sample + 1).all(fits);
-                    let is_compared = compared(extent, half, step).contains(&sample);
+                    let is_compared = comparable_range(extent, half, step).contains(&sample);
                     assert_eq!(is_compared, expected, "{extent} {half} {step} {sample}");
                 }
             }

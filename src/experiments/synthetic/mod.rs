@@ -83,9 +83,10 @@ impl Setting<'_> {
             .filter(|correspondence| !correspondence.on_field)
             .count();
         format!(
-            "The paper's setting: the base of its published sequence, {} × {} px, {RAYS} rays a picture. {} cameras (pan {:.0} to {:.0}°, \
-             tilt {:.0} to {:.0}°, focal length {:.0} to {:.0} px), {} trials each, one seed. {:.0} % of the rays end outside the field; the \
-             paper has {:.0} %, for which these pictures have no room.",
+            "The paper's setting: the base of its published sequence, {} × {} px, {RAYS} rays a \
+             picture. {} cameras (pan {:.0} to {:.0}°, tilt {:.0} to {:.0}°, focal length {:.0} \
+             to {:.0} px), {} trials each, one seed. {:.0} % of the rays end outside the field; \
+             the paper has {:.0} %, for which these pictures have no room.",
             SIZE.width,
             SIZE.height,
             self.cameras,

@@ -101,10 +101,12 @@ pub(super) fn add(setting: &Setting<'_>, report: &mut Report) {
         .collect();
 
     report.text(&format!(
-        "**(b) Noise of pixels.** The paper's eq. 2, x = f tan Δpan, y = −f tan Δtilt, approximates the projection. *Eq. 2 on both sides*: \
-         pixels are made and solved by it, with the authors' two-point start and Gauss–Newton over all {RAYS} rays, or over \
-         {AUTHORS_POINTS} as in their released program. *Exact points, eq. 2 solved*: that program on pixels as a camera makes them. \
-         Rotation error: the angle between the rotations that the true and the estimated pan and tilt give with the true base."
+        "**(b) Noise of pixels.** The paper's eq. 2, x = f tan Δpan, y = −f tan Δtilt, \
+         approximates the projection. *Eq. 2 on both sides*: pixels are made and solved by it, \
+         with the authors' two-point start and Gauss–Newton over all {RAYS} rays, or over \
+         {AUTHORS_POINTS} as in their released program. *Exact points, eq. 2 solved*: that \
+         program on pixels as a camera makes them. Rotation error: the angle between the \
+         rotations that the true and the estimated pan and tilt give with the true base."
     ));
     report.figure(
         ROTATION.stem,
@@ -187,9 +189,10 @@ fn describe(
     let [rotation, focal] =
         [&ROTATION, &FOCAL].map(|part| 100.0 * mean(most, BOUND, part) / mean(most, EXACT, part));
     format!(
-        "At σ = {most_px} px the bound is {rotation:.1} % and {focal:.1} % of the errors of the exact refinement (above 100 % by chance). \
-         Exact points that eq. 2 solves err by {:.3}° and {:.1} px at σ = {least_px} px already, {:.3}° and {:.1} px at {most_px} px: \
-         the error of the model, not of the noise.",
+        "At σ = {most_px} px the bound is {rotation:.1} % and {focal:.1} % of the errors of the \
+         exact refinement (above 100 % by chance). Exact points that eq. 2 solves err by {:.3}° \
+         and {:.1} px at σ = {least_px} px already, {:.3}° and {:.1} px at {most_px} px: the \
+         error of the model, not of the noise.",
         mean(least, MIXED, &ROTATION),
         mean(least, MIXED, &FOCAL),
         mean(most, MIXED, &ROTATION),

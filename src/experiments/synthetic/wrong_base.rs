@@ -87,8 +87,8 @@ pub(super) fn add(setting: &Setting<'_>, report: &mut Report) {
     );
     add_rotation(report, &by_rotation);
     report.text(&format!(
-        "*Robust* to position and *sensitive* to rotation cannot be compared without the paper's axes: {COMPARED} m turns the picture by \
-         {:.2}°, {COMPARED}° by {:.2}°.",
+        "*Robust* to position and *sensitive* to rotation cannot be compared without the paper's \
+         axes: {COMPARED} m turns the picture by {:.2}°, {COMPARED}° by {:.2}°.",
         means(&by_position, COMPARED).rotation_deg,
         means(&by_rotation, COMPARED).rotation_deg
     ));
@@ -109,21 +109,25 @@ fn add_position(report: &mut Report, measured: &Measured) {
         "Figure (c): robust to errors of the base's position, which are small beside the stadium",
         Stated::Nothing,
         &format!(
-            "the paper gives no number, and its axis cannot be read from the text (our guess: to {COMPARED} m); errors grow in proportion: \
-             {:.1} times at {:.1} times the noise",
+            "the paper gives no number, and its axis cannot be read from the text (our guess: to \
+             {COMPARED} m); errors grow in proportion: {:.1} times at {:.1} times the noise",
             far.rotation_deg / near.rotation_deg,
             farthest_m / COMPARED
         ),
     )
-    .test(report, &[(on.as_str(), mean_at_compared(&POSITION, "rotation_deg"))]);
+    .test(
+        report,
+        &[(on.as_str(), mean_at_compared(&POSITION, "rotation_deg"))],
+    );
 }
 
 /// Figure (d): errors of the base's rotation.
 fn add_rotation(report: &mut Report, measured: &Measured) {
     let near = means(measured, COMPARED);
     report.text(&format!(
-        "**(d) Error of the base's rotation.** Pan and tilt make up for two of its three axes: as numbers they err by {:.3}° at σ = {COMPARED}°. \
-         The picture errs by the roll that is left, {:.3}°, and the focal length by {:.2} px.",
+        "**(d) Error of the base's rotation.** Pan and tilt make up for two of its three axes: \
+         as numbers they err by {:.3}° at σ = {COMPARED}°. The picture errs by the roll that is \
+         left, {:.3}°, and the focal length by {:.2} px.",
         near.pan_tilt_deg, near.rotation_deg, near.focal_px
     ));
     add_part(report, &ROTATION, measured);

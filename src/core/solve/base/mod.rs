@@ -152,9 +152,10 @@ impl<'a> CameraClicks<'a> {
 pub enum BaseError {
     /// No frame determines a camera by itself.
     #[error(
-        "no frame determines a camera by itself ({frames} frames with clicks, the best has {most_landmarks} landmarks on the \
-         ground): on wide frames, left, centre and right, click four or more that are not on one line, or two points on as many \
-         lines in two directions"
+        "no frame determines a camera by itself ({frames} frames with clicks, the best has \
+         {most_landmarks} landmarks on the ground): on wide frames, left, centre and right, \
+         click four or more that are not on one line, or two points on as many lines in two \
+         directions"
     )]
     NoStart {
         /// Frames with clicks.
@@ -164,8 +165,8 @@ pub enum BaseError {
     },
     /// The clicks contradict each other so much that no camera explains half of them.
     #[error(
-        "no camera explains the clicks: the best one leaves them {median_px:.0} px off (median). Check the names, the \
-         field's size, and that all frames are of one camera"
+        "no camera explains the clicks: the best one leaves them {median_px:.0} px off (median). \
+         Check the names, the field's size, and that all frames are of one camera"
     )]
     NoFit {
         /// Median distance of the clicks, px.
@@ -184,8 +185,8 @@ pub enum BaseError {
     Stopped,
     /// The frames do not determine the position.
     #[error(
-        "the frames leave the camera's position open by {sigma_m:.0} m: click landmarks in frames that look elsewhere, \
-         or zoomed differently"
+        "the frames leave the camera's position open by {sigma_m:.0} m: click landmarks in \
+         frames that look elsewhere, or zoomed differently"
     )]
     Undetermined {
         /// 1-σ of the position in its worst direction, m.

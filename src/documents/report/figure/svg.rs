@@ -26,7 +26,8 @@ pub fn write(drawing: &Drawing, title: &str) -> Result<String, FigureError> {
     let title = escaped(title);
     // `xlink:href` is what viewers that do not know SVG 2 understand.
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
+         width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
          <title>{title}</title>\n\
          <defs>\n"
     );
