@@ -137,8 +137,8 @@ const MOST_FIELDS: usize = 20;
 const MOST_CODE_LINES_PER_COMMENT: usize = 40;
 const MOST_CLOSURES_PER_10_000_LINES: usize = 100;
 const MOST_SHORT_FILES: usize = 80;
-const MOST_LONG_LINES: usize = 670;
-const MOST_PARTICIPLES: usize = 477;
+const MOST_LONG_LINES: usize = 623;
+const MOST_PARTICIPLES: usize = 475;
 const MOST_DIALECT: usize = 740;
 
 /// The workspace's folder.
