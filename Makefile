@@ -124,7 +124,8 @@ experiments-real: build-packages ## the same on real data, into tests/experiment
 	cargo run --release --quiet --features experiments -- experiment all --data $(DATA) -o target/real/report \
 	    $$(for document in target/real/*.json; do echo --train $$document; done)
 	rm -rf tests/experiments/real && mkdir -p tests/experiments/real
-	cd target/real/report && cp *.svg ../../../tests/experiments/real/
+	cd target/real/report && gzip -9 -n *-frames.csv
+	cd target/real/report && cp *.svg README-times.md *.csv *.csv.gz ../../../tests/experiments/real/
 	sed '/-sheet\.png/,+2d' target/real/report/README.md > tests/experiments/real/README.md
 
 build-packages:
