@@ -81,6 +81,16 @@ impl FrameAnswer {
         }
     }
 
+    /// The result with a camera that was found, and whether it passes the method's test.
+    pub fn with_camera(self, set: &FrameSet, camera: &PtzCamera, passes: bool) -> Self {
+        let untested = FoundCamera::of(set, self.frame, camera);
+        Self {
+            found: passes.then_some(untested),
+            untested: Some(untested),
+            ..self
+        }
+    }
+
     /// The answer with the test of its confidence left off.
     pub const fn without_test(&self) -> Self {
         Self {

@@ -6,7 +6,7 @@
 //! [`baselines`](super::baselines). It never tests its answer, so that the forests' test is left off
 //! as well.
 
-use super::answers::{FoundCamera, FrameAnswer};
+use super::answers::FrameAnswer;
 use super::baselines::methods::{Matched, Reference};
 use super::forests::{ForestKind, trained_on, without_test};
 use super::progress::{Progress, counted};
@@ -83,13 +83,9 @@ fn of_split(set: &FrameSet, repeat: usize, number: usize) -> Vec<Vec<FrameAnswer
             let pose = relocalize(&known.features, forest, seen, base, asking).pose;
             Some(PtzCamera::new(*base, pose.ok()?.ptz))
         });
+        let blank = FrameAnswer::blank(set, repeat, number, frame);
         let answer = |camera: Option<PtzCamera>| {
-            let found = camera.map(|camera| FoundCamera::of(set, frame, &camera));
-            FrameAnswer {
-                found,
-                untested: found,
-                ..FrameAnswer::blank(set, repeat, number, frame)
-            }
+            camera.map_or(blank, |camera| blank.with_camera(set, &camera, true))
         };
         by_homography
             .into_iter()

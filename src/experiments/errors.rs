@@ -108,8 +108,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         let ways = by_set.iter().filter(|(way, _)| way.starts_with(name));
         let ways = ways.map(|(way, answers)| (way, *answers));
         let table = frame_table(inputs.sets(*which, progress)?, ways);
-        every.columns = table.columns;
-        every.rows.extend(table.rows);
+        every.append(table);
     }
     report.data("frames", "Every frame, by forest.", every);
     if one[0].kind == SetKind::Drawn {

@@ -1,6 +1,6 @@
 //! The two kinds of forests that are compared, and forests trained on the splits of a set.
 
-use super::answers::{FoundCamera, FrameAnswer, RayCount};
+use super::answers::{FrameAnswer, RayCount};
 use super::paper::INLIER_DEG;
 use super::sets::{FrameSet, KnownFrame, Split};
 use rayon::prelude::*;
@@ -132,9 +132,8 @@ impl<'a> Trained<'a> {
                 tested.pose_ms = answer.pose_time.as_secs_f64() * 1e3;
                 if let Ok(pose) = answer.pose {
                     let camera = PtzCamera::new(base, pose.ptz);
-                    tested.untested = Some(FoundCamera::of(self.set, frame, &camera));
                     let is_sure = pose.confidence >= asking.pose.min_confidence;
-                    tested.found = tested.untested.filter(|_| is_sure);
+                    tested = tested.with_camera(self.set, &camera, is_sure);
                 }
                 tested
             };

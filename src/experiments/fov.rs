@@ -79,8 +79,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
                 asked.sets,
                 [(format!("{}, {name}", forest.key()), asked.answers)],
             );
-            every.columns = table.columns;
-            every.rows.extend(table.rows);
+            every.append(table);
         }
     }
     let failed: Vec<Cell> = rows.iter().map(|(_, tally)| tally.failed.into()).collect();

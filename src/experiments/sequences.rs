@@ -94,9 +94,10 @@ pub fn worldcup(inputs: &SharedInputs, progress: Progress) -> Result<Report, Exp
             "drawn with the camera of another game of the tournament",
         ];
         for ((game, _, [calib_me, theirs]), reason) in TABLE_3.into_iter().zip(reasons) {
-            let game = Some(game);
-            claim_level(&mut report, "Table 3", game, theirs, reason);
-            claim_lead(&mut report, "Table 3", game, theirs.mean - calib_me.mean);
+            let (place, game) = (format!("Table 3, {game}"), Some(game));
+            claim_level(&mut report, &place, game, theirs, reason);
+            let lead = Stated::difference(theirs.mean, calib_me.mean);
+            claim_lead(&mut report, &place, game, lead);
         }
     }
     Ok(report)
@@ -107,12 +108,8 @@ fn claims_of_table_2(report: &mut Report) {
     let [calib_me, theirs] = TABLE_2_AVERAGE;
     let reason = "a mean of accuracy there (.88 ± .06 in sequence 1), of refusals here: nearly every answer is exact";
     claim_level(report, "Table 2, average", None, theirs, reason);
-    claim_lead(
-        report,
-        "Table 2, average",
-        None,
-        theirs.mean - calib_me.mean,
-    );
+    let lead = Stated::difference(theirs.mean, calib_me.mean);
+    claim_lead(report, "Table 2, average", None, lead);
     let five_against_five = |way: &str| {
         Contrast::over_frames("iou_part")
             .plus(&[("way", &with_most(way))])
@@ -126,7 +123,7 @@ fn claims_of_table_2(report: &mut Report) {
     .test(report, &on_both(five_against_five));
     // The lead of the mean of the other sequences.
     let others = TABLE_2.map(|sequence| sequence.theirs.mean);
-    let lead = (others[0] + others[1] + others[3]) / 3.0 - others[2];
+    let mean_of_others = (others[0] + others[1] + others[3]) / 3.0;
     let lead_of_others = |way: &str| {
         [1, 2, 4].into_iter().fold(
             Contrast::over_frames("iou_part").minus(&[("way", way), ("sequence", "sequence 3")]),
@@ -138,7 +135,7 @@ fn claims_of_table_2(report: &mut Report) {
     };
     Statement::new(
         "Table 2: sequence 3 is weakest, as a part of its pan range is in no training sequence (its IoU below the mean of the others)",
-        Stated::Effect((lead * 100.0).round() / 100.0),
+        Stated::difference(mean_of_others, others[2]),
         "drawn with the table's pan ranges, so the cause is the paper's by construction",
     )
     .test(report, &on_both(lead_of_others));
@@ -147,39 +144,28 @@ fn claims_of_table_2(report: &mut Report) {
 /// Adds the claim about a mean `IoU`, of one game or of all frames.
 fn claim_level(
     report: &mut Report,
-    table: &str,
+    place: &str,
     game: Option<&str>,
     theirs: StatedMean,
     reason: &str,
 ) {
     let mean = |way: &str| Contrast::over_frames("iou_part").plus(&rows(way, game));
-    let words = format!(
-        "{table}{}: mean IoU",
-        game.map_or_else(String::new, |game| format!(", {game}"))
-    );
+    let words = format!("{place}: mean IoU");
     Statement::new(&words, Stated::Level(theirs.mean, ROUNDING), reason)
         .test(report, &on_both(mean));
 }
 
 /// Adds the claim that the forest of all references is better than `CalibMe` with five.
-fn claim_lead(report: &mut Report, table: &str, game: Option<&str>, lead: f64) {
+fn claim_lead(report: &mut Report, place: &str, game: Option<&str>, lead: Stated) {
     let calibme = with_most("calibme");
     let lead_of = |way: &str| {
         Contrast::over_frames("iou_part")
             .plus(&rows(&name_untested(way), game))
             .minus(&rows(&calibme, game))
     };
-    let words = format!(
-        "{table}{}: IoU above CalibMe's",
-        game.map_or_else(String::new, |game| format!(", {game}"))
-    );
+    let words = format!("{place}: IoU above CalibMe's");
     let reason = "CalibMe here: five references by farthest points, a homography (*baselines* has five at random); no answer is tested on either side";
-    Statement::new(
-        &words,
-        Stated::Effect((lead * 100.0).round() / 100.0),
-        reason,
-    )
-    .test(report, &on_both(lead_of));
+    Statement::new(&words, lead, reason).test(report, &on_both(lead_of));
 }
 
 /// The rows of a method, in one game or in all.

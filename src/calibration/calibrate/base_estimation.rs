@@ -64,8 +64,6 @@ pub struct BaseProblem {
     pub(super) image_size: ImageSize,
     pub(super) principal_point: ImagePoint,
     pub(super) previous: Option<CameraBase>,
-    /// Cameras by the lines of single frames, where no frame has landmarks enough.
-    pub(super) own_cameras: Vec<PtzCamera>,
 }
 
 /// An estimated base with its inputs. Frames are numbered as in the document.
@@ -146,7 +144,6 @@ impl BaseProblem {
             image_size: camera.image_size,
             principal_point: base.principal_point,
             previous: Some(*base),
-            own_cameras: Vec::new(),
         }
     }
 
@@ -187,13 +184,6 @@ impl BaseProblem {
                 });
             }
         }
-        let has_landmarks =
-            |index: &usize| document.frames[*index].landmark_clicks() >= LANDMARKS_ALONE;
-        let own_cameras = if frames.iter().any(has_landmarks) {
-            Vec::new()
-        } else {
-            cameras_from_lines(&field, &clicks, known.image_size)
-        };
         Ok(Self {
             camera: camera.clone(),
             field,
@@ -202,7 +192,6 @@ impl BaseProblem {
             image_size: known.image_size,
             principal_point: known.principal_point,
             previous: known.base(),
-            own_cameras,
         })
     }
 
@@ -226,12 +215,19 @@ impl BaseProblem {
         options: &BaseOptions,
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
-        let estimate = estimate_base(
-            &self.camera_clicks(),
-            self.previous.as_ref(),
-            options,
-            progress,
-        )?;
+        // Frames without landmarks enough may have cameras by their lines, from which to start.
+        let has_landmarks =
+            |index: &usize| document.frames[*index].landmark_clicks() >= LANDMARKS_ALONE;
+        let own_cameras = if self.frames.iter().any(has_landmarks) {
+            Vec::new()
+        } else {
+            cameras_from_lines(&self.field, &self.clicks, self.image_size)
+        };
+        let clicks = CameraClicks {
+            own_cameras: &own_cameras,
+            ..self.camera_clicks()
+        };
+        let estimate = estimate_base(&clicks, self.previous.as_ref(), options, progress)?;
         Ok(self.estimated(document, estimate))
     }
 
@@ -242,7 +238,7 @@ impl BaseProblem {
             frames: &self.clicks,
             image_size: self.image_size,
             principal_point: self.principal_point,
-            own_cameras: &self.own_cameras,
+            own_cameras: &[],
         }
     }
 

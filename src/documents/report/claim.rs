@@ -99,17 +99,18 @@ impl Stated {
         ours is smaller or larger. A *bound* is confirmed or differs if the whole interval lies \
         on one side of it.";
 
+    /// The difference of two numbers that are stated to two decimals.
+    #[must_use]
+    pub fn difference(more: f64, less: f64) -> Self {
+        Self::Effect(((more - less) * 100.0).round() / 100.0)
+    }
+
     /// Compares a confidence interval with the statement; [`Stated::RULES`] has the rules.
     #[must_use]
     pub fn verdict(self, [low, high]: [f64; 2]) -> Verdict {
-        if self == Self::Nothing {
-            return Verdict::NotComparable;
-        }
-        if !(low <= high) {
-            return Verdict::Undecided;
-        }
         match self {
             Self::Nothing => Verdict::NotComparable,
+            _ if !(low <= high) => Verdict::Undecided,
             Self::Level(number, half_unit) if high < number - half_unit => Verdict::Smaller,
             Self::Level(number, half_unit) if low > number + half_unit => Verdict::Larger,
             Self::Level(number, _) if high - low > 0.5 * number.abs() => Verdict::Undecided,

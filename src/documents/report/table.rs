@@ -170,6 +170,12 @@ impl Table {
         self.rows.push(row);
     }
 
+    /// Adds the rows of another table with the same columns; an empty table takes these over.
+    pub fn append(&mut self, other: Self) {
+        self.columns = other.columns;
+        self.rows.extend(other.rows);
+    }
+
     /// Adds a column on the right. Rows without a cell in `cells` get an empty one.
     #[must_use]
     pub fn with_column(

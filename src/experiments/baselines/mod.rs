@@ -5,7 +5,7 @@
 pub(super) mod methods;
 mod times;
 
-use super::answers::{FoundCamera, FrameAnswer, Tally, frame_table, tally_table};
+use super::answers::{FrameAnswer, Tally, frame_table, tally_table};
 use super::forests::{ForestKind, trained_on, without_test};
 use super::progress::Progress;
 use super::sequences::introduce_again;
@@ -153,12 +153,7 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
         let matched = Matched::to(known, &references, set.seed.wrapping_add(frame as u64));
         let blank = FrameAnswer::blank(set, place.repeat, place.split, frame);
         let answered = |camera: Option<PtzCamera>| {
-            let found = camera.map(|camera| FoundCamera::of(set, frame, &camera));
-            FrameAnswer {
-                found,
-                untested: found,
-                ..blank
-            }
+            camera.map_or(blank, |camera| blank.with_camera(set, &camera, true))
         };
         let of_count = |(count, forests): (&usize, &[Option<(Forest, SeenRange)>; 2])| {
             let references = &references[..*count];

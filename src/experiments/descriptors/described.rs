@@ -5,9 +5,8 @@ use crate::matching::DescriptorRows;
 use crate::sets::{FrameSet, KnownFrame, as_picture};
 use crate::surf::{SQUARED_SCALE, extract_surf};
 use rayon::prelude::*;
-use touchline_core::geometry::ImageSize;
 use touchline_vision::features::{
-    BinaryDescriptor, BinaryKind, Features, Keypoint, MAX_SQUARED_DISTANCE, extract_binary,
+    BinaryDescriptor, BinaryKind, Features, MAX_SQUARED_DISTANCE, extract_binary, spread,
 };
 use touchline_vision::media::{FrameReader, Picture};
 use touchline_vision::relocalize::PredictOptions;
@@ -114,7 +113,7 @@ impl Described {
             FeatureKind::Surf => {
                 let found = with_pictures(&set, |known, picture| {
                     let found = extract_surf(picture, known.used_masks(), SURPLUS * MOST_FEATURES);
-                    Ok(spread(found, MOST_FEATURES))
+                    Ok(keep_spread(&found, MOST_FEATURES))
                 })?;
                 for (known, features) in set.frames.iter_mut().zip(found) {
                     known.features = features;
@@ -217,62 +216,22 @@ fn with_pictures<T: Send>(
     Ok(all)
 }
 
-/// Columns and rows of the grid over which features are spread, and the number of even shares up to
-/// which a cell is filled first.
-const GRID: [usize; 2] = [8, 5];
-const CELL_SHARES: usize = 4;
-
 /// Keeps at most `most` features, spread over the picture by the rule that the program applies to
-/// SIFT, ORB and AKAZE: a cell of the grid gets at most four even shares, unless the others have
-/// too few. Without it, SURF alone would spend its features on the crowd.
-fn spread(features: Features, most: usize) -> Features {
-    if features.len() <= most {
-        return features;
-    }
-    let quota = (CELL_SHARES * most).div_ceil(GRID[0] * GRID[1]);
-    let mut held = [0; GRID[0] * GRID[1]];
-    let (mut kept, mut surplus) = (Vec::with_capacity(most), Vec::new());
-    // The strongest come first.
-    for (index, keypoint) in features.keypoints.iter().enumerate() {
-        let cell = &mut held[cell_of(keypoint, features.image_size)];
-        if *cell < quota {
-            *cell += 1;
-            kept.push(index);
-        } else {
-            surplus.push(index);
-        }
-    }
-    kept.extend(surplus);
-    kept.truncate(most);
+/// SIFT, ORB and AKAZE. Without it, SURF alone would spend its features on the crowd.
+fn keep_spread(features: &Features, most: usize) -> Features {
+    let kept = spread(&features.keypoints, features.image_size, most);
     Features {
         image_size: features.image_size,
-        keypoints: kept
-            .iter()
-            .map(|&index| features.keypoints[index])
-            .collect(),
-        descriptors: kept
-            .iter()
-            .map(|&index| features.descriptors[index])
-            .collect(),
+        keypoints: kept.iter().map(|&at| features.keypoints[at]).collect(),
+        descriptors: kept.iter().map(|&at| features.descriptors[at]).collect(),
     }
-}
-
-/// The cell of the grid in which a feature lies.
-fn cell_of(keypoint: &Keypoint, size: ImageSize) -> usize {
-    let along = |position: f64, extent: u32, cells: usize| {
-        let cell = position / f64::from(extent.max(1)) * cells as f64;
-        (cell.max(0.0) as usize).min(cells - 1)
-    };
-    let column = along(keypoint.point.x, size.width, GRID[0]);
-    let row = along(keypoint.point.y, size.height, GRID[1]);
-    row * GRID[0] + column
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::geometry::ImagePoint;
-    use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, Keypoint};
 
     #[test]
     fn a_crowded_corner_does_not_take_all_surf_features() {
@@ -289,14 +248,14 @@ mod tests {
             descriptors: vec![Descriptor([0; DESCRIPTOR_BYTES]); keypoints.len()],
             keypoints,
         };
-        let kept = spread(features.clone(), 400);
+        let kept = keep_spread(&features, 400);
         let far = kept.keypoints.iter().filter(|kept| kept.point.x > 600.0);
         assert_eq!((kept.len(), far.count()), (400, 40));
         assert_eq!(
             kept.keypoints[0], features.keypoints[0],
             "the strongest first"
         );
-        assert_eq!(spread(features.clone(), 1000), features, "few are all kept");
+        assert_eq!(keep_spread(&features, 1000), features, "few are all kept");
     }
 
     #[test]

@@ -170,7 +170,7 @@ fn claim(report: &mut Report) {
     };
     Statement::new(
         &format!("SIFT beats SURF: IoU {sift} and {surf}"),
-        Stated::Effect(((sift - surf) * 100.0).round() / 100.0),
+        Stated::difference(sift, surf),
         "SURF is upright SURF-64 with a gate of its own; the paper does not say which it used",
     )
     .test(report, &on_both(lead));

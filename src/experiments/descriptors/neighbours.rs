@@ -1,7 +1,7 @@
 //! Cameras from nearest neighbours, without a forest.
 
 use super::described::{Described, Neighbour};
-use crate::answers::{FoundCamera, FrameAnswer};
+use crate::answers::FrameAnswer;
 use crate::sets::Split;
 use rayon::prelude::*;
 use touchline_core::camera::{Ptz, PtzCamera};
@@ -35,15 +35,13 @@ pub fn ask_neighbours(described: &Described, repeat: usize) -> Vec<FrameAnswer> 
             let known = &set.frames[frame];
             let base = *known.truth.base();
             let matches = nearest_rays(described, frame, &split.training_frames);
-            let mut answer = FrameAnswer::blank(set, repeat, number, frame);
-            let pose = pose_from_candidates(&matches, &base, known.features.image_size, &untested);
-            if let Ok(pose) = pose {
-                let camera = PtzCamera::new(base, pose.ptz);
-                answer.untested = Some(FoundCamera::of(set, frame, &camera));
-                let is_sure = pose.confidence >= options.min_confidence;
-                answer.found = answer.untested.filter(|_| is_sure);
-            }
-            answer
+            let answer = FrameAnswer::blank(set, repeat, number, frame);
+            let size = known.features.image_size;
+            let Ok(pose) = pose_from_candidates(&matches, &base, size, &untested) else {
+                return answer;
+            };
+            let is_sure = pose.confidence >= options.min_confidence;
+            answer.with_camera(set, &PtzCamera::new(base, pose.ptz), is_sure)
         };
         split.test_frames.par_iter().map(one).collect()
     };

@@ -36,7 +36,6 @@ mod options;
 mod reduced;
 #[cfg(feature = "opencv")]
 mod sift;
-#[cfg(feature = "opencv")]
 mod spread;
 mod standing;
 mod standing_edges;
@@ -52,6 +51,7 @@ pub use extract::{extract, opencv_version};
 pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
 pub use reduced::{ReducedPicture, has_moved};
+pub use spread::spread;
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
 pub use standing_edges::standing_graphics;
 pub use standing_graphic::StandingGraphic;
