@@ -3,14 +3,16 @@
 
 use super::align::align_frames;
 use super::candidates::{
-    PosesFrom, RUNNER_UP_RATIO, SAME_POSITION_M, apart_m, find_candidates, sort_best_first,
+    PosesFrom, RUNNER_UP_RATIO, SAME_POSITION_M, apart_m, find_poses, refine_poses, sort_best_first,
 };
 use super::clicked::GroundClick;
 use super::deciding_landmark::deciding_landmark;
 use super::error::Stop;
 use super::field_prior::FieldPrior;
 use super::hypothesis::Hypothesis;
+use super::joint::FirstReach;
 use super::matched_frames::MatchedFrames;
+use super::neighbours::try_neighbouring_distances;
 use super::progress::report;
 use super::refine::{SearchedCamera, refine_base};
 use super::sampled_frames::{
@@ -34,6 +36,13 @@ use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
 
 /// Fewer clicks on landmarks of the ground determine no pose.
 const MIN_CLICKS: usize = 2;
+
+/// Without an answer, it is tried again if the best candidate explains at least this share of the
+/// paint.
+const MIN_EXPLAINED_TO_RETRY: f64 = 0.6;
+
+/// Maximum number of candidates that are moved to a neighbouring minimum.
+const MAX_MOVED: usize = 2;
 
 /// Finds a camera of a document from its frames' pictures alone; clicks are not read. Samples at
 /// most `look_at` frames, spread evenly over all of them. `picture` may be called for a frame more
@@ -136,37 +145,70 @@ impl Search<'_> {
         matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, Stop> {
+        let mut candidates = Vec::new();
         if self.by_clicks {
             let clicks = self.clicks_in_group(matched);
-            let candidates = self.candidates(matched, PosesFrom::Clicks(&clicks))?;
-            return self.decide(candidates, matched, picture);
+            let origin = PosesFrom::Clicks(&clicks);
+            return self.find_among(origin, 0.0, &mut candidates, matched, picture);
         }
         // The usual place first. Where it gives no answer, all other places are searched, and what
         // they give competes with the candidates from the usual place if it explains enough.
         let usual = PosesFrom::Places(&SearchPlaces::usual());
-        let mut candidates = self.candidates(matched, usual)?;
-        let answer = self.decide(candidates.clone(), matched, picture);
+        let answer = self.find_among(usual, 0.0, &mut candidates, matched, picture);
         let Err(Stop::Abstained(_)) = answer else {
             return answer;
         };
         let others = PosesFrom::Places(&SearchPlaces::others());
-        let mut elsewhere = self.candidates(matched, others)?;
-        elsewhere
-            .retain(|candidate| candidate.camera.evidence.explained >= MIN_EXPLAINED_ELSEWHERE);
-        if elsewhere.is_empty() {
-            return answer;
+        let num_usual = candidates.len();
+        let min_explained = MIN_EXPLAINED_ELSEWHERE;
+        let elsewhere = self.find_among(others, min_explained, &mut candidates, matched, picture);
+        if candidates.len() == num_usual {
+            answer
+        } else {
+            elsewhere
         }
-        candidates.append(&mut elsewhere);
-        sort_best_first(&mut candidates);
-        self.decide(candidates, matched, picture)
     }
 
-    fn candidates(
+    /// Adds the candidates from `origin` that explain enough of the paint to those that there are,
+    /// and decides between all of them.
+    ///
+    /// Without an answer, the joint adjustment may have gone to a wrong minimum. So it begins once
+    /// more with a narrower reach, the best candidates are moved to neighbouring minima where these
+    /// are better, and it is decided again.
+    fn find_among(
         &self,
-        matched: &MatchedFrames,
         origin: PosesFrom<'_>,
-    ) -> Result<Vec<Hypothesis>, Stop> {
-        find_candidates(matched, origin, &self.field_prior, self.progress)
+        min_explained: f64,
+        candidates: &mut Vec<Hypothesis>,
+        matched: &MatchedFrames,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<AutocalibrationAnswer, Stop> {
+        let (prior, progress) = (&self.field_prior, self.progress);
+        let poses = find_poses(matched, origin, prior, progress)?;
+        let add = |candidates: &mut Vec<Hypothesis>, reach| -> Result<(), Stop> {
+            let mut added = refine_poses(&poses, reach, prior, matched, progress)?;
+            added.retain(|candidate| candidate.camera.evidence.explained >= min_explained);
+            candidates.append(&mut added);
+            sort_best_first(candidates);
+            Ok(())
+        };
+        add(candidates, FirstReach::Wide)?;
+        let answer = self.decide(candidates.clone(), matched, picture);
+        let is_hopeful = candidates
+            .first()
+            .is_some_and(|best| best.camera.evidence.explained >= MIN_EXPLAINED_TO_RETRY);
+        if !matches!(answer, Err(Stop::Abstained(_))) || !is_hopeful {
+            return answer;
+        }
+        add(candidates, FirstReach::Narrow)?;
+        for candidate in candidates.iter_mut().take(MAX_MOVED) {
+            report(progress, AutocalibrationProgress::Refining)?;
+            if let Some(moved) = try_neighbouring_distances(candidate, prior, matched) {
+                *candidate = moved;
+            }
+        }
+        sort_best_first(candidates);
+        self.decide(candidates.clone(), matched, picture)
     }
 
     /// Rejects, aligns, refines and judges the best candidates.
@@ -299,8 +341,8 @@ impl Search<'_> {
         else {
             return Err(uncertain(vec![Doubt::NotHeld], hypothesis.camera.clone()));
         };
-        let mut camera = align_frames(refined, matched, picture, self.progress)?.camera;
-        if few_aligned(&camera, min_aligned).is_some() {
+        let mut best = align_frames(refined, matched, picture, self.progress)?;
+        if few_aligned(&best.camera, min_aligned).is_some() {
             // Few aligned frames can have moved the principal point away from where the others need
             // it. Try again with the principal point in the centre and keep the result with more
             // aligned frames.
@@ -309,15 +351,13 @@ impl Search<'_> {
                 ..BaseOptions::default()
             };
             if let Some(refined) = self.refine(hypothesis, &centred, matched, picture)? {
-                let other = align_frames(refined, matched, picture, self.progress)?.camera;
-                camera = if other.snapped_count() > camera.snapped_count() {
-                    other
-                } else {
-                    camera
-                };
+                let other = align_frames(refined, matched, picture, self.progress)?;
+                if other.camera.snapped_count() > best.camera.snapped_count() {
+                    best = other;
+                }
             }
         }
-        self.judge(camera, matched, min_aligned)
+        self.judge(best.camera, matched, min_aligned)
     }
 
     /// A refined hypothesis with its frames aligned; the unrefined one where refining failed.

@@ -9,7 +9,7 @@
 //! 2. [`Hypothesis::adjust`] frees pan, tilt and focal length of every frame and the lens, and fits
 //!    the paint in the pictures. It is repeated from its own result ([`adjust_repeatedly`]).
 //! 3. Where the field's size is unknown, the best [`MAX_RESIZED`] try neighbouring sizes
-//!    ([`try_neighbouring_sizes`]).
+//!    (`neighbours.rs`).
 //!
 //! Hypotheses are ranked by their evidence after step 2: the score of the search does not separate
 //! right from wrong reliably.
@@ -19,8 +19,9 @@ use super::error::Stop;
 use super::field_prior::FieldPrior;
 use super::focal_scales::{PosesByFocalScale, ScaledPose, poses_from_clicks, search_poses};
 use super::hypothesis::Hypothesis;
-use super::joint::JointStart;
+use super::joint::{FirstReach, JointStart};
 use super::matched_frames::{FramesAtScale, MatchedFrames};
+use super::neighbours::try_neighbouring_sizes;
 use super::panorama_fit::{PanoramaFit, PanoramaStart, fit_panorama};
 use super::pitch_map::PitchMap;
 use super::progress::report;
@@ -42,7 +43,7 @@ const MAX_REFINED: usize = 5;
 const MAX_RESIZED: usize = 2;
 
 /// An adjustment replaces another one if its score is this many times higher.
-const MIN_GAIN: f64 = 1.01;
+pub(super) const MIN_GAIN: f64 = 1.01;
 
 /// Positions nearer to each other than this are one answer, m.
 pub(super) const SAME_POSITION_M: f64 = 1.5;
@@ -85,34 +86,45 @@ struct PlacedPanorama<'a> {
     fit: PanoramaFit,
 }
 
-/// The hypotheses for the base of the matched frames' camera, best first.
-///
-/// The poses to begin with are those of `origin`.
-pub(super) fn find_candidates(
+/// The poses of the panorama to begin with, and the fields that they were found on.
+pub(super) struct InitialPoses {
+    fields: Vec<FieldModel>,
+    by_focal_scale: PosesByFocalScale,
+}
+
+/// Finds the poses of `origin`.
+pub(super) fn find_poses(
     matched: &MatchedFrames,
     origin: PosesFrom<'_>,
     field_prior: &FieldPrior,
     progress: &Progress<'_, AutocalibrationProgress>,
-) -> Result<Vec<Hypothesis>, Stop> {
+) -> Result<InitialPoses, Stop> {
     report(progress, AutocalibrationProgress::Gathering)?;
     let fields = field_prior.search_fields();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::with_grid).collect();
-    let found = match origin {
+    let by_focal_scale = match origin {
         PosesFrom::Places(places) => search_poses(matched, &maps, places, progress)?,
         PosesFrom::Clicks(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, progress)?,
     };
-    refine_poses(&found, &fields, field_prior, matched, progress)
+    Ok(InitialPoses {
+        fields,
+        by_focal_scale,
+    })
 }
 
-/// Steps 1 to 3 for the poses that were found on some fields; the best hypothesis first.
-fn refine_poses(
-    found: &PosesByFocalScale,
-    fields: &[FieldModel],
+/// The hypotheses for the base of the matched frames' camera, best first: steps 1 to 3 for the
+/// initial poses. The joint adjustment begins with `reach`.
+pub(super) fn refine_poses(
+    initial: &InitialPoses,
+    reach: FirstReach,
     field_prior: &FieldPrior,
     matched: &MatchedFrames,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Vec<Hypothesis>, Stop> {
-    let PosesByFocalScale { poses, rotations } = found;
+    let InitialPoses {
+        fields,
+        by_focal_scale: PosesByFocalScale { poses, rotations },
+    } = initial;
     let panoramas = place_panoramas(poses, fields, field_prior, rotations);
 
     // Step 2 for all panoramas in parallel. The counter is for progress only.
@@ -129,7 +141,7 @@ fn refine_poses(
                 },
             )?;
             let hypothesis =
-                adjust_with_and_without_size(panorama, rotations, field_prior, matched);
+                adjust_with_and_without_size(panorama, reach, rotations, field_prior, matched);
             num_done.fetch_add(1, Ordering::Relaxed);
             Ok(hypothesis)
         })
@@ -202,6 +214,7 @@ fn place_panoramas<'a>(
 /// sizes, with its size fitted.
 fn adjust_with_and_without_size(
     panorama: &PlacedPanorama<'_>,
+    reach: FirstReach,
     rotations: &RotationsByFocalScale,
     field_prior: &FieldPrior,
     matched: &MatchedFrames,
@@ -229,7 +242,7 @@ fn adjust_with_and_without_size(
     let (as_assumed, resized) = rayon::join(
         || {
             adjust_repeatedly(
-                &JointStart::from_panorama(&as_assumed?),
+                &JointStart::from_panorama(&as_assumed?, reach),
                 None,
                 frames,
                 matched,
@@ -237,7 +250,7 @@ fn adjust_with_and_without_size(
         },
         || {
             adjust_repeatedly(
-                &JointStart::from_panorama(&resized?),
+                &JointStart::from_panorama(&resized?, reach),
                 Some(field_prior),
                 frames,
                 matched,
@@ -266,9 +279,10 @@ fn refit_assumed_field(
 }
 
 impl JointStart {
-    fn from_panorama(fit: &PanoramaFit) -> Self {
+    fn from_panorama(fit: &PanoramaFit, reach: FirstReach) -> Self {
         let ptz = fit.rotations.ptz.iter().copied().map(Some).collect();
         Self {
+            reach,
             field: fit.field.clone(),
             base: fit.base(),
             ptz,
@@ -277,10 +291,14 @@ impl JointStart {
 
     /// From the result of an adjustment. Frames that it dropped are placed by their matches with
     /// the frames that it kept.
-    fn from_hypothesis(hypothesis: &Hypothesis, matched: &MatchedFrames) -> Option<Self> {
+    pub(super) fn from_hypothesis(
+        hypothesis: &Hypothesis,
+        matched: &MatchedFrames,
+    ) -> Option<Self> {
         let ptz = hypothesis.all_ptz(matched)?.into_iter().map(Some).collect();
         let camera = &hypothesis.camera;
         Some(Self {
+            reach: hypothesis.reach,
             field: camera.field.clone(),
             base: camera.base,
             ptz,
@@ -294,7 +312,7 @@ impl JointStart {
 /// Paint is assigned to lines once per round, with the base of the moment. A frame that was
 /// assigned to the wrong lines, or dropped because it lay near none, gets a second chance from the
 /// better base and field size.
-fn adjust_repeatedly(
+pub(super) fn adjust_repeatedly(
     start: &JointStart,
     size_prior: Option<&FieldPrior>,
     frames: &Arc<FramesAtScale>,
@@ -357,38 +375,6 @@ fn choose_size(
     Some(as_assumed)
 }
 
-/// Step 3: moves a hypothesis to a neighbouring field size as long as that raises the score by
-/// [`MIN_GAIN`].
-///
-/// Least squares alone does not get there: while paint is assigned to the wrong lines, the size
-/// that fits best is the wrong one.
-fn try_neighbouring_sizes(
-    hypothesis: &mut Hypothesis,
-    field_prior: &FieldPrior,
-    matched: &MatchedFrames,
-) {
-    const MAX_STEPS: usize = 3;
-    for _ in 0..MAX_STEPS {
-        // Adjust at each neighbouring size, starting from the present base and frames.
-        let neighbours: Vec<Hypothesis> = field_prior
-            .neighbouring_sizes(&hypothesis.camera.field)
-            .into_par_iter()
-            .filter_map(|field| {
-                let (base, ptz) = (hypothesis.camera.base, hypothesis.ptz.clone());
-                let start = JointStart { field, base, ptz };
-                Hypothesis::adjust(&start, Some(field_prior), &hypothesis.frames, matched)
-            })
-            .collect();
-        match neighbours
-            .into_iter()
-            .max_by(|a, b| a.score().total_cmp(&b.score()))
-        {
-            Some(best) if best.score() > MIN_GAIN * hypothesis.score() => *hypothesis = best,
-            _ => return,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::pose::PanoramaPose;
@@ -415,7 +401,7 @@ mod tests {
 
     /// Poses beside the right one, each with its score of the search, as if found at one focal
     /// scale.
-    fn poses_beside(field: &FieldModel, beside: &[(Vec3, f64)]) -> PosesByFocalScale {
+    fn poses_beside(field: &FieldModel, beside: &[(Vec3, f64)]) -> InitialPoses {
         let frames = frames_at_scale(field);
         let scaled = |&(shift_m, explained): &(Vec3, f64)| {
             let pose = PanoramaPose::upright(base().position_m + shift_m, base().angles().heading);
@@ -430,9 +416,10 @@ mod tests {
             }
         };
         let poses = beside.iter().map(scaled).collect();
-        PosesByFocalScale {
-            poses,
-            rotations: RotationsByFocalScale::new([(100, frames.rotations.clone())]),
+        let rotations = RotationsByFocalScale::new([(100, frames.rotations.clone())]);
+        InitialPoses {
+            fields: vec![field.clone()],
+            by_focal_scale: PosesByFocalScale { poses, rotations },
         }
     }
 
@@ -452,8 +439,7 @@ mod tests {
             steps.lock().unwrap().push(step);
             ControlFlow::Continue(())
         });
-        let fields = prior.search_fields();
-        let candidates = refine_poses(&found, &fields, &prior, &matched, &progress)
+        let candidates = refine_poses(&found, FirstReach::Wide, &prior, &matched, &progress)
             .ok()
             .unwrap();
         let [candidate] = candidates.as_slice() else {
@@ -474,8 +460,9 @@ mod tests {
     #[test]
     fn without_poses_there_is_no_candidate() {
         let prior = known_field();
-        let (found, fields) = (poses_beside(&prior.assumed, &[]), prior.search_fields());
-        let none = refine_poses(&found, &fields, &prior, &matched(), &Progress::default());
+        let found = poses_beside(&prior.assumed, &[]);
+        let progress = Progress::default();
+        let none = refine_poses(&found, FirstReach::Wide, &prior, &matched(), &progress);
         assert_eq!(none.ok().map(|candidates| candidates.len()), Some(0));
     }
 
@@ -501,7 +488,7 @@ mod tests {
             }
         };
         let clicks = [(0, "penalty_mark_left"), (2, "centre_mark")].map(click);
-        let nothing = find_candidates(
+        let nothing = find_poses(
             &matched,
             PosesFrom::Clicks(&clicks),
             &prior,
@@ -520,7 +507,7 @@ mod tests {
         let progress = Progress::new(|_| ControlFlow::Break(()));
         let usual = SearchPlaces::usual();
         let origin = PosesFrom::Places(&usual);
-        let stopped = find_candidates(&matched(), origin, &known_field(), &progress);
+        let stopped = find_poses(&matched(), origin, &known_field(), &progress);
         assert!(matches!(
             stopped,
             Err(Stop::Failed(AutocalibrationError::Stopped))

@@ -10,7 +10,7 @@ use super::Doubt;
 use super::evidence::doubts_of;
 use super::evidence::measure_evidence;
 use super::field_prior::FieldPrior;
-use super::joint::{FrameObservations, JointStart, adjust_jointly};
+use super::joint::{FirstReach, FrameObservations, JointStart, adjust_jointly};
 use super::matched_frames::{FramesAtScale, MatchedFrames};
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use std::sync::Arc;
@@ -29,6 +29,8 @@ pub(super) struct Hypothesis {
     pub paint_priors: Vec<PosePrior>,
     /// The frames at the focal scale where the search found the pose.
     pub frames: Arc<FramesAtScale>,
+    /// The reach with which the joint adjustment began.
+    pub reach: FirstReach,
 }
 
 impl Hypothesis {
@@ -76,6 +78,7 @@ impl Hypothesis {
             ptz: joint.ptz,
             paint_priors,
             frames: Arc::clone(frames),
+            reach: start.reach,
         })
     }
 
@@ -113,32 +116,37 @@ mod tests {
         let (field, matched) = (soccer().assumed, matched());
         let mut start_base = base();
         start_base.position_m += Vec3::new(0.3, -0.4, 0.1);
-        let start = JointStart {
+        let start = |reach| JointStart {
+            reach,
             field: field.clone(),
             base: start_base,
             ptz: ptz().into_iter().map(Some).collect(),
         };
-        let found = Hypothesis::adjust(&start, None, &frames_at_scale(&field), &matched).unwrap();
-        let off_m = (found.position_m() - base().position_m).norm();
-        assert!(off_m < 0.1, "{off_m:.3} m");
-        let indices: Vec<usize> = found
-            .camera
-            .frames
-            .iter()
-            .map(|frame| frame.index)
-            .collect();
-        assert_eq!(indices, matched.indices);
-        assert_eq!(found.paint_priors.len(), ptz().len());
-        assert!(
-            found.camera.evidence.residual_px < 0.5,
-            "{}",
-            found.camera.evidence.residual_px
-        );
-        assert!(
-            found.camera.evidence.explained > 0.95,
-            "{}",
-            found.camera.evidence.explained
-        );
+        for reach in [FirstReach::Wide, FirstReach::Narrow] {
+            let found = Hypothesis::adjust(&start(reach), None, &frames_at_scale(&field), &matched)
+                .unwrap();
+            assert_eq!(found.reach, reach);
+            let off_m = (found.position_m() - base().position_m).norm();
+            assert!(off_m < 0.1, "{off_m:.3} m");
+            let indices: Vec<usize> = found
+                .camera
+                .frames
+                .iter()
+                .map(|frame| frame.index)
+                .collect();
+            assert_eq!(indices, matched.indices);
+            assert_eq!(found.paint_priors.len(), ptz().len());
+            assert!(
+                found.camera.evidence.residual_px < 0.5,
+                "{}",
+                found.camera.evidence.residual_px
+            );
+            assert!(
+                found.camera.evidence.explained > 0.95,
+                "{}",
+                found.camera.evidence.explained
+            );
+        }
     }
 
     #[test]
@@ -147,6 +155,7 @@ mod tests {
         let mut bare = Arc::into_inner(frames_at_scale(&field)).unwrap();
         bare.paint.iter_mut().for_each(Vec::clear);
         let start = JointStart {
+            reach: FirstReach::Wide,
             field,
             base: base(),
             ptz: ptz().into_iter().map(Some).collect(),

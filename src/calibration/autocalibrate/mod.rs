@@ -78,6 +78,7 @@ mod focal_scales;
 mod hypothesis;
 mod joint;
 mod matched_frames;
+mod neighbours;
 mod panorama_fit;
 mod pitch_map;
 mod pose;

@@ -145,6 +145,10 @@ fn with_base(
             .sigma_m
             .max(SIGMA_OF_CHANGE * (size.value_m - before.value_m).abs());
     }
+    // A size that finds less of the paint is not taken; the field keeps that of the hypothesis.
+    if sizes.is_empty() {
+        sizes.clone_from(&before.sizes);
+    }
 
     let field = FieldModel {
         crown_m: estimate.crown_m,
@@ -177,6 +181,7 @@ fn with_base(
             ..before.clone()
         },
         frames: hypothesis.frames.clone(),
+        reach: hypothesis.reach,
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::field_prior::FieldPrior;
 use super::hypothesis::Hypothesis;
+use super::joint::FirstReach;
 use super::matched_frames::{FramesAtScale, MatchedFrames, renumber_matches};
 use super::pitch_map::PitchMap;
 use super::sampled_frames::SampledFrame;
@@ -274,5 +275,6 @@ pub fn hypothesis(field: &FieldModel) -> Hypothesis {
         ptz,
         paint_priors,
         frames: frames_at_scale(field),
+        reach: FirstReach::Wide,
     }
 }

@@ -167,10 +167,17 @@ impl KnownFrames<'_> {
             }
             let field = open.of_size(&fitted).map_err(BaseEstimationError::from)?;
             let sized = problem.clone().on_field(field);
-            let with_size = Seen::of(&sized, &start, &masks, picture).ok();
+            // The cameras belong to the size that they were adjusted with.
+            let on_sized = |frame| frame_on_field(frame, &sized.field);
+            let seen_on_sized = Seen {
+                painted: seen.painted.iter().map(on_sized).collect(),
+                ..seen
+            };
+            let sized_start = first.adjusted(&sized, &seen_on_sized, &model, &options.adjust);
+            let with_size = Seen::of(&sized, &sized_start, &masks, picture).ok();
             let enough = LEAST_SHARE_WITH_SIZE * again.places as f64;
             if let Some(with_size) = with_size.filter(|with| with.places as f64 >= enough) {
-                (problem, again, sizes) = (sized, with_size, fitted);
+                (problem, start, again, sizes) = (sized, sized_start, with_size, fitted);
             }
         }
         let seen = again;

@@ -9,7 +9,7 @@ use touchline::autocalibrate::{
 use touchline::calibrate::{AutocalibratedCamera, record_found};
 use touchline::camera::PtzCamera;
 use touchline::document::{Click, Document};
-use touchline::field::{FieldModel, Landmark};
+use touchline::field::{FieldLine, FieldModel, Landmark};
 use touchline::geometry::{ImagePoint, Vec3};
 use touchline::markings::project_landmarks;
 use touchline::media::FrameReader;
@@ -193,17 +193,85 @@ pub fn worst_px(
     (0..truth.len()).filter_map(of_frame).collect()
 }
 
+/// How far off the lines of each answered frame are at the worst place, px: from where a line of the
+/// real field is seen to the nearest point of the same line of the answer.
+fn worst_line_px(
+    document: &Document,
+    found: &AutocalibratedCamera,
+    truth: &[PtzCamera],
+    field: &FieldModel,
+) -> Vec<(usize, f64)> {
+    const SAMPLES: u32 = 100;
+    let mut recorded = document.clone();
+    let camera = document.cameras[0].id.clone();
+    record_found(&mut recorded, &camera, found);
+    let of_frame = |index: usize| {
+        let frame = &recorded.frames[index];
+        let (answered, exact) = (recorded.pointed(frame)?, &truth[index]);
+        let mut worst = 0.0_f64;
+        for (line, mine) in field.lines.iter().zip(&found.field.lines) {
+            let seen = seen_line(exact, field, line, SAMPLES);
+            let seen = seen.iter().filter(|at| frame.image_size.contains(**at));
+            let drawn = seen_line(&answered, &found.field, mine, 4 * SAMPLES);
+            for at in seen {
+                worst = worst.max(distance_from_polyline_px(*at, &drawn));
+            }
+        }
+        Some((index, worst))
+    };
+    (0..truth.len()).filter_map(of_frame).collect()
+}
+
+/// Where a camera sees a line of a field, evenly sampled.
+fn seen_line(
+    camera: &PtzCamera,
+    field: &FieldModel,
+    line: &FieldLine,
+    samples: u32,
+) -> Vec<ImagePoint> {
+    let at = |step: u32| {
+        let along = f64::from(step) / f64::from(samples);
+        let ground = field.world_from_nominal(line.paint_centre.point_at(along));
+        camera.image_from_world(ground).ok()
+    };
+    (0..=samples).filter_map(at).collect()
+}
+
+/// The distance of a point from the nearest segment of a polyline, px.
+fn distance_from_polyline_px(at: ImagePoint, polyline: &[ImagePoint]) -> f64 {
+    let from_segment = |ends: &[ImagePoint]| {
+        let (segment, offset) = (ends[1].offset_from(ends[0]), at.offset_from(ends[0]));
+        let along = offset.dot(&segment) / segment.norm_squared().max(1e-12);
+        (offset - segment * along.clamp(0.0, 1.0)).norm()
+    };
+    let distances = polyline.windows(2).map(from_segment);
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+/// What has to lie within [`RIGHT_PX`] in an answer that is right.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Measured {
+    /// Every place of the ground, told from the middle of the field.
+    Ground,
+    /// Every line. A field whose size is a decimetre off has its middle off as well, which a near
+    /// camera sees as 20 px although all lines lie on their paint.
+    Lines,
+}
+
 /// One line of a table, and what kind of answer it was. `truth` is none where nothing can be right.
 pub fn judge_answer(
     document: &Document,
     answer: &AutocalibrationAnswer,
     truth: Option<(&[PtzCamera], &FieldModel)>,
+    measured: Measured,
 ) -> (String, Tally) {
     let judge = |found: &AutocalibratedCamera| {
         let Some((truth, field)) = truth else {
             return (f64::INFINITY, "nothing is right".to_owned());
         };
         let frames = worst_px(document, found, truth, field);
+        let lines = worst_line_px(document, found, truth, field);
+        let worst_line_px = lines.iter().map(|(_, px)| *px).fold(0.0, f64::max);
         let moved = moved_with_the_end_seen(found, truth, field);
         let off =
             |exact: &PtzCamera| (found.base.position_m - exact.base().position_m - moved).norm();
@@ -214,7 +282,7 @@ pub fn judge_answer(
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or((0, f64::INFINITY));
         let says = format!(
-            "{off_m:.2} m off (σ {:.2}), size {:+.2} {:+.2} m (σ {:?}), worst {:.1} px (frame {}), {} of {} frames answered, {} snapped, over: {}",
+            "{off_m:.2} m off (σ {:.2}), size {:+.2} {:+.2} m (σ {:?}), lines {:.1} px, worst {:.1} px (frame {}), {} of {} frames answered, {} snapped, over: {}",
             found.base.sigma.position_m.norm(),
             found.field.length_m - field.length_m,
             found.field.width_m - field.width_m,
@@ -223,6 +291,7 @@ pub fn judge_answer(
                 .iter()
                 .map(|size| format!("{:.2}", size.sigma_m))
                 .collect::<Vec<_>>(),
+            worst_line_px,
             worst.1,
             worst.0,
             frames.len(),
@@ -230,7 +299,12 @@ pub fn judge_answer(
             found.snapped_count(),
             over(&frames, found),
         );
-        (worst.1, format!("{says}; {}", speaks(found)))
+        let px = match measured {
+            Measured::Ground => worst.1,
+            Measured::Lines if lines.is_empty() => f64::INFINITY,
+            Measured::Lines => worst_line_px,
+        };
+        (px, format!("{says}; {}", speaks(found)))
     };
     match answer {
         AutocalibrationAnswer::Found(found) => {

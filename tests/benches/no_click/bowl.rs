@@ -5,7 +5,7 @@
 //! the camera: it may stand on either side, behind a goal, in a corner or low on a mast, and roll
 //! by up to 4°. `ffmpeg` encodes the two worse qualities.
 
-use super::answers::{Tally, Way, answer, judge_answer, two_clicked};
+use super::answers::{Measured, Tally, Way, answer, judge_answer, two_clicked};
 use super::drawing::{SIZE, document};
 use super::gate::Rate;
 use super::matches::{Answered, soccer};
@@ -323,7 +323,12 @@ pub fn clips(pictures: &Path, numbers: Range<usize>) -> Answered {
         };
         let (answer_alone, seconds) = answer(&document, &folder, Way::WithoutClicks);
         let truth = turned_as_answered(truth, &answer_alone);
-        let (says, tally) = judge_answer(&document, &answer_alone, Some((&truth, &clip.field)));
+        let (says, tally) = judge_answer(
+            &document,
+            &answer_alone,
+            Some((&truth, &clip.field)),
+            Measured::Lines,
+        );
         row((&says, seconds));
         all.without_clicks.add(&tally);
         if !matches!(answer_alone, AutocalibrationAnswer::Found(_)) {
@@ -336,7 +341,12 @@ pub fn clips(pictures: &Path, numbers: Range<usize>) -> Answered {
             };
             let with_clicks = two_clicked(&document, frames, &truth, &clip.field);
             let (answer, seconds) = answer(&with_clicks, &folder, Way::FewClicks);
-            let (says, tally) = judge_answer(&with_clicks, &answer, Some((&truth, &clip.field)));
+            let (says, tally) = judge_answer(
+                &with_clicks,
+                &answer,
+                Some((&truth, &clip.field)),
+                Measured::Lines,
+            );
             row((&format!("two clicks: {says}"), seconds));
             all.two_clicks.add(&tally);
         }

@@ -1,6 +1,6 @@
 //! Drawn matches: cameras from corner to halfway line, fields of all sizes, three presets.
 
-use super::answers::{Tally, Way, answer, judge_answer, two_clicked};
+use super::answers::{Measured, Tally, Way, answer, judge_answer, two_clicked};
 use super::drawing::{SIZE, draw, shots};
 use super::gate::Rate;
 use std::collections::BTreeMap;
@@ -140,8 +140,12 @@ pub fn drawn(pictures: &Path, numbers: Range<usize>, frames: usize, two_clicks: 
         let mut is_found = false;
         if !two_clicks {
             let (answer, seconds) = answer(&drawn.document, &folder, Way::WithoutClicks);
-            let (says, tally) =
-                judge_answer(&drawn.document, &answer, Some((&drawn.truth, &field)));
+            let (says, tally) = judge_answer(
+                &drawn.document,
+                &answer,
+                Some((&drawn.truth, &field)),
+                Measured::Ground,
+            );
             row((&says, seconds));
             all.without_clicks.add(&tally);
             is_found = matches!(answer, AutocalibrationAnswer::Found(_));
@@ -150,7 +154,12 @@ pub fn drawn(pictures: &Path, numbers: Range<usize>, frames: usize, two_clicks: 
             let with_clicks =
                 two_clicked(&drawn.document, 0..drawn.truth.len(), &drawn.truth, &field);
             let (answer, seconds) = answer(&with_clicks, &folder, Way::FewClicks);
-            let (says, tally) = judge_answer(&with_clicks, &answer, Some((&drawn.truth, &field)));
+            let (says, tally) = judge_answer(
+                &with_clicks,
+                &answer,
+                Some((&drawn.truth, &field)),
+                Measured::Ground,
+            );
             row((&format!("two clicks: {says}"), seconds));
             all.two_clicks.add(&tally);
         }

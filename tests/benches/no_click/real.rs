@@ -1,6 +1,6 @@
 //! Real frames. People's clicks measure the answers; the method is given the pictures alone.
 
-use super::answers::{Tally, Way, answer, judge_answer};
+use super::answers::{Measured, Tally, Way, answer, judge_answer};
 use super::drawing::document_of_video;
 use super::gate::Rate;
 use std::path::Path;
@@ -266,7 +266,7 @@ pub fn others(data: &Path) -> Tally {
         let stride = (info.decoded_frames / 40).max(1);
         let document = document_of_video(video, &info, FieldSpec::new(field), stride);
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
-        let (says, tally) = judge_answer(&document, &answer, None);
+        let (says, tally) = judge_answer(&document, &answer, None, Measured::Ground);
         let says = if let (true, AutocalibrationAnswer::Found(found)) = (can_be_right, &answer) {
             let at_m: Vec<String> = found
                 .base
@@ -293,7 +293,7 @@ pub fn others(data: &Path) -> Tally {
     let (answer, seconds) = answer(&mixed, data, Way::WithoutClicks);
     let (says, tally) = match &answer {
         AutocalibrationAnswer::Found(found) => of_one_match(data, &mixed, found),
-        _ => judge_answer(&mixed, &answer, None),
+        _ => judge_answer(&mixed, &answer, None, Measured::Ground),
     };
     println!(
         "| d82e7a and 08fd33 mixed | {} | {says} | {seconds:.0} |",

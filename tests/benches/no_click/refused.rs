@@ -1,6 +1,6 @@
 //! Inputs that have no right answer, or hardly one: what is shown as good all the same is wrong.
 
-use super::answers::{Tally, Way, answer, judge_answer};
+use super::answers::{Measured, Tally, Way, answer, judge_answer};
 use super::drawing::{Drawn, Shot, draw, shots};
 use super::gate::Rate;
 use super::matches::{base, shoot, soccer};
@@ -77,7 +77,7 @@ pub fn refused(pictures: &Path, numbers: Range<usize>) -> Tally {
             .field
             .as_ref()
             .map(|field| (&*input.drawn.truth, field));
-        let (says, tally) = judge_answer(&input.drawn.document, &answer, truth);
+        let (says, tally) = judge_answer(&input.drawn.document, &answer, truth, Measured::Ground);
         println!("| {name} | {says} | {seconds:.0} |");
         all.add(&tally);
     }

@@ -1,7 +1,7 @@
 //! What the answer depends on: drawn matches with fewer frames, of a part of the pitch, and with
 //! longer lenses.
 
-use super::answers::{Tally, Way, answer, judge_answer};
+use super::answers::{Measured, Tally, Way, answer, judge_answer};
 use super::drawing::{SIZE, Shot, draw, shots};
 use super::gate::Rate;
 use super::matches::{DrawnMatch, base, shoot};
@@ -95,8 +95,12 @@ pub fn spread(pictures: &Path) -> Tally {
                 FieldSpec::new("soccer"),
             );
             let (answer, seconds) = answer(&drawn.document, &folder, Way::WithoutClicks);
-            let (answered, tally) =
-                judge_answer(&drawn.document, &answer, Some((&drawn.truth, &field)));
+            let (answered, tally) = judge_answer(
+                &drawn.document,
+                &answer,
+                Some((&drawn.truth, &field)),
+                Measured::Ground,
+            );
             let mut focal_px: Vec<f64> = shots
                 .iter()
                 .map(|shot| shot.camera.ptz().focal_px)
