@@ -14,7 +14,7 @@ use touchline_documents::exchange::{
 };
 use touchline_vision::media::FrameReader;
 
-/// What a dataset may be told.
+/// The options of a dataset.
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Dataset")]
 pub struct DatasetArgs {

@@ -260,7 +260,7 @@ fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
         tracked.frames.len(),
         tracked.painted,
         tracked.sigma_px,
-        tracked.widened
+        tracked.inflation
     ));
     if tracked.kept > 0 {
         messages.note(&format!(

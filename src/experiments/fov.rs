@@ -14,7 +14,7 @@ use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Stated, Table};
 
 /// Test frames of one kind of sets.
-struct Asked<'a> {
+struct TestFrames<'a> {
     name: &'static str,
     sets: &'a [FrameSet],
     answers: &'a [FrameAnswer],
@@ -59,25 +59,25 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let (mut rows, mut every) = (Vec::new(), Table::default());
     for forest in [ForestKind::Published, ForestKind::Default] {
         for (name, which) in &chosen {
-            let asked = Asked {
+            let test_frames = TestFrames {
                 name,
                 sets: inputs.sets(*which, progress)?,
                 answers: inputs.answers(*which, forest, Masks::AsTheyAre, progress)?,
             };
-            rows.extend(asked.by_view(forest));
+            rows.extend(test_frames.by_view(forest));
             if forest == ForestKind::Published {
                 report.figure(
-                    &format!("iou-{}", asked.file_name()),
+                    &format!("iou-{}", test_frames.file_name()),
                     &format!(
                         "1 − IoU of the {} over the field of view, a dot for each frame, with the paper's two limits; refused: 1.",
                         forest.describe()
                     ),
-                    asked.figure(kind != SetKind::Own),
+                    test_frames.figure(kind != SetKind::Own),
                 );
             }
             let table = frame_table(
-                asked.sets,
-                [(format!("{}, {name}", forest.key()), asked.answers)],
+                test_frames.sets,
+                [(format!("{}, {name}", forest.key()), test_frames.answers)],
             );
             every.append(table);
         }
@@ -96,7 +96,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     Ok(report)
 }
 
-impl Asked<'_> {
+impl TestFrames<'_> {
     fn file_name(&self) -> String {
         self.name.to_lowercase().replace(' ', "-")
     }

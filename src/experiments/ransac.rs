@@ -478,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn simulated_success_is_the_one_asked_for() {
+    fn simulated_success_is_the_requested_one() {
         let table = table_1(&ExperimentOptions {
             quick: true,
             seed: 3,

@@ -490,7 +490,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_sleep_while_a_reason_is_asked_for() {
+    fn keys_sleep_while_a_reason_is_chosen() {
         let mut app = app();
         app.update(Action::Command(Command::Reject));
         assert_eq!(press(&app, Key::N, NONE), None);

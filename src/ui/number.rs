@@ -14,9 +14,9 @@ use touchline_application::app::session::Mode;
 use touchline_application::app::{Action, App, EditAction};
 
 /// Time for which the reason for refusing a text is shown, s.
-const TOLD_S: f64 = 8.0;
+const PROBLEM_SHOWN_S: f64 = 8.0;
 /// Maximum width of the reason, points.
-const TOLD_WIDTH: f32 = 260.0;
+const PROBLEM_WIDTH: f32 = 260.0;
 
 /// A number field.
 pub struct Number<'a> {
@@ -164,8 +164,8 @@ fn shortest(number: f64) -> String {
     }
 }
 
-/// Shows below a field why the typed text was refused, for [`TOLD_S`] seconds or until something
-/// else is entered.
+/// Shows below a field why the typed text was refused, for [`PROBLEM_SHOWN_S`] seconds or until
+/// something else is entered.
 fn show_problem(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
     let (memory, now) = (response.id.with("problem"), ui.input(|input| input.time));
     if let Some(problem) = problem {
@@ -176,7 +176,7 @@ fn show_problem(ui: &Ui, response: &Response, problem: Option<String>, over: boo
     let Some((text, since)) = ui.data(|data| data.get_temp::<(String, f64)>(memory)) else {
         return;
     };
-    let left = TOLD_S - (now - since);
+    let left = PROBLEM_SHOWN_S - (now - since);
     if left <= 0.0 {
         return;
     }
@@ -193,7 +193,7 @@ fn show_problem(ui: &Ui, response: &Response, problem: Option<String>, over: boo
         .interactable(false)
         .show(ui.ctx(), |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
-                ui.set_max_width(TOLD_WIDTH);
+                ui.set_max_width(PROBLEM_WIDTH);
                 ui.add(Label::new(RichText::new(&text).color(ui.palette().bad)).wrap());
             });
         });

@@ -2,8 +2,8 @@
 //! effects that it returns.
 //!
 //! One frame of the window: results of background work and dialogs come in (`logic`); keys and
-//! pointer are read and their actions carried out; then everything is drawn, and the actions of
-//! widgets are carried out for the next frame.
+//! pointer are read and their actions executed; then everything is drawn, and the actions of
+//! widgets are executed for the next frame.
 
 use super::files::Files;
 use super::input_queue::InputQueue;

@@ -95,20 +95,20 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
             .on_hover_text(guidance.text.clone());
     });
     for (says, command) in &offers[..shown] {
-        offer(panel, ui, says, *command);
+        command_button(panel, ui, says, *command);
     }
     if shown < offers.len() {
         let says = if shown == 0 { "How…" } else { "More…" };
         ui.menu_button(says, |ui| {
             for (says, command) in &offers[shown..] {
-                offer(panel, ui, says, *command);
+                command_button(panel, ui, says, *command);
             }
         });
     }
 }
 
 /// Shows a button for a command.
-fn offer(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
+fn command_button(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
     if ui
         .add(Button::new(says).small())
         .on_hover_text(panel.app.settings.keys.tooltip(command))

@@ -57,7 +57,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// The commands that the bar offers, from right to left.
+/// The commands on the bar, from right to left.
 const fn buttons(step: TourStep) -> &'static [Command] {
     match step {
         TourStep::Finished => &[Command::LeaveTour, Command::Guide],

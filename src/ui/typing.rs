@@ -256,7 +256,7 @@ fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Opti
         Key::ArrowUp => Some(Action::Navigate(Navigation::HighlightName(
             (naming.highlighted + offered.max(1) - 1) % offered.max(1),
         ))),
-        Key::Tab => Some(Action::Navigate(Navigation::OfferLines(!naming.lines))),
+        Key::Tab => Some(Action::Navigate(Navigation::ListLines(!naming.lines))),
         Key::Escape => Some(Action::Command(Command::Cancel)),
         Key::Backspace => {
             typed.pop();
@@ -277,7 +277,7 @@ fn on_text(text: &str, naming: &Naming, offered: usize, typed: &mut String) -> O
         return take_row(number - 1, offered);
     }
     if text == "L" {
-        return Some(Action::Navigate(Navigation::OfferLines(!naming.lines)));
+        return Some(Action::Navigate(Navigation::ListLines(!naming.lines)));
     }
     typed.extend(text.chars().filter(|letter| !letter.is_control()));
     Some(Action::Navigate(Navigation::TypeName(typed.clone())))

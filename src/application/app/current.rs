@@ -635,7 +635,7 @@ mod tests {
     fn what_was_just_solved_is_not_solved_again() {
         let (mut open, session, mut current) = (project(), Session::default(), Current::default());
         let given = Err(CalibrationError::UnknownCamera {
-            camera: "told".to_owned(),
+            camera: "supplied".to_owned(),
         });
         let fresh = |version| FreshSolve {
             frame: 0,

@@ -25,7 +25,7 @@ impl Guidance {
         }
     }
 
-    fn offer(mut self, says: &'static str, command: Command) -> Self {
+    fn with_button(mut self, says: &'static str, command: Command) -> Self {
         self.offers.push((says, command));
         self
     }
@@ -51,7 +51,7 @@ pub fn next_step(app: &App) -> Guidance {
         .under_way()
         .filter(|_| app.session.mode == Mode::Idle)
     {
-        return Guidance::say(under_way.text).offer("Stop", under_way.stop);
+        return Guidance::say(under_way.text).with_button("Stop", under_way.stop);
     }
     if app.session.quality.open {
         let key = app.settings.keys.shown(Command::QualityPage);
@@ -128,7 +128,7 @@ fn stretch(app: &App) -> Option<Guidance> {
         keys.shown(Command::Accept),
         keys.shown(Command::Cancel)
     );
-    Some(Guidance::say(text).offer("Accept…", Command::AcceptStretch))
+    Some(Guidance::say(text).with_button("Accept…", Command::AcceptStretch))
 }
 
 /// The frame is accepted or rejected.
@@ -144,12 +144,12 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
             )))
         }
         FrameStatus::Reference if app.open().is_some_and(|open| open.counts().to_do == 0) => {
-            Some(Guidance::say(ALL_DONE).offer("Export…", Command::Export))
+            Some(Guidance::say(ALL_DONE).with_button("Export…", Command::Export))
         }
         FrameStatus::Reference => {
             let label_next = app.review().advice.next.is_some() && only_labels_help(app);
             Some(match app.where_to_label().filter(|_| label_next) {
-                Some(text) => Guidance::say(text).offer("Go there", Command::NextUnanswered),
+                Some(text) => Guidance::say(text).with_button("Go there", Command::NextUnanswered),
                 None => Guidance::say(of_reference(app)),
             })
         }
@@ -201,13 +201,13 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
         "Point {} has no name. Name it, or delete it with Del.",
         index + 1
     );
-    Some(Guidance::say(text).offer("Name it", Command::NameNext))
+    Some(Guidance::say(text).with_button("Name it", Command::NameNext))
 }
 
 /// A base is being estimated, or waits for the user's decision.
 fn estimated(app: &App) -> Option<Guidance> {
     if let Some(under_way) = app.operations.base_under_way() {
-        return Some(Guidance::say(under_way.text).offer("Stop", under_way.stop));
+        return Some(Guidance::say(under_way.text).with_button("Stop", under_way.stop));
     }
     app.operations.proposed_base()?;
     let proposal = app.current().proposal.as_ref();
@@ -237,7 +237,9 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
             "{} frames are enough to estimate the base. More frames improve it.",
             ready.wide
         );
-        return Some(Guidance::say(text).offer("Estimate the base now", Command::EstimateBase));
+        return Some(
+            Guidance::say(text).with_button("Estimate the base now", Command::EstimateBase),
+        );
     }
     // What the points of this frame lack: a few more, nothing, or all of them.
     let here = points_alone(frame);
@@ -257,13 +259,13 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
     // Other ways to a base: automatic, from another document, by hand, or from too few frames.
     let mut guidance = Guidance::say(text);
     if ready.frames == 0 && app.why_not(Command::FindCamera).is_none() {
-        guidance = guidance.offer("Find the camera automatically", Command::FindCamera);
+        guidance = guidance.with_button("Find the camera automatically", Command::FindCamera);
     }
-    guidance = guidance.offer("Load a camera", Command::LoadCamera);
+    guidance = guidance.with_button("Load a camera", Command::LoadCamera);
     guidance = if ready.wide == 0 {
-        guidance.offer("Enter it", Command::CameraPanel)
+        guidance.with_button("Enter it", Command::CameraPanel)
     } else {
-        guidance.offer("Estimate anyway", Command::EstimateBase)
+        guidance.with_button("Estimate anyway", Command::EstimateBase)
     };
     Some(guidance)
 }

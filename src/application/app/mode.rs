@@ -24,7 +24,7 @@ pub enum Mode {
     Naming(Naming),
     /// The landmark was chosen first; the next click in the picture places it.
     Placing(Target),
-    /// The user is asked for the reason of a rejection.
+    /// The user chooses the reason of a rejection.
     Rejecting {
         /// Whether the rejection is for every frame of the shot.
         whole_shot: bool,

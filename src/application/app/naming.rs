@@ -2,7 +2,7 @@
 //!
 //! # Evidence for a landmark
 //!
-//! The strongest evidence that a frame offers decides:
+//! The strongest evidence in a frame decides:
 //!
 //! | known | how a name is ranked |
 //! |---|---|
@@ -235,7 +235,7 @@ fn landmark_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandi
     candidates
 }
 
-/// Ranks a landmark by the strongest evidence that the frame offers (see the table of the module).
+/// Ranks a landmark by the strongest evidence in the frame (see the table of the module).
 fn rank_landmark(scene: &NamingScene<'_>, landmark: &Landmark, at: ImagePoint) -> Ranking {
     let near_px = NEAR_PX * scene.image_size.scale_from_1920();
     let at_in_world = scene.field.landmark_in_world(landmark);

@@ -16,7 +16,7 @@ pub struct Notice {
 }
 
 impl Notice {
-    /// Whether the message offers a command.
+    /// Whether the message has a button for a command.
     #[must_use]
     pub fn offers(&self, command: Command) -> bool {
         self.offers.iter().any(|(_, offered)| *offered == command)

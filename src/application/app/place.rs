@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_and_times_are_told_apart() {
+    fn frames_and_times_are_distinguished() {
         for (text, place) in [
             ("500", Place::Frame(500)),
             (" 0 ", Place::Frame(0)),

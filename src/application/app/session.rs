@@ -36,7 +36,7 @@ pub struct Session {
     pub dialog: Option<Dialog>,
     /// The page of the guide that was shown last.
     pub guide_page: GuidePage,
-    /// The sport that the pictures' file name suggests, while the user is asked for the sport.
+    /// The sport that the pictures' file name suggests, while the user chooses the sport.
     pub sport_guess: Option<&'static str>,
     /// The choices in the review panel.
     pub review: ReviewChoice,
@@ -46,7 +46,7 @@ pub struct Session {
     pub quality: QualityChoice,
     /// What the background trainer is doing.
     pub trainer: TrainerState,
-    /// The frame for which the program asked whether to accept it although its verdict is bad.
+    /// The frame with a bad verdict whose acceptance the user was to confirm.
     pub doubted: Option<Doubted>,
     /// The playback state of the shown frame's video.
     pub video: VideoState,
@@ -123,7 +123,7 @@ pub struct DiskState {
 pub struct Doubted {
     /// The frame's id.
     pub frame: FrameId,
-    /// The document's version at the question. If it has changed, the question is asked again.
+    /// The document's version at the question. If it has changed, the question is shown again.
     pub version: u64,
     /// Whether the frame was to stay shown after it is accepted.
     pub stay: bool,
@@ -229,7 +229,7 @@ impl Session {
             .show(level, text.into(), offers.into_iter().collect());
     }
 
-    /// Whether a message on display offers a command.
+    /// Whether a message on display has a button for a command.
     #[must_use]
     pub fn offers(&self, command: Command) -> bool {
         self.messages
@@ -238,8 +238,8 @@ impl Session {
             .any(|notice| notice.offers(command))
     }
 
-    /// Removes the messages that offer a command, because it has been carried out or no longer
-    /// makes sense.
+    /// Removes the messages with a button for a command, because the command has been executed or
+    /// no longer makes sense.
     pub fn retract(&mut self, command: Command) {
         self.messages
             .notices

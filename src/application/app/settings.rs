@@ -127,7 +127,7 @@ impl From<StoredDocument> for RecentDocument {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ThemeChoice {
-    /// Light on dark; pictures are judged best on a dark background.
+    /// Light on dark; pictures are assessed best on a dark background.
     #[default]
     Dark,
     /// Dark on light.

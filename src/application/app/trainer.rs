@@ -21,11 +21,11 @@ pub struct TrainerState {
     /// The features of the frame that was examined last.
     pub features: Option<UsedFeatures>,
     /// The version of the document that the trainer has.
-    pub(super) told_version: Option<u64>,
+    pub(super) sent_version: Option<u64>,
     /// The shown frame that the trainer knows.
-    pub(super) told_frame: Option<FrameId>,
+    pub(super) sent_frame: Option<FrameId>,
     /// Whether the trainer has been ordered to align proposals to the paint.
-    pub(super) told_snapping: bool,
+    pub(super) sent_snapping: bool,
 }
 
 /// The status of the trainer.

@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_longer_asked_for_is_not_read() {
+    fn what_is_no_longer_requested_is_not_read() {
         let (mut decoder, controller) = held_decoder();
         decoder.request(&frame(0), &frames(&[1, 2, 3]));
         assert_eq!(controller.next_begun(), 0);
@@ -459,7 +459,7 @@ mod tests {
         drop(decoder);
         assert!(
             controller.begun.try_recv().is_err(),
-            "the worker pauses when nobody polls"
+            "the worker pauses while it is not polled"
         );
     }
 

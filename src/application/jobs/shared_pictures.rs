@@ -70,7 +70,7 @@ impl SharedPictures {
     }
 
     /// Keeps a frame that another reader has decoded, if there is room.
-    pub(super) fn offer(&self, frame: &FrameRef, picture: &Picture) {
+    pub(super) fn insert_if_room(&self, frame: &FrameRef, picture: &Picture) {
         self.lock().offer(frame, picture);
     }
 
@@ -133,8 +133,8 @@ pub(super) struct SharedReader {
 }
 
 impl SharedReader {
-    /// A reader that uses `own` for frames that are not among `pictures`, and offers those to the
-    /// others.
+    /// A reader that uses `own` for frames that are not among `pictures`, and shares those with
+    /// the others.
     pub(super) fn new(own: Box<dyn ReadFrames>, pictures: SharedPictures) -> Self {
         Self { own, pictures }
     }
@@ -146,7 +146,7 @@ impl ReadFrames for SharedReader {
             return Ok(picture);
         }
         let picture = self.own.read(frame)?;
-        self.pictures.offer(frame, &picture);
+        self.pictures.insert_if_room(frame, &picture);
         Ok(picture)
     }
 
@@ -205,11 +205,11 @@ mod tests {
     fn the_windows_frames_go_first() {
         let pictures = SharedPictures::new(2 * picture(0).bytes());
         pictures.insert(frame(0), picture(0));
-        pictures.offer(&frame(1), &picture(1));
-        pictures.offer(&frame(2), &picture(2));
+        pictures.insert_if_room(&frame(1), &picture(1));
+        pictures.insert_if_room(&frame(2), &picture(2));
         assert!(
             pictures.contains(&frame(1)) && !pictures.contains(&frame(2)),
-            "nothing makes room for an offer"
+            "no frame is dropped to make room"
         );
         pictures.insert(frame(3), picture(3));
         assert!(

@@ -1,7 +1,7 @@
 //! The mechanism of every job: a thread that carries out orders and leaves reports.
 //!
 //! The owner and the thread share a mailbox. One lock guards orders and reports, so that an order
-//! is always either waiting, being carried out, or reported. The owner never blocks, except while
+//! is always either waiting, being executed, or reported. The owner never blocks, except while
 //! the thread ends. The thread blocks while there is no order, and while reports that the owner has
 //! not taken fill the mailbox.
 
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn closing_carries_out_what_is_left_although_nobody_took_the_reports() {
+    fn closing_carries_out_what_is_left_although_no_report_was_taken() {
         let mut worker = Worker::spawn("test", mailbox(2), |message| message, echo).unwrap();
         worker.mailbox().update(|state| state.orders.extend(0..100));
         let expected: Vec<String> = (0..100).map(|order| order.to_string()).collect();
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thread_whose_reports_nobody_takes_waits() {
+    fn a_thread_whose_reports_are_not_taken_waits() {
         let worker = Worker::spawn("test", mailbox(3), |message| message, echo).unwrap();
         worker.mailbox().update(|state| state.orders.extend(0..10));
         // Three reports wait; the fourth order has been taken.

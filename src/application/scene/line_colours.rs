@@ -244,8 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_called_safe_is_told_from_the_ground_by_every_colour_vision_and_nothing_else_is_called_so()
-     {
+    fn a_colour_is_called_safe_exactly_if_every_colour_vision_distinguishes_it_from_the_ground() {
         for colour in LINE_COLOURS {
             for (ground, shades) in GROUNDS {
                 let least = shades

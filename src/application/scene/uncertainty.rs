@@ -205,22 +205,19 @@ fn resampled(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
     }
     // Curves have far more points than a band needs: keep one about every sixth of a step.
     let last = found[found.len() - 1];
-    let mut thinned: Vec<ImagePoint> = Vec::with_capacity(found.len());
+    let mut kept: Vec<ImagePoint> = Vec::with_capacity(found.len());
     for point in found {
-        if thinned
+        if kept
             .last()
             .is_none_or(|before| before.distance_px(point) >= step_px / 6.0)
         {
-            thinned.push(point);
+            kept.push(point);
         }
     }
-    if thinned
-        .last()
-        .is_some_and(|end| end.distance_px(last) > 1e-6)
-    {
-        thinned.push(last);
+    if kept.last().is_some_and(|end| end.distance_px(last) > 1e-6) {
+        kept.push(last);
     }
-    thinned
+    kept
 }
 
 #[cfg(test)]

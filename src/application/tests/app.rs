@@ -94,7 +94,7 @@ fn two_clicks_solve_a_frame_and_enter_accepts_it() {
     bench.command(Command::Accept);
     assert_eq!(
         bench.app.session.frame, 1,
-        "on to the next that needs somebody"
+        "on to the next that needs a person"
     );
     let accepted = bench.app.open().unwrap().frame(0).unwrap();
     assert_eq!(accepted.status, FrameStatus::Reference);
@@ -141,7 +141,7 @@ fn once_solved_a_third_click_takes_its_name_by_itself() {
 }
 
 #[test]
-fn the_names_offered_for_the_second_click_put_the_right_one_first_beside_a_solved_neighbour() {
+fn the_names_suggested_for_the_second_click_put_the_right_one_first_beside_a_solved_neighbour() {
     let mut bench = Bench::new(document(3, true));
     bench.place("centre_mark");
     bench.place("halfway_far");
@@ -525,7 +525,7 @@ fn a_camera_change_solves_every_frame_that_clicks_solved() {
 }
 
 #[test]
-fn without_a_base_clicks_are_kept_and_the_way_out_is_told() {
+fn without_a_base_clicks_are_kept_and_the_error_says_what_is_missing() {
     let mut bench = Bench::new(document(1, false));
     bench.click(ImagePoint::new(500.0, 500.0));
     bench.act(Action::Navigate(Navigation::TypeName("cm".into())));
@@ -664,7 +664,7 @@ fn escape_gives_up_what_is_being_opened() {
 }
 
 #[test]
-fn every_command_can_be_asked_for_at_any_time() {
+fn every_command_can_be_requested_at_any_time() {
     for document in [
         None,
         Some(document(0, true)),

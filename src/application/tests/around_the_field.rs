@@ -410,8 +410,8 @@ fn answers_across_the_seam_are_plausible() {
     }
 }
 
-/// Frames of a drawn match, taught by those that look further left and asked of those that look
-/// further right.
+/// A forest is trained on frames of a drawn match that look further left, and queried for frames
+/// that look further right.
 #[cfg(feature = "opencv")]
 #[test]
 fn frames_drawn_from_every_side_are_found_again() {
@@ -476,8 +476,8 @@ fn frames_drawn_from_every_side_are_found_again() {
         let forest = train(&samples, &TrainOptions::default(), &Progress::default()).unwrap();
         for (number, right_deg) in [-11.0, 3.0].into_iter().enumerate() {
             let truth = camera(right_deg);
-            let asked = features(10 + number, &truth);
-            let answer = relocalize(&asked, &forest, &seen, &base, &RelocalizeOptions::default());
+            let query = features(10 + number, &truth);
+            let answer = relocalize(&query, &forest, &seen, &base, &RelocalizeOptions::default());
             let found = answer
                 .pose
                 .unwrap_or_else(|reason| panic!("{} {right_deg}: {reason}", place.name))

@@ -16,7 +16,7 @@ fn propose(bench: &mut Bench, generation: u64, pans_deg: &[(usize, Option<f64>)]
 }
 
 #[test]
-fn a_batch_is_discarded_where_nobody_has_touched_its_frames() {
+fn a_batch_is_discarded_where_no_person_has_changed_its_frames() {
     let start = blank(4);
     let mut bench = Bench::new(start.clone());
     assert_eq!(
@@ -98,7 +98,7 @@ fn what_an_earlier_session_left_is_a_batch_too() {
 }
 
 #[cfg(feature = "opencv")]
-mod told {
+mod orders_to_the_trainer {
     use super::*;
     use touchline_application::app::{Effect, TrainerOrder};
 
@@ -120,9 +120,9 @@ mod told {
             [TrainerOrder::Document(_)]
         ));
         propose(&mut bench, 1, &[(0, Some(1.0)), (2, None)]);
-        let told = orders(&mut bench);
-        let [TrainerOrder::Shown(keys)] = &told[..] else {
-            panic!("{told:?}")
+        let sent = orders(&mut bench);
+        let [TrainerOrder::Shown(keys)] = &sent[..] else {
+            panic!("{sent:?}")
         };
         let frames = &bench.app.open().unwrap().document.frames;
         let expected =
@@ -136,13 +136,13 @@ mod told {
         propose(&mut bench, 1, &[(0, Some(1.0))]);
         assert_eq!(orders(&mut bench), [], "nothing new is shown");
         bench.command(Command::DiscardBatch);
-        let told = orders(&mut bench);
+        let sent = orders(&mut bench);
         let [
             TrainerOrder::Refused(refused),
             TrainerOrder::Document(document),
-        ] = &told[..]
+        ] = &sent[..]
         else {
-            panic!("{told:?}")
+            panic!("{sent:?}")
         };
         assert_eq!((refused.frames.len(), refused.generation), (2, 1));
         assert!(

@@ -1,5 +1,5 @@
-//! Changes after which many frames are solved again: in the background, one step of undo, nobody's
-//! edits overwritten.
+//! Changes after which many frames are solved again: in the background, as one step of undo,
+//! and without overwriting edits.
 
 use crate::bench::uncounted;
 use std::ops::ControlFlow;
@@ -34,7 +34,7 @@ fn base(height_m: f64) -> CameraBase {
     )
 }
 
-/// Frames that are clicked, solved and accepted; the last one is a suggestion that nobody clicked.
+/// Frames that are clicked, solved and accepted; the last one is a suggestion without clicks.
 fn document() -> Document {
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let mut document = Document::new(FieldSpec::new("soccer"));
@@ -215,7 +215,7 @@ fn it_can_be_stopped_and_then_nothing_has_changed() {
     app.update(Action::Command(Command::StopSolving));
     assert!(order.is_cancelled() && !app.operations.bulk_solve.is_running());
     app.update(late);
-    assert_eq!(*now(&app), before, "nobody waits for it any more");
+    assert_eq!(*now(&app), before, "its result is no longer needed");
     assert!(app.open().unwrap().history.next_undo().is_none());
     assert!(app.why_not(Command::StopSolving).is_some());
 }
@@ -347,7 +347,7 @@ fn a_frame_that_is_given_away_while_it_is_edited_keeps_its_edit_and_gets_its_cam
 }
 
 #[test]
-fn what_cannot_be_done_is_told_and_changes_nothing() {
+fn what_cannot_be_done_is_reported_and_changes_nothing() {
     let mut app = open(document());
     let before = now(&app).clone();
     let change = higher(&app, 19.0);

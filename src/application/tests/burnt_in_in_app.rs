@@ -1,4 +1,4 @@
-//! Graphics that look burned into the pictures: found, asked about, kept as masks.
+//! Graphics that look burned into the pictures: found, confirmed by the user, kept as masks.
 #![cfg(feature = "opencv")]
 
 use crate::bench::Bench;
@@ -54,7 +54,7 @@ fn open(bench: &mut Bench, document: Document) {
 }
 
 #[test]
-fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
+fn what_looks_burned_in_causes_a_question_and_is_kept_in_one_step() {
     let mut bench = bench_with_found();
     let [notice] = &bench.app.session.messages.notices[..] else {
         panic!("{:?}", bench.app.session.messages.notices)
@@ -62,7 +62,7 @@ fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
     assert_eq!(
         notice.level,
         Level::Question,
-        "it stays until somebody answers"
+        "it stays until it is answered"
     );
     assert!(
         notice.text.contains("burned in") && notice.text.contains("300 × 50 px at 60, 40"),
@@ -109,7 +109,7 @@ fn change_keeps_them_and_opens_the_masks() {
 }
 
 #[test]
-fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
+fn a_closed_question_shows_nothing_and_what_is_masked_causes_no_new_question() {
     let mut bench = bench_with_found();
     let id = bench.app.session.messages.notices[0].id;
     bench.act(Action::View(ViewAction::DismissNotice(id)));
@@ -135,7 +135,7 @@ fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
 }
 
 #[test]
-fn a_drawn_match_with_a_score_bug_is_asked_about_after_opening() {
+fn a_drawn_match_with_a_score_bug_causes_a_question_after_opening() {
     use crate::headless::Headless;
     use touchline_core::camera::{Ptz, PtzCamera};
     use touchline_core::field::builtin;

@@ -1,5 +1,5 @@
-//! The camera found without a click, in the application: begun, told of, taken over as one step,
-//! doubted in words.
+//! The camera found without a click, in the application: the search starts, the result is reported
+//! and applied as one step of undo, and of two possible results each can be tried.
 #![cfg(feature = "opencv")]
 
 use crate::bench::{Bench, base, landmark_in, uncounted};
@@ -80,7 +80,7 @@ fn has_base(app: &App) -> bool {
 }
 
 #[test]
-fn it_is_offered_where_a_base_is_missing_and_tells_what_it_is_at() {
+fn it_is_available_where_a_base_is_missing_and_reports_its_progress() {
     let mut bench = Bench::new(unknown(5));
     let offers = next_step(&bench.app).offers;
     assert_eq!(
@@ -141,8 +141,7 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
     let start = unknown(5);
     let mut bench = Bench::new(start.clone());
     bench.command(Command::FindCamera);
-    // Somebody clicks in a frame while it is searched for, and is in the middle of a drag at its
-    // end.
+    // The user clicks in a frame during the search, and is in the middle of a drag when it ends.
     let placed = |landmark: &str| {
         let at = landmark_in(&PtzCamera::new(base(), ptz(1)), landmark);
         Click::landmark(landmark.into(), at)

@@ -81,8 +81,8 @@ impl Bench {
 }
 
 #[test]
-fn a_blind_click_keeps_its_time_where_somebody_tells_it() {
-    let mut rng = rng("a_blind_click_keeps_its_time_where_somebody_tells_it");
+fn a_blind_click_keeps_its_time_if_there_is_a_clock() {
+    let mut rng = rng("a_blind_click_keeps_its_time_if_there_is_a_clock");
     let mut bench = accepted(4, 0.8, &mut rng);
     bench.command(Command::ChooseGold);
     bench.command(Command::ClickAgain);

@@ -264,7 +264,7 @@ fn where_nothing_of_the_frames_own_camera_is_drawn_there_is_nothing_to_grab() {
         assert!(grabs(&bench), "{command:?}");
     }
     bench.command(Command::Reject);
-    assert!(!grabs(&bench), "a reason is asked for");
+    assert!(!grabs(&bench), "a reason is to be chosen");
     bench.act(Action::Edit(EditAction::RejectAs(RejectReason::Blur)));
     bench.act(Action::Navigate(
         touchline_application::app::Navigation::GoTo(0),

@@ -234,7 +234,7 @@ fn saving_keeps_the_last_version_and_restarts_the_journal() {
 }
 
 #[test]
-fn a_second_program_is_told_and_reads_only() {
+fn a_second_program_gets_the_reason_and_reads_only() {
     let (_folder, path) = new_project(2);
     let (mut project, document) = opened(&path);
     let after = click(&mut project.store, &document, 1);

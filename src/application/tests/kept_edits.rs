@@ -46,7 +46,7 @@ struct World {
     window: Option<Headless>,
     /// What the sync client has seen of the document.
     seen: Vec<Vec<u8>>,
-    /// The marks of edits that nobody took back.
+    /// The marks of edits that were not undone.
     live: BTreeSet<String>,
     /// Those of them that others have just written over: only the window has them, and has not seen
     /// it yet.
@@ -106,7 +106,7 @@ impl World {
         self.story.push(what.into());
     }
 
-    /// One step of somebody.
+    /// One random step of the user, the trainer or another program.
     fn step(&mut self) {
         let Some(mut window) = self.window.take() else {
             if self.random.random_range(0..3) == 0 {
@@ -117,9 +117,9 @@ impl World {
             }
             return;
         };
-        let asked = window.app.session.dialog.clone();
+        let dialog = window.app.session.dialog.clone();
         match self.random.random_range(0..20) {
-            _ if asked == Some(Dialog::ChangedOutside) && self.random.random_range(0..4) > 0 => {
+            _ if dialog == Some(Dialog::ChangedOutside) && self.random.random_range(0..4) > 0 => {
                 self.answer(&mut window);
             }
             0..6 => self.edit(&mut window),
@@ -192,7 +192,7 @@ impl World {
         settle(window);
     }
 
-    /// The machine answers frames; it is not asked about those that a person has decided on.
+    /// The machine proposes cameras, except for frames that a person has decided on.
     fn propose(&mut self, window: &mut Headless) {
         self.tell("proposals");
         let document = window.app.open().unwrap().document.clone();
@@ -320,7 +320,7 @@ impl World {
             orphan.file_name().unwrap().to_string_lossy()
         ));
         let before = marks_in(&window.app);
-        let told = window
+        let last_before = window
             .app
             .session
             .messages
@@ -331,18 +331,18 @@ impl World {
         // What the window holds may be set aside again at once, under the same name; or it was put
         // away with what it replaced.
         let ends = ["The edits are merged", "cannot read"];
-        let is_told = |notice: &Notice| {
-            notice.id > told && ends.iter().any(|end| notice.text.starts_with(end))
+        let is_reported = |notice: &Notice| {
+            notice.id > last_before && ends.iter().any(|end| notice.text.starts_with(end))
         };
         window.wait_until("merging", |app| {
-            app.session.messages.notices.iter().any(is_told)
+            app.session.messages.notices.iter().any(is_reported)
         });
         self.take_back_named(window, &before);
         settle(window);
     }
 
-    /// A person merges a version and is told what it replaces, with undo beside it: that is taken
-    /// back, as by an edit. What a merge replaces without a word is lost.
+    /// A message after a merge shows which edits it replaces, with a button for undo: these edits
+    /// count as undone. An edit that a merge replaces without a message is lost.
     fn take_back_named(&mut self, window: &Headless, before: &BTreeSet<String>) {
         let now = marks_in(&window.app);
         let is_named = |text: &str| {
@@ -454,7 +454,7 @@ impl World {
     }
 }
 
-/// Waits until all that was done is on disk, or somebody has to decide.
+/// Waits until every edit is on disk, or the user has to decide.
 fn settle(window: &mut Headless) {
     window.wait_until("the disk", |app| {
         !matches!(app.session.disk.saving, Saving::Pending)
@@ -474,7 +474,7 @@ fn save(window: &mut Headless) {
 fn leave(window: &mut Headless, how: impl Fn() -> Action) {
     settle(window);
     window.act(how());
-    let is_asked = |app: &App| {
+    let shows_question = |app: &App| {
         matches!(
             app.session.dialog,
             Some(Dialog::ChangedOutside | Dialog::NotSaved(_))
@@ -482,10 +482,10 @@ fn leave(window: &mut Headless, how: impl Fn() -> Action) {
     };
     if window.app.session.disk.leaving.is_some() {
         window.wait_until("leaving or a question", |app| {
-            app.session.disk.leaving.is_none() || is_asked(app)
+            app.session.disk.leaving.is_none() || shows_question(app)
         });
     }
-    if is_asked(&window.app) {
+    if shows_question(&window.app) {
         window.act(Action::View(ViewAction::CloseDialog));
         window.act(how());
         window.act(Action::LeaveUnsaved);

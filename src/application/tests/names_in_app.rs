@@ -222,7 +222,7 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
     );
 
     let wrong = solved(&document, &taken_for);
-    let told: Vec<&str> = wrong
+    let messages: Vec<&str> = wrong
         .warnings
         .iter()
         .map(|warning| warning.message.as_str())
@@ -234,13 +234,13 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
         .unwrap();
     assert!(
         jump.message.contains("the focal length changes by"),
-        "{told:?}"
+        "{messages:?}"
     );
     assert_ne!(judge(&wrong, SIZE).verdict, Verdict::Good);
     let found = wrong
         .identity
         .as_ref()
-        .unwrap_or_else(|| panic!("{told:?}"));
+        .unwrap_or_else(|| panic!("{messages:?}"));
     assert!(
         matches!(found.kind, IdentityKind::OtherPart { .. }),
         "{found:?}"
@@ -335,7 +335,7 @@ fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
         "the question is answered"
     );
 
-    // Enter twice says the same; after a change it is asked again.
+    // Pressing Enter twice accepts as well; after a change the question is shown again.
     let mut app = opened(document);
     app.update(Action::Command(Command::AcceptAndStay));
     app.update(Action::Navigate(Navigation::Select(Some(0))));
@@ -421,7 +421,7 @@ fn a_name_in_use_is_found_by_typing_it_and_taking_it_swaps_the_two() {
 }
 
 #[test]
-fn what_nothing_painted_marks_is_not_offered_before_a_base_and_warned_of_when_typed() {
+fn what_nothing_painted_marks_is_not_suggested_before_a_base_and_warned_of_when_typed() {
     let mut document = Document::new(FieldSpec::new("soccer"));
     document
         .cameras

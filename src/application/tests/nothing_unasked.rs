@@ -102,7 +102,7 @@ fn a_window_that_cannot_save_asks_before_it_closes_and_does_close() {
 }
 
 #[test]
-fn a_disk_that_refuses_only_while_the_window_closes_is_told_of() {
+fn a_disk_that_refuses_only_while_the_window_closes_is_reported() {
     let (root, path) = new_project();
     let mut headless = Headless::opened(&path);
     comment(&mut headless, 0, "in the journal");

@@ -361,7 +361,7 @@ pub fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f6
 }
 
 impl Bench {
-    /// The document as somebody has it who reads the journal.
+    /// The document that results from reading the journal.
     pub fn journalled(&self, start: &Document) -> Document {
         let mut document = start.clone();
         for effect in &self.effects {
@@ -381,7 +381,7 @@ impl Bench {
 }
 
 #[test]
-fn proposals_are_for_frames_that_nobody_touched_and_no_step_of_undo() {
+fn proposals_are_for_frames_that_no_person_touched_and_no_step_of_undo() {
     let start = blank(5);
     let mut bench = Bench::new(start.clone());
     bench.label("centre_mark");
@@ -409,7 +409,7 @@ fn proposals_are_for_frames_that_nobody_touched_and_no_step_of_undo() {
     assert_eq!(
         bench.app.open().unwrap().history.next_undo().cloned(),
         step,
-        "nobody's step"
+        "no step of undo"
     );
     assert_eq!(
         bench.journalled(&start),
@@ -670,9 +670,5 @@ fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
     bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "RRSSS");
     bench.command(Command::AcceptAllAbove);
-    assert_eq!(
-        bench.app.bulk_accept().late,
-        0,
-        "asked again, they are part of it"
-    );
+    assert_eq!(bench.app.bulk_accept().late, 0, "a new sheet includes them");
 }

@@ -31,7 +31,7 @@ fn document() -> Document {
     document
 }
 
-/// An application on a document, and the search for cuts that it asked for.
+/// An application on a document, and the search for cuts that it requested.
 fn opened(document: Document) -> (App, Option<Job>) {
     let mut app = App::new(Settings::default());
     let effects = app.update(Action::Opened(Box::new(Opened::new(
@@ -99,7 +99,7 @@ fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
     assert_eq!(
         opened(labelled).1,
         None,
-        "somebody has worked here: nothing is changed unasked"
+        "a person has worked here: nothing is changed automatically"
     );
     let (again, none) = opened((*with_shots().open().unwrap().document).clone());
     assert_eq!((starts(&again), none), (vec![0, 10, 20], None));

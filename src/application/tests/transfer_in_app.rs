@@ -297,7 +297,7 @@ fn a_typed_path_replaces_no_file_unasked() {
             .any(|notice| notice.text.contains("exists"))
     });
     assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
-    // A file dialog has asked.
+    // The user has confirmed the replacement in the file dialog.
     headless.act(Action::Command(Command::Export));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
     headless.wait_until("writing", |app| {

@@ -45,7 +45,7 @@ fn base() -> CameraBase {
     )
 }
 
-/// The base after somebody walked into the tripod.
+/// The base after a person walked into the tripod.
 fn bumped() -> CameraBase {
     let angles = BaseAngles {
         roll: Angle::from_degrees(1.2),
@@ -194,7 +194,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
 }
 
 #[test]
-fn a_base_estimated_over_a_bump_fits_neither_side_and_is_told() {
+fn a_base_estimated_over_a_bump_fits_neither_side_and_is_reported() {
     let mut rng = seeded::rng("a_base_estimated_over_a_bump");
     let mut document = document(40, 20, 2.0, &mut rng);
     let problem = BaseProblem::of(document.at(Path::new(".")), &"main".into()).unwrap();
@@ -388,12 +388,12 @@ fn a_camera_with_many_clicked_frames_is_looked_at_in_the_background() {
     assert_eq!(
         app.session.messages.notices.len(),
         before,
-        "nobody waits for it any more"
+        "its result is no longer needed"
     );
 }
 
 #[test]
-fn frames_of_the_wrong_camera_are_told_and_given_back_in_one_step() {
+fn frames_of_the_wrong_camera_are_reported_and_reassigned_in_one_step() {
     let mut rng = seeded::rng("frames_of_the_wrong_camera");
     let mut document = document_of(9, 5, &elsewhere(), 1.0, &mut rng);
     let mut second = Camera::new("second".into(), SIZE);

@@ -25,8 +25,9 @@
 //! | 3. Persistent paint as directions | `matched_frames.rs`, [`touchline_vision::paint::persistent_paint`] | players, shadows, boards |
 //! | 4. Exhaustive search of 304,425 poses on one side for each field size, and where these give no answer of all other places around the field, repeated at other focal scales; the best are improved by pattern search and fitted | `focal_scales.rs`, `search.rs`, `search_places.rs`, `pose.rs` | a focal scale that matches bias (scrolling boards: up to 29 %) |
 //! | 4′. With two clicked landmarks, poses from pairs of clicks in place of the search | `clicked.rs` | – |
-//! | 5. Fit of the panorama with focal scale, crown and field size | `panorama_fit.rs` | low cameras, from which size and distance trade off |
+//! | 5. Fit of the panorama with focal scale, crown and field size | `panorama_fit/` | low cameras, from which size and distance trade off |
 //! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `candidates.rs`, `hypothesis.rs`, `joint.rs` | wrong lines at first; frames that stray |
+//! | 6′. Without a certain answer: stage 6 with a narrow reach, and from nearer and farther away | `joint.rs`, `neighbours.rs` | minima of the adjustment beside the right one: low cameras, far lines taken for their neighbours |
 //! | 7. Evidence: paint on lines × lines with paint; halves of the frames give one position | `evidence.rs` | fields of another sport or size |
 //! | 8. The best two are aligned to each frame's own picture and adjusted once more | `align.rs`, `refine.rs` | frames that went to other lines; a principal point that a few frames draw away |
 //! | 9. Verdict | `verdict.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much |

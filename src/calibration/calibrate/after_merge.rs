@@ -129,7 +129,7 @@ mod tests {
         )
     }
 
-    /// Two frames that nobody has touched.
+    /// Two untouched frames.
     fn document() -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);

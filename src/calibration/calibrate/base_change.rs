@@ -78,7 +78,7 @@ pub fn camera_change(
     let base = known.base()?;
     // Each frame contributes its clicks and the camera that follows from them. Solving these is
     // what takes time, so it is done in parallel.
-    let telling = |index: usize| {
+    let observe = |index: usize| {
         let frame = &document.frames[index];
         let takes_part = frame.image_size == known.image_size && frame.is_used_for_base();
         let observations = takes_part
@@ -96,9 +96,9 @@ pub fn camera_change(
             ),
         ))
     };
-    let telling = lookup.clicked(camera).into_par_iter().filter_map(telling);
-    let (places, told): (Vec<usize>, Vec<(FrameClicks, Option<Ptz>)>) = telling.unzip();
-    let (clicks, pointed): (Vec<FrameClicks>, Vec<Option<Ptz>>) = told.into_iter().unzip();
+    let observed = lookup.clicked(camera).into_par_iter().filter_map(observe);
+    let (places, observed): (Vec<usize>, Vec<(FrameClicks, Option<Ptz>)>) = observed.unzip();
+    let (clicks, pointed): (Vec<FrameClicks>, Vec<Option<Ptz>>) = observed.into_iter().unzip();
     // The test itself compares a model with one base to a model with a change of base at each frame
     // (`solve::base`).
     let found = base_change(field, &clicks, &pointed, &base)?;

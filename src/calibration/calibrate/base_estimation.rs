@@ -412,8 +412,10 @@ impl EstimatedBase {
                 .frames
                 .get_mut(mirrored.frame)
                 .and_then(|frame| frame.solution.as_mut());
-            let told = |known: &SolutionWarning| known.code == WarningCode::Mirrored.as_str();
-            if let Some(solution) = solution.filter(|solution| !solution.warnings.iter().any(told))
+            let is_mirrored =
+                |known: &SolutionWarning| known.code == WarningCode::Mirrored.as_str();
+            if let Some(solution) =
+                solution.filter(|solution| !solution.warnings.iter().any(is_mirrored))
             {
                 let message = format!("The names look mirrored: {}.", describe_mirrored(mirrored));
                 solution.warnings.push(SolutionWarning::new(

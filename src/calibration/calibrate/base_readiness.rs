@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(next(&document), Some(1));
         make_wide(&mut document, 1);
         assert_eq!(next(&document), None);
-        // Nobody knows where a frame without a camera looks.
+        // It is unknown where a frame without a camera looks.
         document.frames[1].clicks.clear();
         document.frames[1].ptz = None;
         assert_eq!(next(&document), Some(1));

@@ -244,7 +244,7 @@ fn is_off_paint(frame: &Frame) -> bool {
 fn frames_of<'a>(
     document: &'a Document,
     camera: &CameraId,
-    is_asked: impl Fn(&Frame, f64) -> bool,
+    is_included: impl Fn(&Frame, f64) -> bool,
 ) -> Vec<&'a Frame> {
     let of_camera = document
         .frames
@@ -258,7 +258,7 @@ fn frames_of<'a>(
             .and_then(|solution| solution.confidence)
     };
     of_camera
-        .filter(|frame| is_asked(frame, confidence(frame).unwrap_or(1.0)))
+        .filter(|frame| is_included(frame, confidence(frame).unwrap_or(1.0)))
         .collect()
 }
 

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn a_base_that_cannot_keep_the_lines_is_told() {
+    fn a_base_that_cannot_keep_the_lines_is_reported() {
         let before = accepted();
         let mut after = before.clone();
         after.cameras[0].set_base(&base(25.0));

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn far_from_the_only_solved_frame_nobody_knows_where_a_frame_looks() {
+    fn far_from_the_only_solved_frame_it_is_unknown_where_a_frame_looks() {
         let mut frames = vec![(1, Some((5.0, SURELY)))];
         frames.extend([(1, None); 9]);
         let blind = next(&document(&frames), &[seen([1; 10])]);
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_can_label_is_not_named() {
+    fn what_cannot_be_labelled_is_not_named() {
         let mut document = document(&[(1, Some((0.0, SURELY))), (2, None), (2, None), (2, None)]);
         assert_eq!(
             next(&document, &[]).frame,

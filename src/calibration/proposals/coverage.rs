@@ -141,14 +141,14 @@ impl Coverage {
         );
         let first = (middle - half + ROUNDING).floor().max(0.0) as usize;
         let last = (middle + half - ROUNDING).ceil().max(0.0) as usize;
-        let (mut told, mut places) = (0.0, 0_u32);
+        let (mut value, mut places) = (0.0, 0_u32);
         for row in self.cells.chunks(self.columns.max(1)) {
             for cell in row.iter().take(last).skip(first).filter(|cell| cell.field) {
-                told += 1.0 / f64::from(cell.references + 1);
+                value += 1.0 / f64::from(cell.references + 1);
                 places += 1;
             }
         }
-        (places > 0).then(|| told / f64::from(places))
+        (places > 0).then(|| value / f64::from(places))
     }
 
     /// Pan of the middle of the longest run of columns with a part of the field that no reference

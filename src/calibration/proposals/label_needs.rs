@@ -68,8 +68,8 @@ impl LabelNeeds {
             // A solved frame determines the directions of the unsolved ones between its solved
             // neighbours, so these change with it.
             if shot_of(gone) != shot_of(come) || Look::of(gone) != Look::of(come) {
-                concerned.extend(self.told_by(gone, index));
-                concerned.extend(self.told_by(come, index));
+                concerned.extend(self.determined_by(gone, index));
+                concerned.extend(self.determined_by(come, index));
             }
         }
         for index in concerned {
@@ -148,7 +148,7 @@ impl LabelNeeds {
 
     /// The unanswered frames with directions that depend on this frame: those between its solved
     /// neighbours.
-    fn told_by(&self, frame: &Frame, index: usize) -> Vec<usize> {
+    fn determined_by(&self, frame: &Frame, index: usize) -> Vec<usize> {
         let Some(shot) = self.shots.get(&shot_of(frame)) else {
             return Vec::new();
         };
@@ -350,7 +350,7 @@ mod tests {
             );
             assert!(
                 said(&needs) == before.0 || needs.edition() > before.1,
-                "change {number} is told"
+                "change {number} is noticed"
             );
         }
     }

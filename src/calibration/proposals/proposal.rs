@@ -226,7 +226,7 @@ impl Proposal {
         }
     }
 
-    /// The suggestion as an offer to a project. None if the camera has no base, because then the
+    /// The suggestion as an update of a project. None if the camera has no base, because then the
     /// forest was not queried.
     #[must_use]
     pub fn update(&self) -> Option<SuggestionUpdate> {

@@ -435,7 +435,7 @@ mod tests {
     }
 
     #[test]
-    fn many_groups_are_thinned_out_from_the_first_to_the_last() {
+    fn many_groups_are_subsampled_from_the_first_to_the_last() {
         let kept = spread((0..100).collect::<Vec<usize>>(), MOST_GROUPS);
         assert_eq!((kept.len(), kept[0], kept[7]), (MOST_GROUPS, 0, 99));
         assert_eq!(spread(vec![4, 5], 2), [4, 5]);

@@ -38,7 +38,7 @@ impl TrackedProposal {
         })
     }
 
-    /// The suggestion as an offer to a project.
+    /// The suggestion as an update of a project.
     #[must_use]
     pub fn update(&self) -> SuggestionUpdate {
         SuggestionUpdate {
@@ -63,7 +63,7 @@ pub fn suggest_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<Sugg
         .collect()
 }
 
-/// The camera of one tracked frame as an offer; none if the user has decided on the frame.
+/// The camera of one tracked frame as a suggestion; none if the user has decided on the frame.
 fn suggest_tracked(
     document: &Document,
     clip: &TrackedClip,

@@ -10,8 +10,8 @@ pub struct TrainingFrames {
     pub frames: Vec<usize>,
     /// Number of references.
     pub references: usize,
-    /// Number of references not used for training: accepted suggestions, frames judged Wrong, and
-    /// those that the user excluded.
+    /// Number of references not used for training: accepted suggestions, frames with the verdict
+    /// Wrong, and those that the user excluded.
     pub withheld: usize,
 }
 

@@ -381,8 +381,8 @@ mod drawn {
     }
 }
 
-/// Videos that are drawn frame by frame as they are asked for: what is found by itself, and from
-/// which frame to which.
+/// Videos that are drawn frame by frame on request: what is found by itself, and from which
+/// frame to which.
 #[cfg(feature = "opencv")]
 mod videos {
     use std::cell::Cell;
@@ -413,7 +413,7 @@ mod videos {
         base: CameraBase,
         path: Vec<PathStep>,
         graphics: Graphics,
-        /// How many pictures were asked for.
+        /// How many pictures were requested.
         read: Cell<usize>,
     }
 

@@ -398,7 +398,7 @@ fn what_the_schema_names_is_read_typed_checked_and_written() {
     assert_eq!(
         frame.extra.keys().collect::<Vec<_>>(),
         ["weather"],
-        "only what nobody knows"
+        "only the unknown key"
     );
     let codes: Vec<_> =
         touchline_calibration::calibrate::check_values(document.at(std::path::Path::new(".")))

@@ -408,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_reaches_the_fold_at_the_focal_lengths_that_are_told() {
+    fn a_point_reaches_the_fold_at_the_focal_lengths_that_are_returned() {
         for k2_per_k1_squared in [0.0, 0.2, -0.1] {
             let curve = FocalCurve {
                 at_focal_px: 2000.0,

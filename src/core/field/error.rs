@@ -12,7 +12,7 @@ pub enum FieldError {
         "no field template is named {name:?}; built in are {known}; a template of your own is given as a path ending in .json"
     )]
     UnknownTemplate {
-        /// As asked for.
+        /// The requested name.
         name: String,
         /// The names that exist.
         known: String,

@@ -18,7 +18,7 @@ mod tests {
     use std::panic::catch_unwind;
 
     #[test]
-    fn a_panic_is_told_whether_its_text_was_made_or_written() {
+    fn a_panic_message_is_found_whether_its_text_is_formatted_or_literal() {
         assert_eq!(panic_message(&"as written"), "as written");
         assert_eq!(panic_message(&String::from("as made")), "as made");
         let payload = catch_unwind(|| std::panic::resume_unwind(Box::new(7))).unwrap_err();

@@ -116,12 +116,12 @@ fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
     let count = (pairs.len() * N) as f64;
     let mut sigma = first;
     for _ in 0..STEPS {
-        let bent: f64 = pairs
+        let clipped: f64 = pairs
             .iter()
             .flatten()
             .map(|value| (value / sigma).powi(2).min(BEND * BEND))
             .sum();
-        let factor = (bent / count / EXPECTED).sqrt();
+        let factor = (clipped / count / EXPECTED).sqrt();
         sigma *= factor;
         if (factor - 1.0).abs() < 1e-12 {
             break;
@@ -171,9 +171,9 @@ mod tests {
         for index in 0..160_000 {
             let z = -8.0 + step * (f64::from(index) + 0.5);
             let weight = step * (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();
-            let bent = (z * z).min(BEND * BEND);
-            expected += weight * bent;
-            fourth += weight * bent * bent;
+            let clipped = (z * z).min(BEND * BEND);
+            expected += weight * clipped;
+            fourth += weight * clipped * clipped;
             slope += if z.abs() < BEND {
                 weight * 2.0 * z * z
             } else {

@@ -167,18 +167,18 @@ mod tests {
     }
 
     #[test]
-    fn a_barrel_shows_more_and_its_bent_border_is_followed() {
+    fn barrel_distortion_shows_more_and_its_curved_border_is_followed() {
         // On the x axis x_d = x (1 + k₁ x²): at k₁ = −0.5 the right edge, x_d = 0.2, shows x =
         // 0.20442…
         let straight = area(&seen_field(&soccer(), &from_above(3200.0, 0.0), SIZE));
-        let bent = area(&seen_field(&soccer(), &from_above(3200.0, -0.5), SIZE));
+        let distorted = area(&seen_field(&soccer(), &from_above(3200.0, -0.5), SIZE));
         // The area element of the ideal plane by the distorted one, to first order 1 − 4 k₁ r²; ∫
         // over the picture by hand: A (1 − 4 k₁ (a² + b²) / 3) with half sides a = 0.2 and b =
         // 0.1125.
         let by_hand = straight * (1.0 + 4.0 * 0.5 * (0.2f64.powi(2) + 0.1125f64.powi(2)) / 3.0);
         assert!(
-            (bent - by_hand).abs() < 0.005 * straight,
-            "{bent} {by_hand}"
+            (distorted - by_hand).abs() < 0.005 * straight,
+            "{distorted} {by_hand}"
         );
     }
 

@@ -36,12 +36,12 @@ pub fn iou_part(
 #[must_use]
 pub fn iou_whole(field: &FieldModel, truth: &PtzCamera, estimate: &PtzCamera) -> f64 {
     let corners = field_corners(field);
-    let carried: Option<Ring> = corners
+    let projected: Option<Ring> = corners
         .iter()
         .map(|corner| carry(truth, estimate, *corner))
         .collect();
-    carried
-        .and_then(|carried| intersection_over_union(&[corners.to_vec()], &[carried]))
+    projected
+        .and_then(|projected| intersection_over_union(&[corners.to_vec()], &[projected]))
         .unwrap_or(0.0)
 }
 
@@ -70,8 +70,8 @@ pub fn iou_segments(
             continue;
         }
         let carry_ring = |ring: &Ring| ring.iter().map(|at| carry(truth, estimate, *at)).collect();
-        let carried: Option<Vec<Ring>> = shown.iter().map(carry_ring).collect();
-        let score = carried.and_then(|carried| intersection_over_union(&shown, &carried));
+        let projected: Option<Vec<Ring>> = shown.iter().map(carry_ring).collect();
+        let score = projected.and_then(|projected| intersection_over_union(&shown, &projected));
         scores.push(score.unwrap_or(0.0));
     }
     let count = scores.len();

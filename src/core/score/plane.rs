@@ -128,7 +128,7 @@ impl PlaneView {
     pub fn iou_whole(&self, field: &FieldModel, estimate: &Self) -> f64 {
         let carry = estimate.ground_from_image * self.image_from_ground;
         let corners = field_corners(field);
-        let carried: Option<Ring> = corners
+        let projected: Option<Ring> = corners
             .iter()
             .map(|corner| {
                 let ground = carry * Vec3::new(corner.x, corner.y, 1.0);
@@ -137,8 +137,8 @@ impl PlaneView {
                 (ground.z > 0.0).then(|| ground.xy() / ground.z)
             })
             .collect();
-        carried
-            .and_then(|carried| intersection_over_union(&[corners.to_vec()], &[carried]))
+        projected
+            .and_then(|projected| intersection_over_union(&[corners.to_vec()], &[projected]))
             .unwrap_or(0.0)
     }
 }

@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_told_with_what_is_usual() {
+    fn a_jump_is_reported_with_the_usual_motion() {
         let prior = prior();
         assert_eq!(said(&prior, 11.1, -10.1, 2040.0), None);
         let jump = said(&prior, 16.2, -10.0, 2000.0).unwrap();

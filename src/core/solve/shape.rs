@@ -371,14 +371,14 @@ mod tests {
                     );
                 }
             }
-            let bent = |h: f64| CameraBase {
+            let distorted = |h: f64| CameraBase {
                 distortion: FocalCurve {
                     value: base().distortion.value + h,
                     ..base().distortion
                 },
                 ..base()
             };
-            agrees(here.by_k1, &|h| at(bent(h), PTZ), 1e-5, "k1");
+            agrees(here.by_k1, &|h| at(distorted(h), PTZ), 1e-5, "k1");
             for (column, towards) in [Vec2::x(), Vec2::y()].into_iter().enumerate() {
                 let shifted = |h: f64| CameraBase {
                     principal_point: base().principal_point.moved(towards * h),

@@ -102,7 +102,7 @@ const BROKEN: &[(&str, &str, &str, &str)] = &[
         "yard.json: dimension \"width_m\": \"length_m/\": unexpected end at position 10: a number, a name or \"(\" was expected",
     ),
     (
-        "a name that nobody knows",
+        "an unknown name",
         "y_side*width_m/2",
         "y_side*widht_m/2",
         "yard.json: landmark \"corner_near_left\", at[1]: \"y_side*widht_m/2\": unknown name \"widht_m\" at position 8 \

@@ -444,7 +444,7 @@ fn what_cannot_be_estimated_says_why() {
 }
 
 #[test]
-fn landmarks_on_one_line_and_one_view_alone_are_told() {
+fn landmarks_on_one_line_and_a_single_view_are_reported() {
     let mut rng = seeded::rng("landmarks_on_one_line_and_one_view_alone_are_told");
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
@@ -525,7 +525,7 @@ fn few_frames_on_one_side_ask_for_one_on_the_other() {
 }
 
 #[test]
-fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
+fn an_estimation_counts_its_adjustments_and_ends_when_it_is_cancelled() {
     let mut rng = seeded::rng("an_estimation_counts_its_adjustments");
     let (frames, _) = frames(
         &true_base(FocalCurve::NONE),
@@ -562,7 +562,7 @@ fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
     assert_eq!(
         counted,
         (1..=reported[0].total).collect::<Vec<_>>(),
-        "each adjustment is told, up to the last"
+        "each adjustment is reported, up to the last"
     );
     let (stopped, reported) = estimate(3);
     assert_eq!(stopped, Err(BaseError::Stopped));

@@ -380,7 +380,7 @@ fn two_clicks_say_what_they_can() {
         assert_eq!(
             percent(alarms),
             0,
-            "{what:?}: {alarms} right frames of {trials} are told of a mistake"
+            "{what:?}: {alarms} correct frames of {trials} get a warning"
         );
         let most_doubts = if what == Known::TheFrameBefore {
             0
@@ -463,10 +463,10 @@ fn the_goal_area_named_as_the_penalty_area_is_found() {
         (&kind, 3),
         "{finding:?}"
     );
-    let told = finding.warning().message;
+    let message = finding.warning().message;
     assert!(
-        told.starts_with("Points 1, 2 and 3 look like the goal area: "),
-        "{told}"
+        message.starts_with("Points 1, 2 and 3 look like the goal area: "),
+        "{message}"
     );
     assert_eq!(finding.step(), "Rename points 1, 2 and 3");
 }

@@ -112,8 +112,8 @@ fn the_truth_comes_back_from_any_two_exact_clicks() {
 fn a_lens_without_a_fold_refuses_no_exact_clicks() {
     let mut rng = seeded::rng("a_lens_without_a_fold_refuses_no_exact_clicks");
     let context = SolveContext::new(SIZE);
-    let (mut asked, mut ambiguous) = (0, 0);
-    while asked < 6_000 {
+    let (mut tried, mut ambiguous) = (0, 0);
+    while tried < 6_000 {
         let drawn = random_camera(&mut rng);
         let distortion = FocalCurve {
             at_focal_px: 2000.0,
@@ -137,11 +137,11 @@ fn a_lens_without_a_fold_refuses_no_exact_clicks() {
         if pixels[0].distance_px(pixels[1]) < 2.0 || rays[0].dot(&rays[1]) < 1e-3 {
             continue;
         }
-        asked += 1;
+        tried += 1;
         let clicks = exact_clicks(&camera, &pixels);
         match solve_frame(camera.base(), &clicks, &context) {
             Ok(solution) => ambiguous += u32::from(!is_truth(&solution.ptz, &camera.ptz())),
-            Err(error) => panic!("pair {asked}: {error}\n for {camera:?}\n {clicks:?}"),
+            Err(error) => panic!("pair {tried}: {error}\n for {camera:?}\n {clicks:?}"),
         }
     }
     // Seven: a second focal length is tried only where the first one misses the clicks by five
@@ -320,7 +320,7 @@ fn the_covariance_is_the_scatter_and_the_scatter_is_the_bound() {
 /// sigma: the 68 % ellipse of the overlay holds the truth 68 % of the time, and the covariance of
 /// pan, tilt and focal length is right.
 #[test]
-fn an_uncertain_base_is_carried_into_the_solution_and_the_overlay() {
+fn the_uncertainty_of_a_base_is_propagated_into_the_solution_and_the_overlay() {
     const CHI_SQUARED_68: f64 = 2.28;
     let mut rng = seeded::rng("an_uncertain_base_is_carried_into_the_solution_and_the_overlay");
     let context = SolveContext::new(SIZE);

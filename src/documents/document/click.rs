@@ -75,7 +75,7 @@ pub struct Click {
     /// Held out of the solve; only its error is reported.
     pub check: bool,
     /// The program moved it to the painted corner, crossing or spot that it names: 1-σ of that
-    /// place in each direction, px. None where it lies as somebody placed it.
+    /// place in each direction, px. None where it lies where a person placed it.
     pub snapped_sigma_px: Option<f64>,
     /// Unknown keys.
     pub extra: Extra,

@@ -21,13 +21,13 @@ impl Document {
     fn tell_assumed_sizes(&mut self) {
         let code = WarningCode::FieldAssumed.as_str();
         for index in 0..self.frames.len() {
-            let told = self.field_of(&self.frames[index]).describe_assumed_size();
-            let Some(told) = told.filter(|_| self.frames[index].ptz.is_some()) else {
+            let message = self.field_of(&self.frames[index]).describe_assumed_size();
+            let Some(message) = message.filter(|_| self.frames[index].ptz.is_some()) else {
                 continue;
             };
             let solution = self.frames[index].solution.get_or_insert_default();
             solution.warnings.retain(|warning| warning.code != code);
-            solution.warnings.push(SolutionWarning::new(code, told));
+            solution.warnings.push(SolutionWarning::new(code, message));
         }
     }
 }

@@ -173,7 +173,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_size_is_assumed_until_somebody_knows_it_where_the_rules_leave_a_choice() {
+    fn a_size_is_assumed_until_it_is_stated_where_the_rules_leave_a_choice() {
         let mut soccer = FieldSpec::new("soccer");
         assert_eq!(
             soccer.describe_assumed_size().unwrap(),

@@ -493,7 +493,7 @@ mod tests {
         frames[1] = frame("other");
         assert_eq!(frames.position_of(&frame("other").id), Some(1));
         assert_eq!(frames.position_of(&frame("1").id), None);
-        // Whatever was asked in between.
+        // Whatever was looked up in between.
         frames[1] = frame("1");
         frames[2] = frame("third");
         assert_eq!(frames.position_of(&frame("1").id), Some(1));

@@ -272,7 +272,7 @@ mod tests {
         frame.comment = Some(comment.to_owned());
     }
 
-    fn told(document: &Document) -> Vec<String> {
+    fn described(document: &Document) -> Vec<String> {
         document
             .frames
             .iter()
@@ -299,7 +299,7 @@ mod tests {
             document,
             conflicts,
         } = merge(&base, &ours, &theirs);
-        assert_eq!(told(&document), ["b ours", "c theirs", "new"]);
+        assert_eq!(described(&document), ["b ours", "c theirs", "new"]);
         assert_eq!(conflicts, [""; 0]);
         assert_eq!(
             (document.field.template.as_str(), document.cameras.len()),
@@ -321,7 +321,7 @@ mod tests {
             conflicts,
         } = merge(&base, &ours, &theirs);
         assert_eq!(
-            told(&document),
+            described(&document),
             ["a ours", "b", "c second"],
             "work is not lost to a removal"
         );
@@ -359,7 +359,7 @@ mod tests {
             document,
             conflicts,
         } = merge(&base, &ours, &theirs);
-        assert_eq!(conflicts, [""; 0], "nobody changed a frame on both sides");
+        assert_eq!(conflicts, [""; 0], "no frame was changed on both sides");
         let statuses: Vec<FrameStatus> = document.frames.iter().map(|frame| frame.status).collect();
         assert_eq!(
             statuses,
@@ -412,7 +412,7 @@ mod tests {
             conflicts,
         } = merge(&base, &ours, &theirs);
         assert_eq!(
-            (told(&document), conflicts.len()),
+            (described(&document), conflicts.len()),
             (vec!["a theirs".to_owned()], 0)
         );
         assert_eq!(document.frames[0].revision, 5);

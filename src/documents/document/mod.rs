@@ -52,7 +52,7 @@
 //! | `camera`, `image_size_px` | its camera's `id`, and the size of its picture, px |
 //! | `status`, `reason?` | `new`, `draft`, `suggested`, `reference`, `rejected` and why ([`FrameStatus`], [`RejectReason`]) |
 //! | `clip?` | its shot, a number or a word ([`Clip`]) |
-//! | `comment?` | what somebody noted |
+//! | `comment?` | a note by a person |
 //! | `use_for_base?` | `false` leaves it out when a base is estimated |
 //! | `use_for_training?` | whether the forest is trained with it; read also as `teaches`; absent: accepted suggestions are not used |
 //! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round`, `at?` ([`Repeat`]) |

@@ -34,7 +34,7 @@ mod tests {
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
     #[test]
-    fn a_frame_is_unanswered_until_somebody_looks_at_it() {
+    fn a_frame_is_unanswered_until_a_person_looks_at_it() {
         let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
         assert!(!frame.is_unanswered(), "no query was made");
         let warnings = vec![SolutionWarning::new("coverage", "3 of 30.".to_owned())];

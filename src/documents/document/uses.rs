@@ -180,7 +180,7 @@ impl Frame {
     }
 
     /// Whether the forest is trained with it. By default references are used, but neither accepted
-    /// suggestions nor frames judged Wrong; the user can override each.
+    /// suggestions nor frames with the verdict Wrong; the user can override each.
     #[must_use]
     pub fn is_used_for_training(&self) -> bool {
         self.status == FrameStatus::Reference
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_judged_wrong_is_no_training_frame_unless_a_person_says_so() {
+    fn a_frame_with_the_verdict_wrong_is_no_training_frame_unless_a_person_says_so() {
         for (verdict, by_itself) in [
             (Verdict::Good, true),
             (Verdict::Check, true),
@@ -308,7 +308,7 @@ mod tests {
             frame.set_use_for_training(by_itself);
             assert_eq!(frame, before, "a default leaves no key");
             frame.status = FrameStatus::Suggested;
-            assert!(!frame.is_used_for_training(), "nobody has accepted it");
+            assert!(!frame.is_used_for_training(), "no person has accepted it");
         }
     }
 }

@@ -445,7 +445,7 @@ mod tests {
     }
 
     #[test]
-    fn shots_of_two_videos_are_told_apart() {
+    fn shots_of_two_videos_are_distinguished() {
         let mut document = document(&["a.mp4", "b.mp4"], 4);
         VideoShots::found(&document, "a.mp4", 11, &[(8, ShotKind::Cut)]).write(&mut document);
         VideoShots::found(&document, "b.mp4", 11, &[(4, ShotKind::Cut)]).write(&mut document);

@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_said_is_asked_for_and_a_broken_rate_refused() {
+    fn missing_values_are_requested_and_a_fractional_rate_is_refused() {
         assert_eq!(
             refusal(&ExportOptions::default()),
             "cdf needs the match's id; give --match-id"

@@ -153,7 +153,7 @@ fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Cli
     let lines = project_lines(field, camera, size, &within);
     let lines = lines.iter().flat_map(|polyline| {
         let id = &field.lines[polyline.line].id;
-        thinned(&polyline.points)
+        subsampled(&polyline.points)
             .into_iter()
             .map(move |point| Click::line(id.clone(), point))
     });
@@ -161,7 +161,7 @@ fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Cli
 }
 
 /// A subsample of a polyline: its ends, and points evenly spaced over its vertices.
-fn thinned(points: &[ImagePoint]) -> Vec<ImagePoint> {
+fn subsampled(points: &[ImagePoint]) -> Vec<ImagePoint> {
     let last = points.len().saturating_sub(1);
     let steps = last.min(CURVE_POINTS - 1);
     (0..=steps)

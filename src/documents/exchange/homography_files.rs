@@ -498,9 +498,9 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_picture_gives_the_nearest_homography_and_its_distance() {
-        let bent = exported(&reference(), Format::Wc14);
-        let loss = bent.loss.unwrap();
+    fn a_distorted_picture_gives_the_nearest_homography_and_its_distance() {
+        let distorted = exported(&reference(), Format::Wc14);
+        let loss = distorted.loss.unwrap();
         assert_eq!(loss.what, ["lens distortion", "points off the ground"]);
         assert!(
             loss.rms_px > 0.1 && loss.rms_px < 5.0 && loss.off_ground > 0,

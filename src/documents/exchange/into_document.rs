@@ -270,8 +270,8 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
         let slope = (high.lens.k1 - low.lens.k1) / (high.focal_px - low.focal_px);
         curve.at_focal_px = low.focal_px;
         curve.per_1000_px = 1000.0 * slope;
-        if let Some(bent) = views.iter().find(|view| view.lens.k2 != 0.0) {
-            curve.k2_per_k1_squared = bent.lens.k2 / bent.lens.k1.powi(2);
+        if let Some(with_k2) = views.iter().find(|view| view.lens.k2 != 0.0) {
+            curve.k2_per_k1_squared = with_k2.lens.k2 / with_k2.lens.k1.powi(2);
         }
     }
     let explains = |view: &&&Pinhole| {

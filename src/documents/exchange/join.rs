@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn cameras_come_with_their_bases_to_frames_that_nobody_decided_on() {
+    fn cameras_come_with_their_bases_to_frames_without_a_decision_of_a_person() {
         let joined = join(
             open().at(Path::new("/match")),
             &imported(awkward(), "/elsewhere"),

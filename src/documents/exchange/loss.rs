@@ -182,10 +182,10 @@ pub fn crown_off_px(frames: &[FrameCamera], field: &FieldModel) -> f64 {
 /// The kinds of difference between a frame and what is kept of it.
 fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
     let (Some(from), Some(to)) = (frame.pinhole(), kept.pinhole()) else {
-        let bent = frame
+        let is_distorted = frame
             .pinhole()
             .is_some_and(|pinhole| !pinhole.lens.is_none());
-        return if bent {
+        return if is_distorted {
             vec!["points off the ground", "lens distortion"]
         } else {
             vec!["points off the ground"]

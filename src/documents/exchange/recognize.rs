@@ -1,8 +1,8 @@
 //! Finds the format of files by their endings and contents.
 //!
-//! A few files of each ending are read. JSON is told apart by its keys, tables by their columns,
-//! other files by their ending or first bytes. Files that cannot be read or belong to no format say
-//! nothing, so that one damaged file in a folder does not matter. Where files of several formats
+//! A few files of each ending are read. JSON is recognized by its keys, tables by their columns,
+//! other files by their ending or first bytes. Files that cannot be read or belong to no format are
+//! ignored, so that one damaged file in a folder does not matter. Where files of several formats
 //! lie together, the user decides.
 
 use super::error::ExchangeError;

@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_camera_shows_is_written_when_asked_for_and_the_space_only_for_one_challenge() {
+    fn what_the_camera_shows_is_written_on_request_and_the_space_only_for_one_challenge() {
         let mut document = reference();
         document.frames[0].ptz.as_mut().unwrap().pan_deg = -30.0;
         let options = ExportOptions {

@@ -45,7 +45,7 @@ pub fn document(base: &CameraBase, ptz: &[(f64, f64, f64)]) -> Document {
     document
 }
 
-/// Twelve frames of a leaning, off-centre, bent camera that zooms, on a field of 100 × 64 m.
+/// Twelve frames of a leaning, off-centre, distorting camera that zooms, on a field of 100 × 64 m.
 pub fn awkward() -> Document {
     let angles = BaseAngles {
         heading: Angle::from_degrees(3.0),

@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_from_outside_is_asked_for() {
+    fn a_picture_from_outside_has_to_be_allowed() {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("project");
         let mut base = project(&folder);

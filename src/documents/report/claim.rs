@@ -264,7 +264,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_difference_is_judged_by_its_size() {
+    fn the_verdict_on_a_difference_follows_its_size() {
         let gate = Stated::Effect(0.30);
         for (interval, verdict) in [
             // The stated size, and 0 excluded.
@@ -275,7 +275,7 @@ mod tests {
             // The right sign, another size.
             ([0.10, 0.19], Verdict::Smaller),
             ([0.50, 0.60], Verdict::Larger),
-            // No effect that could be told from none, and the stated size excluded.
+            // An effect that cannot be distinguished from none, and the stated size excluded.
             ([-0.003, 0.020], Verdict::Smaller),
             ([-0.20, -0.10], Verdict::Differs),
             ([-0.10, 0.40], Verdict::Undecided),

@@ -17,7 +17,7 @@ use touchline_core::geometry::quantile;
 use touchline_core::score::{SigmaCoverage, squared_sigmas};
 use touchline_documents::document::{Frame, FramePtz};
 use touchline_documents::report::{Cell, Report, Table};
-use ways::{Labelled, Outcome, carried, forest, no_click, two_clicks};
+use ways::{Labelled, Outcome, forest, no_click, tracked, two_clicks};
 
 /// A camera is wrong if its overlay is off by more than this at a corner, px at 1920 px width.
 const WRONG_PX: f64 = 10.0;
@@ -77,7 +77,7 @@ pub fn run(
         ("forest, snapped to the paint", &|| {
             forest(&clip, true).map(Ok)
         }),
-        ("carried through the clip", &|| carried(&clip).map(Ok)),
+        ("carried through the clip", &|| tracked(&clip).map(Ok)),
         ("no click: base found, then carried", &|| no_click(&clip)),
     ];
     let mut refusals = Vec::new();

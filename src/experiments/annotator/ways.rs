@@ -44,7 +44,7 @@ const BESIDE: usize = 12;
 
 /// While the forest learns, it is run on every n-th frame, because neighbours look alike. At the
 /// end it is run on all.
-const ASKED_MEANWHILE: usize = 8;
+const QUERIED_EVERY: usize = 8;
 
 impl Labelled {
     /// The clip before the first click.
@@ -163,7 +163,7 @@ pub fn two_clicks(clip: &DrawnClip) -> Labelled {
 ///
 /// # Errors
 /// A picture cannot be read.
-pub fn carried(clip: &DrawnClip) -> Result<Labelled, ExperimentError> {
+pub fn tracked(clip: &DrawnClip) -> Result<Labelled, ExperimentError> {
     let mut labelled = Labelled::nothing(clip);
     labelled.click_near(clip, clip.truth.len() / 2, 4);
     let mut evidence = ClipEvidence::default();
@@ -245,7 +245,7 @@ pub fn forest(clip: &DrawnClip, is_snapped: bool) -> Result<Labelled, Experiment
     let store = FeatureStore::in_memory();
     loop {
         let meanwhile =
-            |at: &usize| at.is_multiple_of(ASKED_MEANWHILE) || labelled.clicked.contains(at);
+            |at: &usize| at.is_multiple_of(QUERIED_EVERY) || labelled.clicked.contains(at);
         let queried: Vec<usize> = (0..clip.truth.len()).filter(meanwhile).collect();
         propose_some(clip, &mut labelled, &queried, &store, is_snapped)?;
         let Some(next) = labelled

@@ -199,12 +199,12 @@ fn camera_through(
     // A grid over the lower part of the picture, where ground is likely.
     let grid = (0..5)
         .flat_map(|i| (0..4).map(move |j| (0.1 + 0.2 * f64::from(i), 0.35 + 0.2 * f64::from(j))));
-    let carried = grid.filter_map(|(x, y)| {
+    let pairs = grid.filter_map(|(x, y)| {
         let pixel = ImagePoint::new(x * width, y * height);
         let ground = reference.plane_from_image(pixel, 0.0)?;
         Some((ground.xy(), through(h, Vec3::new(pixel.x, pixel.y, 0.0))?))
     });
-    let points: Vec<_> = carried.collect();
+    let points: Vec<_> = pairs.collect();
     let pose = pose_from_plane(&points, centre).ok()?;
     let base = CameraBase::new(pose.position_m, pose.cam_from_world, centre);
     Some(PtzCamera::new(

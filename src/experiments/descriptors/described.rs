@@ -78,7 +78,7 @@ impl FeatureKind {
     }
 }
 
-/// A set of frames whose features are of one kind, and whose test frames are those to be asked.
+/// A set of frames whose features are of one kind, and whose test frames are those to be queried.
 pub struct Described {
     pub kind: FeatureKind,
     /// The set. The descriptors of binary features are 128 of their bits, as bytes.
@@ -104,8 +104,8 @@ impl Described {
     pub fn of(set: &FrameSet, kind: FeatureKind, stride: usize) -> Result<Self, ExperimentError> {
         let mut set = set.clone();
         for split in &mut set.splits {
-            let asked = split.test_frames.iter().copied().step_by(stride);
-            split.test_frames = asked.collect();
+            let queried = split.test_frames.iter().copied().step_by(stride);
+            split.test_frames = queried.collect();
         }
         let compared = match kind {
             // A set's own features are SIFT.

@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cameras_own_homography_is_fitted_exactly_and_bases_are_told_apart() {
+    fn a_cameras_own_homography_is_fitted_exactly_and_bases_are_distinguished() {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let (one, other) = ([2.0, -62.0, 14.0], [-1.0, -70.0, 19.0]);
         let cameras = [

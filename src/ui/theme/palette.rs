@@ -45,7 +45,7 @@ pub struct Palette {
     pub on_accent: Color32,
     /// A good verdict.
     pub good: Color32,
-    /// A verdict that asks for a look.
+    /// A verdict that calls for a review.
     pub caution: Color32,
     /// A wrong result.
     pub bad: Color32,

@@ -152,17 +152,17 @@ mod tests {
         let mut tight = 0;
         for seed in 0..200 {
             let (a, b) = (descriptor(seed), descriptor(seed / 2 + 1000));
-            let (told, is) = (
+            let (estimated, exact) = (
                 Sketch::of(&a).squared_byte_distance(&Sketch::of(&b)),
                 a.squared_byte_distance(&b),
             );
-            // (√told − √rounding)² ≤ is, where rounding is four for each group.
+            // (√estimated − √rounding)² ≤ exact, where rounding is four for each group.
             let rounding = f64::from((GROUP * SKETCH_BYTES) as u32).sqrt();
             assert!(
-                (f64::from(told).sqrt() - rounding) <= f64::from(is).sqrt(),
-                "{told} of {is}"
+                (f64::from(estimated).sqrt() - rounding) <= f64::from(exact).sqrt(),
+                "{estimated} of {exact}"
             );
-            tight += u32::from(told > is / 10);
+            tight += u32::from(estimated > exact / 10);
         }
         assert!(tight > 100, "and they do say something: {tight} of 200");
         let (dark, bright) = (

@@ -126,8 +126,8 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(10, 10);
     const BYTES: usize = 400;
 
-    /// Gives each frame a picture of its number, and remembers which ones it was asked for. Frame
-    /// 99 cannot be read.
+    /// Gives each frame a picture of its number, and remembers which ones were requested. Frame 99
+    /// cannot be read.
     #[derive(Default)]
     struct Numbered(Vec<usize>);
 

@@ -14,7 +14,7 @@ use touchline_core::geometry::{ImagePoint, Vec3, subsample};
 const MIN_SHARE: f64 = 0.3;
 
 /// Maximum number of marking pixels per frame that are tested.
-const ASKED: usize = 2500;
+const MAX_TESTED: usize = 2500;
 
 /// Maximum number of other frames in which a marking pixel is looked up.
 const MAX_FRAMES: usize = 60;
@@ -64,7 +64,7 @@ pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<Persistent
                 stroke: *stroke,
             })
         };
-        subsample(&marking_pixels.points, ASKED)
+        subsample(&marking_pixels.points, MAX_TESTED)
             .filter_map(keep)
             .collect()
     };

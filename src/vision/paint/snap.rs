@@ -202,13 +202,13 @@ pub fn snap(
         base: &base,
         ..problem
     };
-    let bent = problem.refined(ptz).ok_or(SnapError::TooFewSamples {
+    let realigned = problem.refined(ptz).ok_or(SnapError::TooFewSamples {
         found: 0,
         needed: options.min_samples,
     })?;
     Ok(Snapped {
         own_lens: Some(base.distortion),
-        ..problem.accepted(&bent)?
+        ..problem.accepted(&realigned)?
     })
 }
 

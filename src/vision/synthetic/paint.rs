@@ -10,7 +10,7 @@ const CELL_M: f64 = 2.0;
 /// How far beyond the lines the lookup reaches, m.
 const MARGIN_M: f64 = 3.0;
 
-/// The painted lines of a field, ready to be asked at any place.
+/// The painted lines of a field, ready to be looked up at any place.
 #[derive(Clone, Debug)]
 pub(super) struct Paint {
     strokes: Vec<Stroke>,

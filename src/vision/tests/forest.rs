@@ -172,7 +172,7 @@ fn descriptors_predicted_together_get_what_each_gets_alone() {
         assert!(found > 20, "{found} found");
     }
     forest.predict_all(&[], &PredictOptions::default(), |number, _| {
-        panic!("nobody wanted {number}")
+        panic!("{number} was not requested")
     });
 }
 

@@ -333,7 +333,7 @@ fn the_mask_holds_every_pixel_of_every_mover() {
         let boxed = full.movers.iter().any(|mover| mover.area.contains(at));
         assert!(
             mask.0[0] == 0 || boxed,
-            "({x}, {y}) is masked, but in nobody's box"
+            "({x}, {y}) is masked, but in no box"
         );
         // Outside the mask movers only throw shadows, or cover less than a tenth.
         let (with, without) = (full.image.get_pixel(x, y).0, empty.image.get_pixel(x, y).0);
@@ -379,7 +379,7 @@ fn goals_stand_on_their_landmarks() {
 }
 
 #[test]
-fn drawn_clicks_are_named_seen_and_as_noisy_as_asked() {
+fn drawn_clicks_are_named_seen_and_as_noisy_as_requested() {
     let (scene, field) = (scene(3), field(0.0));
     let shoot = Preset::Paper.shoot();
     let base = shoot.main_camera(FULL);

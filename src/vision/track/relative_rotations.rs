@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn asked_for_another_scale_the_edges_stretch() {
+    fn edges_stretch_at_another_requested_scale() {
         let options = TurnOptions {
             focal_scale: 1.06,
             ..TurnOptions::default()

@@ -35,7 +35,7 @@ pub enum Navigation {
     /// Highlight the candidate at an index in the list.
     HighlightName(usize),
     /// List lines (true) or landmarks.
-    OfferLines(bool),
+    ListLines(bool),
     /// Show the frame with a number or at a time.
     GoToPlace(Place),
 }

@@ -22,7 +22,7 @@ pub struct FrameCounts {
     pub off_paint: usize,
     /// Suggestions that were tracked from other frames.
     pub tracked: usize,
-    /// Frames with a camera of another program that nobody has decided on.
+    /// Frames with a camera of another program that is neither mended nor reviewed.
     pub imported: usize,
     /// Frames on which the forest is trained.
     pub used_for_training: usize,

@@ -55,14 +55,14 @@ mod tests {
     }
 
     #[test]
-    fn a_value_is_derived_once_for_each_version_and_not_before_it_is_asked_for() {
+    fn a_value_is_derived_once_for_each_version_and_not_before_it_is_requested() {
         let mut document = Versioned::new(Document::new(FieldSpec::new("soccer")));
         let mut memo = Memo::<Counted>::default();
         assert_eq!(memo.last().0, 0);
         assert_eq!((memo.at(&document).0, memo.at(&document).0), (1, 1));
         document.generator = "another".to_owned();
         document.generator = "a third".to_owned();
-        assert_eq!(memo.last().0, 1, "nobody has asked");
+        assert_eq!(memo.last().0, 1, "not requested yet");
         assert_eq!((memo.at(&document).0, memo.at(&document).0), (2, 2));
         document.keeping_version().generator = "a fourth".to_owned();
         assert_eq!(memo.at(&document).0, 2);

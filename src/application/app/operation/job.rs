@@ -118,7 +118,7 @@ impl fmt::Debug for Job {
 /// Where the work gets its pictures from; implemented by `jobs`.
 pub trait Decoders: Sync {
     /// Opens a reader with a decoder of its own. The reader shares a cache with the window: it uses
-    /// frames that the window has decoded, and offers its own.
+    /// frames that the window has decoded, and shares its own.
     fn open_reader(&self) -> Box<dyn ReadFrames>;
 
     /// Pauses briefly while the window waits for the picture that it shows, because both need the

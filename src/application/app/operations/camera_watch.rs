@@ -121,9 +121,9 @@ impl App {
             let reported = (of.camera.clone(), change.frame);
             if state.reported.as_ref() != Some(&reported) {
                 state.reported = Some(reported);
-                let offer = [("New camera from here", Command::NewCameraFromChange)];
+                let button = [("New camera from here", Command::NewCameraFromChange)];
                 self.session
-                    .notify_with(Level::Warning, change.describe(), offer);
+                    .notify_with(Level::Warning, change.describe(), button);
             }
         }
         (state.of, state.change) = (Some(of), change);

@@ -404,7 +404,7 @@ impl App {
             self.journal_edit(edit);
         }
         self.session.retract(Command::DiscardTracked);
-        // Report the result and offer the next commands.
+        // Report the result and suggest the next commands.
         let mut offers = vec![
             ("Review", Command::ReviewPanel),
             ("Discard", Command::DiscardTracked),
@@ -647,7 +647,7 @@ mod tests {
     }
 
     #[test]
-    fn a_measured_length_is_offered_and_taken_in_one_step() {
+    fn a_measured_length_is_suggested_and_applied_in_one_step() {
         let mut app = app();
         assert!(app.why_not(Command::TakeLength).is_some());
         app.tell_length(Ok(Some(measured(false))));

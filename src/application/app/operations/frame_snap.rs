@@ -298,13 +298,14 @@ impl App {
         }
         let Some(open) = &mut self.open else { return };
         let record = |frame: &mut Frame| record_found_by_paint(frame, base, found);
-        let Some(offer) = SuggestionUpdate::from_recorded(&open.document, position, record) else {
+        let Some(suggestion) = SuggestionUpdate::from_recorded(&open.document, position, record)
+        else {
             return;
         };
         let batch = open.project.open_batch(Finder::Command {
             name: Command::SearchLines.name().to_owned(),
         });
-        if let Some(edit) = open.suggest(batch, &[offer]) {
+        if let Some(edit) = open.suggest(batch, &[suggestion]) {
             self.journal_edit(edit);
         }
         let samples = found.samples;

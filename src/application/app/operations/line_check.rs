@@ -143,8 +143,9 @@ impl App {
         self.operations.line_checks.of_picture(open, frame)
     }
 
-    /// Whether a person is asked before a frame is accepted because the paint in its picture lies
-    /// elsewhere. Lines that contradict every camera ask until a person has accepted one of them.
+    /// Whether accepting a frame needs a confirmation because the paint in its picture lies
+    /// elsewhere. If lines contradict every camera, a confirmation is needed until a person has
+    /// accepted one of them.
     pub(in crate::app) fn paint_forbids(&self, frame: usize) -> bool {
         let is_off = self
             .own_paint_says(frame)
@@ -386,7 +387,7 @@ impl LineChecks {
         }
     }
 
-    /// The frames to be judged next: the shown one alone and first, then the selected ones, which
+    /// The frames to be checked next: the shown one alone and first, then the selected ones, which
     /// are about to be accepted, then the others in turn; none if all are known.
     fn next(
         &mut self,
@@ -411,7 +412,7 @@ impl LineChecks {
         wanted
     }
 
-    /// The first of the selected frames to be judged.
+    /// The first of the selected frames to be checked.
     fn next_selected(
         &self,
         open: &mut OpenProject,
@@ -543,7 +544,7 @@ mod tests {
     }
 
     #[test]
-    fn where_every_camera_is_contradicted_a_person_is_asked_until_one_is_accepted() {
+    fn if_every_camera_is_contradicted_a_person_must_confirm_until_one_is_accepted() {
         let mut app = imported(CONTRADICTED_ALONE + 1);
         report(&mut app, 0..CONTRADICTED_ALONE + 1, 0.0);
         assert!(
@@ -557,7 +558,11 @@ mod tests {
         assert_eq!(status(&app, 0), FrameStatus::Reference);
         app.update(Action::Navigate(Navigation::GoTo(1)));
         app.update(Action::Command(Command::AcceptAndStay));
-        assert_eq!(status(&app, 1), FrameStatus::Reference, "not asked again");
+        assert_eq!(
+            status(&app, 1),
+            FrameStatus::Reference,
+            "no second question"
+        );
     }
 
     #[test]

@@ -336,7 +336,7 @@ pub(super) mod tests {
     ];
 
     #[test]
-    fn errors_are_told_at_1920_px_and_against_the_noise_of_clicks() {
+    fn errors_are_given_at_1920_px_and_relative_to_the_noise_of_clicks() {
         let found = errors(&document(&[&THREE, &[("centre_mark", 3.0, true)]]));
         let off: Vec<f64> = found
             .clicks

@@ -1,6 +1,7 @@
 //! Updates the review list while it is held, so that no row moves.
 
-use super::{Concerned, Review, ReviewRow, shot_of};
+use super::refresh::{Concerned, shot_of};
+use super::{Review, ReviewRow};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Review {
@@ -141,7 +142,7 @@ mod tests {
         review.refresh(Some(&mut open), &elsewhere);
         propose(&mut open, 4, 0.1);
         review.refresh(Some(&mut open), &elsewhere);
-        assert_eq!(frames(&review)[0], 4, "nobody sees the list");
+        assert_eq!(frames(&review)[0], 4, "the list is not visible");
     }
 
     #[test]

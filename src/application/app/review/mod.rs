@@ -5,92 +5,31 @@
 //! pointer is over it), no row moves: an accepted or withdrawn suggestion keeps its row, and new
 //! ones are appended. When it is released, it is sorted again.
 //!
-//! If few frames changed since the last update, only their rows are computed.
+//! | file | what it holds |
+//! |---|---|
+//! | `row.rs` | a row, and the orders of rows |
+//! | `refresh.rs` | how the list follows the document |
+//! | `held.rs` | how it does so while it is held |
+//! | `stretch.rs` | a stretch of frames that is accepted together |
+//!
+//! Here are the list itself and what is accepted from it together.
 
 mod held;
+mod refresh;
+mod row;
 mod stretch;
 
+pub use row::{DISAGREES_PX, ReviewRow, disagrees, percent};
 pub(super) use stretch::{AcceptQuestion, Stretch};
 pub use stretch::{LeftFrames, LeftReason};
 
 pub use super::review_choice::{ReviewChoice, ReviewOrder};
 
-use super::OpenProject;
-use super::session::{Dialog, Session, SidePanel};
-use std::cmp::Ordering;
+use self::refresh::Source;
+use self::row::doubtful_first;
 use std::collections::BTreeSet;
-use touchline_calibration::calibrate::{Disagreement, Disagreements};
 use touchline_calibration::proposals::{ExpectedWrong, LabelAdvice};
-use touchline_core::markings::LineVerdict;
-use touchline_documents::document::{
-    CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames, Shared,
-};
-
-/// Suggestions that are farther than this from what their neighbours predict are reviewed one by
-/// one, px at 1920 px width.
-pub const DISAGREES_PX: f64 = 20.0;
-
-/// A suggested frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReviewRow {
-    /// The index of the frame in the document.
-    pub frame: usize,
-    /// The probability that the suggestion is right, if the program states one.
-    pub confidence: Option<f64>,
-    /// The disagreement with the frames before and after; none without both.
-    pub disagreement: Option<Disagreement>,
-    /// What the painted lines said about it, where that is recorded.
-    pub paint: Option<LineVerdict>,
-    /// How far mending moved the camera that it came with, px; infinitely far if that camera was
-    /// impossible.
-    pub shift_by_mending_px: Option<f64>,
-    /// Whether the frame is no longer a suggestion: it was accepted, rejected, corrected or
-    /// withdrawn while the list was held.
-    pub gone: bool,
-}
-
-/// Whether a suggestion disagrees with its neighbours so much that the user must look at it. The
-/// limit grows with the distance between the two neighbours, because between distant frames the
-/// camera may go anywhere.
-#[must_use]
-pub fn disagrees(found: &Disagreement) -> bool {
-    found.apart_px > DISAGREES_PX.max(found.neighbours_px)
-}
-
-impl ReviewRow {
-    /// The row of a frame of the document.
-    fn new(place: usize, frame: &Frame, disagreement: Option<Disagreement>) -> Self {
-        Self {
-            frame: place,
-            confidence: confidence(frame),
-            disagreement,
-            paint: frame.paint_verdict(),
-            shift_by_mending_px: frame.shift_by_mending_px(),
-            gone: false,
-        }
-    }
-
-    /// Whether the frame disagrees with its neighbours; see [`disagrees`].
-    #[must_use]
-    pub fn disagrees(&self) -> bool {
-        self.disagreement.as_ref().is_some_and(disagrees)
-    }
-
-    /// Whether the frame's camera equals those of the frames before and after exactly, which is
-    /// right only if the picture does not move.
-    #[must_use]
-    pub fn is_still(&self) -> bool {
-        self.disagreement
-            .as_ref()
-            .is_some_and(Disagreement::is_still)
-    }
-
-    /// The distance from what the neighbours predict, px.
-    #[must_use]
-    pub fn apart_px(&self) -> Option<f64> {
-        self.disagreement.map(|found| found.apart_px)
-    }
-}
+use touchline_documents::document::Frames;
 
 /// Suggestions that are accepted together.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -198,146 +137,7 @@ pub struct Review {
     frames: Frames,
 }
 
-/// The inputs of the list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Source {
-    /// A counter that grows with every change of a suggested frame.
-    suggestions: u64,
-    order: ReviewOrder,
-    one_per_shot: bool,
-    /// A counter that grows with every change of a disagreement. None while the disagreements are
-    /// neither shown nor used, because then they are not computed.
-    neighbours: Option<u64>,
-    held: bool,
-}
-
-impl Source {
-    /// Whether both describe the same rows in the same order, if no frame has changed.
-    fn is_same_list(self, other: Self) -> bool {
-        let Self {
-            order,
-            one_per_shot,
-            neighbours,
-            ..
-        } = other;
-        (self.order, self.one_per_shot, self.neighbours.is_some())
-            == (order, one_per_shot, neighbours.is_some())
-    }
-}
-
-/// The frames whose rows may have changed.
-enum Concerned {
-    All,
-    /// A flag for each frame of the document.
-    Some(Vec<bool>),
-}
-
-impl Concerned {
-    /// The frames at `places`, of a document with `frames` frames.
-    fn places(places: &BTreeSet<usize>, frames: usize) -> Self {
-        let mut concerned = vec![false; frames];
-        for place in places {
-            concerned[*place] = true;
-        }
-        Self::Some(concerned)
-    }
-
-    fn has(&self, frame: usize) -> bool {
-        match self {
-            Self::All => true,
-            Self::Some(concerned) => concerned.get(frame) == Some(&true),
-        }
-    }
-}
-
 impl Review {
-    /// Updates the list if its inputs have changed: from the changed frames if they are few,
-    /// otherwise completely.
-    pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session) {
-        let Some(open) = open else {
-            *self = Self::default();
-            return;
-        };
-        let choice = &session.review;
-        let listed = session.panel == SidePanel::Review;
-        let with_neighbours = listed || session.dialog == Some(Dialog::AcceptAll);
-        let source = Source {
-            suggestions: open.derived.counts(&open.document).suggestions_edition(),
-            order: choice.order,
-            one_per_shot: choice.one_per_shot,
-            neighbours: with_neighbours
-                .then(|| open.derived.disagreements(&open.document).edition()),
-            held: choice.held && listed,
-        };
-        let before = self.derived_from.replace(source);
-        if before != Some(source) {
-            let frames = std::mem::replace(&mut self.frames, open.document.frames.clone());
-            let disagreements = with_neighbours.then(|| open.derived.disagreements(&open.document));
-            let before = before.filter(|before| before.is_same_list(source));
-            // The present rows can be reused unless the list was just released, which requires
-            // sorting all rows, or shows one row per shot, which depends on all frames of the shot.
-            let stays =
-                before.filter(|before| !source.one_per_shot && (source.held || !before.held));
-            let few =
-                stays.and_then(|before| changed(&open.document, &frames, before, disagreements));
-            let rows = rows_of(
-                &open.document.frames,
-                few.as_ref(),
-                disagreements,
-                choice.order,
-            );
-            let concerned = few.map_or(Concerned::All, |few| {
-                Concerned::places(&few, open.document.frames.len())
-            });
-            // While the list is held, rows keep their positions; otherwise the new rows are merged.
-            if source.held && !self.rows.is_empty() && before.is_some() {
-                self.keep_places(&concerned, rows, choice.one_per_shot);
-            } else {
-                self.put_in_order(&concerned, rows, choice.order);
-                (self.rows, self.hidden) = one_of_each(
-                    std::mem::take(&mut self.rows),
-                    &self.frames,
-                    choice.one_per_shot,
-                );
-                self.late = 0;
-            }
-            self.several_shots = self.is_of_several_shots(&concerned);
-        }
-        self.advice = open.derived.label_advice(
-            &open.document,
-            open.revision,
-            &session.trainer.status.coverage,
-        );
-    }
-
-    /// Replaces the rows of the concerned frames by `rows`, which are sorted, and keeps the list
-    /// sorted.
-    fn put_in_order(&mut self, concerned: &Concerned, rows: Vec<ReviewRow>, order: ReviewOrder) {
-        let mut newer = rows.into_iter().peekable();
-        let mut merged = Vec::with_capacity(self.rows.len() + newer.len());
-        for row in std::mem::take(&mut self.rows)
-            .into_iter()
-            .filter(|row| !concerned.has(row.frame))
-        {
-            while let Some(before) = newer.next_if(|newer| in_order(order, newer, &row).is_lt()) {
-                merged.push(before);
-            }
-            merged.push(row);
-        }
-        merged.extend(newer);
-        self.rows = merged;
-    }
-
-    /// Whether the suggestions belong to more than one shot. If all belonged to one before, only
-    /// the concerned frames are examined.
-    fn is_of_several_shots(&self, concerned: &Concerned) -> bool {
-        let first = self.waiting().next().map(|row| shot_of(&self.frames, row));
-        let mut rows = self
-            .waiting()
-            .filter(|row| self.several_shots || concerned.has(row.frame));
-        rows.any(|row| Some(shot_of(&self.frames, row)) != first)
-    }
-
     /// The suggestions that wait, including hidden ones.
     fn waiting(&self) -> impl Iterator<Item = &ReviewRow> {
         self.rows.iter().chain(&self.hidden).filter(|row| !row.gone)
@@ -411,127 +211,19 @@ impl Review {
     }
 }
 
-/// Orders by confidence, least first; rows without a confidence come first.
-fn doubtful_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
-    let certain = |row: &ReviewRow| row.confidence.unwrap_or(f64::NEG_INFINITY);
-    certain(a).total_cmp(&certain(b))
-}
-
-/// Orders by what the paint says: contradicted, undecided, supported; equal ones by how far mending
-/// moved them, the farthest first.
-fn off_paint_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
-    let verdict = |row: &ReviewRow| row.paint.unwrap_or(LineVerdict::CannotSay);
-    let moved = |row: &ReviewRow| row.shift_by_mending_px.unwrap_or(0.0);
-    verdict(a)
-        .cmp(&verdict(b))
-        .then_with(|| moved(b).total_cmp(&moved(a)))
-}
-
-/// Compares two rows in the chosen order; equal ones by time.
-fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Ordering {
-    let apart = |row: &ReviewRow| row.apart_px().unwrap_or(f64::NEG_INFINITY);
-    let by_choice = match order {
-        ReviewOrder::Confidence => doubtful_first(a, b),
-        ReviewOrder::Disagreement => apart(b).total_cmp(&apart(a)),
-        ReviewOrder::Paint => off_paint_first(a, b),
-        ReviewOrder::Time => Ordering::Equal,
-    };
-    by_choice.then(a.frame.cmp(&b.frame))
-}
-
-/// The indices of the frames whose rows may differ from a former state of the list. None if there
-/// are too many to update one by one.
-fn changed(
-    document: &Document,
-    frames: &Frames,
-    before: Source,
-    disagreements: Option<&Disagreements>,
-) -> Option<BTreeSet<usize>> {
-    let FrameChanges::At(changed) = document.frames.changes_since(frames) else {
-        return None;
-    };
-    let mut places: BTreeSet<usize> = changed.into_iter().collect();
-    if let Some((disagreements, edition)) = disagreements.zip(before.neighbours) {
-        places.extend(disagreements.changed_since(edition)?);
-    }
-    Some(places)
-}
-
-/// The rows of the suggested frames, of all or only at `places`, in the chosen order.
-fn rows_of(
-    frames: &Frames,
-    places: Option<&BTreeSet<usize>>,
-    disagreements: Option<&Disagreements>,
-    order: ReviewOrder,
-) -> Vec<ReviewRow> {
-    let row = |(place, frame): (usize, &Shared<Frame>)| {
-        let disagreement = disagreements.and_then(|disagreements| disagreements.of_frame(place));
-        let is_suggested = frame.status == FrameStatus::Suggested;
-        is_suggested.then(|| ReviewRow::new(place, frame, disagreement))
-    };
-    let mut rows: Vec<ReviewRow> = match places {
-        Some(places) => places
-            .iter()
-            .filter_map(|place| row((*place, frames.get(*place)?)))
-            .collect(),
-        None => frames.iter().enumerate().filter_map(row).collect(),
-    };
-    rows.sort_unstable_by(|a, b| in_order(order, a, b));
-    rows
-}
-
-/// With `one_per_shot`: the first row of each shot, and the other rows. Otherwise all rows, and
-/// none.
-fn one_of_each(
-    rows: Vec<ReviewRow>,
-    frames: &Frames,
-    one_per_shot: bool,
-) -> (Vec<ReviewRow>, Vec<ReviewRow>) {
-    if !one_per_shot {
-        return (rows, Vec::new());
-    }
-    let mut shots = BTreeSet::new();
-    rows.into_iter()
-        .partition(|row| shots.insert(shot_of(frames, row)))
-}
-
-/// The shot of a row's frame: its camera and clip.
-fn shot_of<'a>(frames: &'a Frames, row: &ReviewRow) -> Option<(&'a CameraId, &'a Option<Clip>)> {
-    frames
-        .get(row.frame)
-        .map(|frame| (&frame.camera, &frame.clip))
-}
-
-/// The stated probability that a frame's suggestion is right.
-fn confidence(frame: &Frame) -> Option<f64> {
-    frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.confidence)
-}
-
-/// A probability as text. At most 99.9 %, because certainty is never claimed.
-#[must_use]
-pub fn percent(probability: f64) -> String {
-    let percent = 100.0 * probability;
-    if percent >= 99.5 {
-        format!("{:.1} %", percent.min(99.9))
-    } else {
-        format!("{percent:.0} %")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use crate::app::OpenProject;
+    use crate::app::session::{Session, SidePanel};
+    use touchline_calibration::calibrate::Disagreement;
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{
-        Camera, Document, FieldSpec, FramePtz, ImportedCamera, PaintEvidence, Solution,
-        SolutionSource,
+        Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
     };
 
-    fn opened(confidences: &[Option<f64>]) -> OpenProject {
+    pub(super) fn opened(confidences: &[Option<f64>]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for &confidence in confidences {
             let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
@@ -553,7 +245,7 @@ mod tests {
         )
     }
 
-    fn review_of(open: &mut OpenProject, choice: ReviewChoice) -> Review {
+    pub(super) fn review_of(open: &mut OpenProject, choice: ReviewChoice) -> Review {
         let mut session = Session::default();
         (session.panel, session.review) = (SidePanel::Review, choice);
         let mut review = Review::default();
@@ -571,28 +263,7 @@ mod tests {
         )
     }
 
-    #[test]
-    fn of_each_shot_the_most_doubtful_stands_for_the_others() {
-        let mut open = opened(&[Some(0.7), Some(0.9), Some(0.8), Some(0.6)]);
-        for (frame, shot) in open.document.frames.iter_mut().zip([1, 1, 2, 2]) {
-            frame.clip = Some(Clip::Number(shot));
-        }
-        let choice = ReviewChoice {
-            one_per_shot: true,
-            threshold: 0.5,
-            ..ReviewChoice::default()
-        };
-        let review = review_of(&mut open, choice);
-        assert!(review.several_shots);
-        assert_eq!((frames(&review), review.hidden.len()), (vec![3, 0], 2));
-        assert_eq!(
-            review.bulk(&choice).rows.len(),
-            4,
-            "what is accepted together is all of them"
-        );
-    }
-
-    fn frames(review: &Review) -> Vec<usize> {
+    pub(super) fn frames(review: &Review) -> Vec<usize> {
         review.rows.iter().map(|row| row.frame).collect()
     }
 
@@ -613,53 +284,6 @@ mod tests {
             (Some(1), Some(2))
         );
         assert_eq!(Review::default().next(0, true), None);
-    }
-
-    #[test]
-    fn what_the_paint_contradicts_comes_first_and_then_what_was_moved_farthest() {
-        let mut open = opened(&[Some(0.9); 5]);
-        let verdicts = [
-            (0.99, 3.0),
-            (0.5, 0.0),
-            (0.99, 60.0),
-            (0.01, 2.0),
-            (0.99, f64::INFINITY),
-        ];
-        for (frame, (score, moved_px)) in open.document.frames.iter_mut().zip(verdicts) {
-            let camera = PtzCamera::new(
-                CameraBase::new(
-                    Vec3::new(0.0, -60.0, 15.0),
-                    BaseAngles::default().base_from_world(),
-                    ImageSize::new(64, 36).centre(),
-                ),
-                Ptz::from_degrees(0.0, -9.0, 900.0),
-            );
-            let fault = moved_px
-                .is_infinite()
-                .then(|| "under the ground".to_owned());
-            let solution = frame.solution.as_mut().unwrap();
-            solution.imported = ImportedCamera::new(&camera, Some(moved_px), fault);
-            solution.line_check = Some(PaintEvidence {
-                score,
-                predicted: 100,
-                found: 90,
-                bare: 10,
-                ..PaintEvidence::default()
-            });
-        }
-        let choice = ReviewChoice {
-            order: ReviewOrder::Paint,
-            ..ReviewChoice::default()
-        };
-        let review = review_of(&mut open, choice);
-        assert_eq!(frames(&review), [3, 1, 4, 2, 0]);
-        let off_paint: Vec<bool> = open
-            .document
-            .frames
-            .iter()
-            .map(|frame| frame.is_suggested_off_paint())
-            .collect();
-        assert_eq!(off_paint, [false, true, false, true, false]);
     }
 
     #[test]
@@ -758,86 +382,5 @@ mod tests {
             .map(|row| row.frame)
             .collect();
         assert_eq!(shown, [3, 7, 11, 15, 19, 23, 27, 31, 35, 39, 43, 47]);
-    }
-
-    #[test]
-    fn a_list_that_follows_a_few_changes_is_the_list_made_anew() {
-        let mut open = opened(&[Some(0.7), Some(0.9), None, Some(0.6), Some(0.8), Some(0.5)]);
-        let size = ImageSize::new(64, 36);
-        let mut camera = Camera::new("main".into(), size);
-        let level = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            level,
-            size.centre(),
-        ));
-        open.document.cameras.push(camera.into());
-        for (index, frame) in open.document.frames.iter_mut().enumerate() {
-            frame.clip = Some(Clip::Number(1));
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(index as f64, -9.0, 90.0),
-                None,
-            ));
-        }
-        for order in ReviewOrder::ALL {
-            let mut session = Session::default();
-            (session.panel, session.review) = (
-                SidePanel::Review,
-                ReviewChoice {
-                    order,
-                    ..ReviewChoice::default()
-                },
-            );
-            let mut review = Review::default();
-            review.refresh(Some(&mut open), &session);
-            let mut step = |change: &dyn Fn(&mut Document), open: &mut OpenProject| {
-                change(&mut open.document);
-                open.revision += 1;
-                review.refresh(Some(open), &session);
-                let anew = review_of(open, session.review);
-                assert!(
-                    review.rows.iter().any(|row| row.disagreement.is_some()),
-                    "neighbours are compared"
-                );
-                assert_eq!(
-                    (&review.rows, review.several_shots),
-                    (&anew.rows, anew.several_shots),
-                    "{order:?}"
-                );
-            };
-            step(
-                &|document| document.frames[1].status = FrameStatus::Reference,
-                &mut open,
-            );
-            let turned = |document: &mut Document| {
-                document.frames[3].ptz =
-                    Some(FramePtz::new(Ptz::from_degrees(9.0, -9.0, 90.0), None));
-            };
-            step(&turned, &mut open);
-            step(
-                &|document| document.frames[4].clip = Some(Clip::Number(2)),
-                &mut open,
-            );
-            step(
-                &|document| document.frames[4].clip = Some(Clip::Number(1)),
-                &mut open,
-            );
-            step(
-                &|document| document.frames[1].status = FrameStatus::Suggested,
-                &mut open,
-            );
-            step(
-                &|document| document.frames[3].ptz = document.frames[2].ptz.clone(),
-                &mut open,
-            );
-        }
-    }
-
-    #[test]
-    fn a_probability_is_never_a_certainty() {
-        assert_eq!(
-            [0.42, 0.97, 0.9951, 1.0].map(percent),
-            ["42 %", "97 %", "99.5 %", "99.9 %"]
-        );
     }
 }

@@ -65,7 +65,7 @@ impl App {
             Navigation::RefineName(typed) => self.refine_name(typed),
             Navigation::ConfirmName => self.session.forget_placed(),
             Navigation::HighlightName(index) => self.highlight_name(index),
-            Navigation::OfferLines(lines) => self.offer_lines(lines),
+            Navigation::ListLines(lines) => self.list_lines(lines),
             Navigation::GoTo(frame) => self.go_to(frame),
             Navigation::SelectFrame { frame, how } => self.select_frame(frame, how),
             Navigation::AskCamera(scope) => {

@@ -24,17 +24,17 @@ impl App {
         let Some(field) = self.current.field() else {
             return;
         };
-        let offer = [("Estimate the base", Command::EstimateBase)];
+        let button = [("Estimate the base", Command::EstimateBase)];
         let Some(next) = next_for_base(&open.document, &camera, field) else {
             let text = "Every frame of this camera that shows enough of the field has its points. Estimate the base again.";
-            self.session.notify_with(Level::Info, text, offer);
+            self.session.notify_with(Level::Info, text, button);
             return;
         };
         self.go_to(next);
         let text = format!(
             "Click {LANDMARKS_ALONE} or more landmarks here, spread over the picture; then estimate the base again."
         );
-        self.session.notify_with(Level::Info, text, offer);
+        self.session.notify_with(Level::Info, text, button);
     }
 
     /// Includes a frame in the estimation of the base, or leaves it out; one step of undo.

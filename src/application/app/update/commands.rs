@@ -230,7 +230,7 @@ impl App {
             }
             C::NameNext => self.name_next(),
             C::PlaceOnLine => match &self.session.mode {
-                Mode::Naming(naming) => self.offer_lines(!naming.lines),
+                Mode::Naming(naming) => self.list_lines(!naming.lines),
                 _ => self.session.points.next_on_line = !self.session.points.next_on_line,
             },
             C::ToggleCheck => {

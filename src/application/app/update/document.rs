@@ -48,9 +48,9 @@ impl App {
         self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
-        let told = std::mem::take(&mut self.session.messages.log);
+        let log = std::mem::take(&mut self.session.messages.log);
         self.session = Session::default();
-        self.session.messages.log = told;
+        self.session.messages.log = log;
         self.session.trainer = trainer;
         self.session.panel = panel;
         for (level, text) in &opened.notices {
@@ -93,7 +93,7 @@ impl App {
         self.continue_queue(queue);
         // What starts on opening: a tour that was requested, and operations.
         self.begin_waiting_tour();
-        self.offer_tour();
+        self.suggest_tour();
         self.start_on_opening();
         self.import_waiting_labels();
     }
@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn a_template_that_could_not_be_read_is_read_again_when_asked_for() {
+    fn a_template_that_could_not_be_read_is_read_again_on_request() {
         let (mut app, _) = opened_with_own_template();
         let problem = "no such file".to_owned();
         let missing = FieldError::Unreadable {
@@ -331,7 +331,7 @@ mod tests {
         assert_eq!(
             requests(app.update(Action::Navigate(Navigation::GoTo(0)))),
             [],
-            "a file is not tried again unasked"
+            "a file is not tried again without a request"
         );
         assert_eq!(
             requests(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))).len(),

@@ -96,8 +96,8 @@ impl App {
     }
 
     /// Asks whether to accept the shown frame although it looks wrong. Returns false if nothing
-    /// contradicts it, or the user has been asked since its last change. `stay` is stored for the
-    /// answer.
+    /// contradicts it, or the question has been shown since the frame's last change. `stay` is
+    /// stored for the answer.
     pub(super) fn asks_about_doubt(&mut self, stay: bool) -> bool {
         let (Some(doubt), Some(open)) = (self.doubt(), &self.open) else {
             return false;
@@ -116,7 +116,7 @@ impl App {
         if again {
             return false;
         }
-        // Offer a correction; without one, the renaming of the worst click.
+        // Suggest a correction; without one, the renaming of the worst click.
         let farthest = self.farthest_click().map(|(click, _)| click);
         let mut offers: Vec<_> = self
             .mend()

@@ -276,11 +276,11 @@ impl App {
         };
         self.session.mode = Mode::Idle;
         self.refresh_gold();
-        let (text, offer) = self.describe_round(clicked);
-        self.session.notify_with(Level::Info, text, offer);
+        let (text, button) = self.describe_round(clicked);
+        self.session.notify_with(Level::Info, text, button);
     }
 
-    /// The result of a round as text, and the command to offer.
+    /// The result of a round as text, and the command on its button.
     fn describe_round(&self, clicked: usize) -> (String, Option<(&'static str, Command)>) {
         let own = &self.gold().own;
         let clicked = match clicked {
@@ -295,8 +295,11 @@ impl App {
                     "{clicked}. Your click noise is {:.2} px (95 %: {low:.2} to {high:.2}).",
                     noise.sigma
                 );
-                let offer = self.why_not(Command::UseOwnNoise).is_none();
-                (text, offer.then_some(("Use it", Command::UseOwnNoise)))
+                let is_available = self.why_not(Command::UseOwnNoise).is_none();
+                (
+                    text,
+                    is_available.then_some(("Use it", Command::UseOwnNoise)),
+                )
             }
             _ => (
                 format!(

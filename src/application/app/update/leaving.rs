@@ -35,8 +35,8 @@ impl App {
             self.leave(leaving);
             return;
         }
-        let is_asked_again = self.session.disk.leaving.as_ref() == Some(&leaving);
-        if is_asked_again || self.is_unsaved() || is_changed_outside {
+        let is_repeated = self.session.disk.leaving.as_ref() == Some(&leaving);
+        if is_repeated || self.is_unsaved() || is_changed_outside {
             self.stay();
             self.session.dialog = Some(Dialog::NotSaved(leaving));
         } else {

@@ -128,7 +128,7 @@ impl App {
     }
 
     /// Lists lines or landmarks; without an open list, sets what the next click is.
-    pub(super) fn offer_lines(&mut self, lines: bool) {
+    pub(super) fn list_lines(&mut self, lines: bool) {
         if let Mode::Naming(naming) = &self.session.mode {
             let (click, refines, typed) = (naming.click, naming.refines, naming.typed.clone());
             if let Some(mut naming) = self.ranked_names(click, lines) {

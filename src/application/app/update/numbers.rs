@@ -155,7 +155,7 @@ impl App {
         )
     }
 
-    /// Reports that the size of the field is assumed, if it is, and offers to confirm it.
+    /// Reports that the size of the field is assumed, if it is, with a button to confirm it.
     pub(in crate::app) fn tell_assumed_size(&mut self) {
         if let Some(text) = self
             .shown_field_spec()

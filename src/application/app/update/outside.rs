@@ -174,7 +174,7 @@ impl App {
         true
     }
 
-    /// Reports the result of a merge, and offers to undo it.
+    /// Reports the result of a merge, with a button to undo it.
     fn tell_merged(
         &mut self,
         of: MergeOf,

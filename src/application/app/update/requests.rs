@@ -123,7 +123,7 @@ mod tests {
             "a late report of the document before"
         );
         drop(app);
-        assert!(after.is_cancelled(), "nobody waits any more");
+        assert!(after.is_cancelled(), "its result is no longer needed");
     }
 
     #[test]

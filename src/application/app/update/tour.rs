@@ -30,8 +30,8 @@ impl App {
         })
     }
 
-    /// Offers the tour when the demo match is opened and nothing has been done in it.
-    pub(super) fn offer_tour(&mut self) {
+    /// Suggests the tour when the demo match is opened and nothing has been done in it.
+    pub(super) fn suggest_tour(&mut self) {
         let is_new = self
             .open
             .as_ref()
@@ -75,7 +75,7 @@ impl App {
         self.session.tour = self.tour_view().map(Tour::begin);
     }
 
-    /// Informs the tour of an action, before it is carried out.
+    /// Informs the tour of an action, before it is executed.
     pub(super) fn tell_tour(&mut self, action: &Action) {
         let takes_point = matches!(
             action,

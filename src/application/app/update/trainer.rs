@@ -32,26 +32,26 @@ impl App {
         let trainer = &mut self.session.trainer;
         let version = Some(open.document.version());
         // A new trainer starts unpaused.
-        if trainer.told_version.is_none() && trainer.paused {
+        if trainer.sent_version.is_none() && trainer.paused {
             self.effects
                 .push(Effect::Trainer(TrainerOrder::Pause(true)));
         }
-        if trainer.told_snapping != self.settings.snap_suggestions {
-            trainer.told_snapping = self.settings.snap_suggestions;
+        if trainer.sent_snapping != self.settings.snap_suggestions {
+            trainer.sent_snapping = self.settings.snap_suggestions;
             self.effects
-                .push(Effect::Trainer(TrainerOrder::Snap(trainer.told_snapping)));
+                .push(Effect::Trainer(TrainerOrder::Snap(trainer.sent_snapping)));
         }
         let shown = open.frame(self.session.frame).map(|frame| &frame.id);
-        if trainer.told_frame.as_ref() != shown {
-            trainer.told_frame = shown.cloned();
+        if trainer.sent_frame.as_ref() != shown {
+            trainer.sent_frame = shown.cloned();
             self.effects.extend(
                 shown
                     .cloned()
                     .map(|frame| Effect::Trainer(TrainerOrder::Frame(frame))),
             );
         }
-        if trainer.told_version != version {
-            trainer.told_version = version;
+        if trainer.sent_version != version {
+            trainer.sent_version = version;
             self.effects
                 .push(Effect::Trainer(TrainerOrder::Document(Box::new(
                     (*open.document).clone(),
@@ -62,7 +62,7 @@ impl App {
     /// Whether the trainer has the present document.
     pub(super) fn trainer_knows_document(&self) -> bool {
         let version = self.open.as_ref().map(|open| open.document.version());
-        version.is_some() && self.session.trainer.told_version == version
+        version.is_some() && self.session.trainer.sent_version == version
     }
 
     /// Informs the trainer that the document now shows some of its answers. The trainer must have
@@ -78,7 +78,7 @@ impl App {
             _ => None,
         };
         let shown = edit.changes.iter().filter_map(key).collect();
-        self.session.trainer.told_version = self.open.as_ref().map(|open| open.document.version());
+        self.session.trainer.sent_version = self.open.as_ref().map(|open| open.document.version());
         self.effects
             .push(Effect::Trainer(TrainerOrder::Shown(shown)));
     }

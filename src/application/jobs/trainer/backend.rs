@@ -43,8 +43,9 @@ pub(super) trait Backend {
         progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError>;
 
-    /// Proposes cameras for some frames, with `snapping` aligned to the painted lines. Fewer than
-    /// asked for if `progress`, which receives the number of finished frames, ended it.
+    /// Proposes cameras for some frames, with `snapping` aligned to the painted lines. Returns
+    /// fewer proposals than `frames` if `progress`, which receives the number of finished frames,
+    /// ended the work early.
     fn propose(
         &mut self,
         document: &Document,

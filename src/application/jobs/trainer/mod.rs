@@ -10,7 +10,7 @@
 //!
 //! # Steps
 //!
-//! The thread (`work.rs`) repeats the first of these steps that is due:
+//! The thread (`work/mod.rs`) repeats the first of these steps that is due:
 //!
 //! | step | when | file |
 //! |---|---|---|

@@ -201,7 +201,7 @@ impl Backend for StandIn {
                 quality: None,
                 suspects: Vec::new(),
             }),
-            Let::Panic => panic!("the rule bent"),
+            Let::Panic => panic!("the check failed"),
             Let::Stopped => {
                 until_stopped(&|| progress.report(Doing::Measuring(Share { done: 0, of: 2 })));
                 None
@@ -420,7 +420,7 @@ fn a_burst_is_one_change_and_added_references_let_a_training_end() {
 }
 
 #[test]
-fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_again() {
+fn a_withdrawn_reference_stops_the_training_and_its_answers_are_queried_again() {
     let mut controller = Controller::start(0.99);
     let mut all = document(3, 2);
     controller.document(&all);
@@ -466,7 +466,7 @@ fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_agai
 }
 
 #[test]
-fn doubtful_answers_are_asked_for_again_by_a_better_forest() {
+fn a_better_forest_is_queried_again_for_doubtful_answers() {
     let controller = Controller::start(0.6);
     let mut all = document(2, 1);
     controller.document(&all);
@@ -513,7 +513,7 @@ fn video(frames: usize) -> Document {
 }
 
 #[test]
-fn of_a_video_the_forest_answers_key_frames_and_the_rest_is_carried() {
+fn in_a_video_the_forest_answers_key_frames_and_the_rest_is_tracked() {
     let mut controller = Controller::start(0.95);
     let mut all = video(61);
     controller.document(&all);
@@ -561,7 +561,7 @@ fn of_a_video_the_forest_answers_key_frames_and_the_rest_is_carried() {
 }
 
 #[test]
-fn frames_that_no_camera_is_carried_to_are_asked_for() {
+fn frames_that_tracking_does_not_reach_are_queried() {
     let mut controller = Controller::start(0.95);
     controller.document(&video(31));
     controller.expect(&Begun::Recall, Let::Well);
@@ -695,7 +695,7 @@ fn a_panic_is_shown_and_work_goes_on() {
         status
             .trouble
             .as_ref()
-            .is_some_and(|trouble| trouble.contains("the rule bent"))
+            .is_some_and(|trouble| trouble.contains("the check failed"))
     });
     controller.until_idle();
     let [failed] = &controller.proposals[..] else {
@@ -732,7 +732,7 @@ fn the_forest_of_an_earlier_session_serves_and_a_damaged_one_is_made_again() {
 }
 
 #[test]
-fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_asked_again() {
+fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_queried_again() {
     let mut controller = Controller::start(0.99);
     controller.tell(TrainerOrder::Snap(true));
     let mut all = document(2, 2);
@@ -770,7 +770,7 @@ const fn by(generation: u64) -> Asking {
 }
 
 #[test]
-fn frames_whose_answer_the_document_lost_are_asked_again() {
+fn frames_whose_answer_the_document_lost_are_queried_again() {
     let (mut all, forest, mut answer_cache) = (document(1, 3), model(), AnswerCache::default());
     let wanted = |answer_cache: &AnswerCache, document: &Document, generation| -> Vec<usize> {
         (0..4)
@@ -824,7 +824,7 @@ fn frames_whose_answer_the_document_lost_are_asked_again() {
 }
 
 #[test]
-fn a_forest_whose_answers_were_discarded_is_not_asked_for_them_again() {
+fn a_forest_whose_answers_were_discarded_is_not_queried_for_them_again() {
     let mut controller = Controller::start(0.6);
     let mut all = document(2, 2);
     let refused = |generation| RefusedForests {

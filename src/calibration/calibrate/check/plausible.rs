@@ -15,7 +15,7 @@ const FARTHEST_M: f64 = 1000.0;
 const FOCAL_WIDTHS: [f64; 2] = [0.2, 300.0];
 /// The largest plausible displacement of a picture's corner by a lens, as a fraction of the
 /// corner's distance from the middle.
-const MOST_BENT: f64 = 0.5;
+const MAX_CORNER_SHIFT: f64 = 0.5;
 /// Ground at most this far beside the field also counts as a view of it, m.
 const BESIDE_M: f64 = 15.0;
 /// Steps in each direction of the grid of pixels that are tested, both edges included.
@@ -72,7 +72,7 @@ pub fn check_view(
         .centre()
         .distance_px(ImagePoint::new(0.0, 0.0))
         / focal_px;
-    if (pointed.k1() * corner * corner).abs() > MOST_BENT {
+    if (pointed.k1() * corner * corner).abs() > MAX_CORNER_SHIFT {
         problem(Fault::NoSuchLens { k1: pointed.k1() });
         return;
     }
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn cameras_that_nobody_sets_up_are_named() {
+    fn implausible_cameras_are_named() {
         let (there, view) = (Vec3::new(0.0, -60.0, 18.0), (12.5, -11.2, 2410.0));
         assert_eq!(codes(there, view, 0.07), [""; 0]);
         assert_eq!(

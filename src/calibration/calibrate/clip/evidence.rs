@@ -44,7 +44,7 @@ const PULLED_ALIKE_PX: f64 = 8.0;
 
 /// If no camera was aligned to the paint, the verdict applies to cameras within this distance, px
 /// at 1920 px width.
-const JUDGED_ALIKE_PX: f64 = 1.0;
+const VERDICT_ALIKE_PX: f64 = 1.0;
 
 impl ClipEvidence {
     /// Whether points were tracked through this picture.
@@ -110,7 +110,7 @@ impl ClipEvidence {
         // camera that was checked.
         let (from, alike_px) = match says {
             Painted::Snapped(anchor) => (anchor.ptz, PULLED_ALIKE_PX),
-            Painted::Contradicts | Painted::Open => (*camera, JUDGED_ALIKE_PX),
+            Painted::Contradicts | Painted::Open => (*camera, VERDICT_ALIKE_PX),
         };
         (apart_px(from, ptz, size) <= alike_px * size.scale_from_1920()).then(|| says.clone())
     }

@@ -261,7 +261,7 @@ impl ClipFit<'_> {
     }
 
     /// The verdict of the paint on a frame's adjusted camera. The other findings of the check (kept
-    /// camera, other field length, unexplained paint) are written into `judged`.
+    /// camera, other field length, unexplained paint) are written into `paint_verdicts`.
     fn judge_frame(
         &self,
         reader: &mut dyn ReadFrames,

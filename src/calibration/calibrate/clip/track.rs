@@ -98,7 +98,7 @@ pub struct TrackedClip {
     pub sigma_px: f64,
     /// Factor by which the covariance of the points was inflated so that the known cameras prevail.
     /// Far above 1, the base or its lens is wrong.
-    pub widened: f64,
+    pub inflation: f64,
     /// Number of pictures aligned to their painted lines.
     pub painted: usize,
     /// How unsteady the cameras are from picture to picture.
@@ -217,7 +217,7 @@ pub fn track_clip(
         kept: 0,
         stops: stops(clip, &propagated),
         sigma_px: adjusted.sigma_px,
-        widened: adjusted.widened,
+        inflation: adjusted.inflation,
         painted,
         jitter: Jitter::of(&smoothed),
         raw_jitter: Jitter::of(&raw).filter(|_| options.smooth),

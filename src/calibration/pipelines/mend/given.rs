@@ -12,7 +12,7 @@ use touchline_documents::document::{Document, Fields, Frame};
 pub enum GivenCamera {
     /// None, or one that could not be read.
     Missing,
-    /// A camera that nobody sets up.
+    /// An implausible camera.
     Impossible(GivenFault),
     /// A plausible camera.
     Possible(Box<PtzCamera>),

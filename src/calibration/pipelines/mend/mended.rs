@@ -82,7 +82,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Why a person has to look at the frame; none if nobody has to.
+    /// Why a person has to look at the frame; none if that is not needed.
     #[must_use]
     pub const fn why_left(self) -> Option<&'static str> {
         match self {

@@ -10,7 +10,7 @@
 //!
 //! # Method
 //!
-//! 1. **Plausibility** (`given.rs`). Cameras that nobody sets up are set aside and named.
+//! 1. **Plausibility** (`given.rs`). Implausible cameras are set aside and named.
 //! 2. **Places** (`places.rs`). The position, the rotation of the head and the lens that the
 //!    cameras of a shot have in common ([`shared_places`]). A shot with no common place (a close-up
 //!    whose cameras were invented) is left alone.

@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn two_cameras_and_a_close_up_are_told_apart() {
+    fn two_cameras_and_a_close_up_are_distinguished() {
         // A shot of each camera, and one whose cameras agree on nothing.
         let mut given: Vec<GivenCamera> = (0..10).map(|number| near(MAIN_M, number)).collect();
         given.extend((0..6).map(|number| near(MAIN_M * (2.0 + number as f64), number)));

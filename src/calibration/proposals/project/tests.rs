@@ -394,7 +394,7 @@ fn a_discarded_batch_gives_back_what_was_suggested_before() {
     assert_eq!(
         desk.pans(),
         [Some(1.0), Some(6.0), None],
-        "nobody discarded what the frame shows again"
+        "the camera that the frame shows again was not discarded"
     );
     desk.discard(batch);
     assert_eq!(desk.now.frames[1].ptz, before.frames[1].ptz);
@@ -417,7 +417,7 @@ fn what_was_discarded_does_not_come_back_when_its_acceptance_is_redone_and_undon
 }
 
 #[test]
-fn a_forest_that_answers_late_does_not_cover_a_camera_that_was_carried_meanwhile() {
+fn a_forest_that_answers_late_does_not_cover_a_camera_that_was_tracked_meanwhile() {
     let mut desk = Desk::of(document(2));
     let late = [
         proposal(&desk.now, 0, Some(1.0)),

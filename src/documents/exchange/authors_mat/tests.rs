@@ -53,7 +53,7 @@ fn both_orders_of_bytes_and_compression_read_the_same() {
 }
 
 #[test]
-fn what_nobody_asked_for_stays_folded() {
+fn what_was_not_requested_stays_compressed() {
     let variables = [
         ("features", Out::Doubles(vec![0.0; 4 << 20])),
         ("meta", Out::Doubles(vec![7.0])),

@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(
             LabelOrigin::of(&reference().frames[0]),
             Some(LabelOrigin::Imported),
-            "nobody says who did it"
+            "the file does not say who did it"
         );
     }
 }

@@ -9,7 +9,7 @@
 //! | `frames.csv` | a row a frame: split, where its label comes from, match, camera, clip, quality, SHA-256 |
 //! | `images/` | the pictures under their own names, in a folder a split where there are splits |
 //! | `splits/*.txt` | the pictures of each split |
-//! | `undistorted/` | where asked for: pictures without lens distortion, and their own `dataset.json` |
+//! | `undistorted/` | on request: pictures without lens distortion, and their own `dataset.json` |
 //! | `fields.json` | landmarks and lines of each camera's field in world coordinates |
 //! | `fields/` | field templates of the user's own |
 //! | `touchline_dataset.py` | reads it with numpy |

@@ -370,14 +370,14 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
             "{count} frames have a camera that nobody has looked at"
         ));
     }
-    let bent = plan
+    let left_distorted = plan
         .frames
         .iter()
         .filter(|frame| frame.undistorted.is_none())
         .count();
-    if options.undistorted && bent > 0 {
+    if options.undistorted && left_distorted > 0 {
         notes.push(format!(
-            "{bent} frames without a camera have no undistorted picture"
+            "{left_distorted} frames without a camera have no undistorted picture"
         ));
     }
     notes

@@ -29,11 +29,14 @@ pub fn undistorted_picture(picture: &Picture, camera: &PtzCamera) -> Result<Pict
             if radius_squared >= fold {
                 return [0, 0, 0, 255];
             }
-            let bent = ideal * lens.stretch(radius_squared) * focal_px;
+            let distorted = ideal * lens.stretch(radius_squared) * focal_px;
             sample(
                 picture,
                 size,
-                ImagePoint::new(principal_point.x + bent.x, principal_point.y + bent.y),
+                ImagePoint::new(
+                    principal_point.x + distorted.x,
+                    principal_point.y + distorted.y,
+                ),
             )
         })
     };
@@ -80,13 +83,13 @@ pub fn undistorted_document(document: &Document) -> Document {
     plain
         .frames
         .retain(|frame| document.pointed(frame).is_some());
-    for (frame, bent) in plain.frames.iter_mut().zip(
+    for (frame, distorted) in plain.frames.iter_mut().zip(
         document
             .frames
             .iter()
             .filter(|frame| document.pointed(frame).is_some()),
     ) {
-        if let Some(camera) = document.pointed(bent) {
+        if let Some(camera) = document.pointed(distorted) {
             straighten(frame, &camera);
         }
     }

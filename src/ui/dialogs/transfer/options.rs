@@ -91,7 +91,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
 /// What an export does with missing frames of a video.
 fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
     ui.label("Missing frames");
-    // The number that is offered when interpolation is chosen.
+    // The default number when interpolation is chosen.
     let mut most = if let Gaps::Interpolate(most) = *gaps {
         most
     } else {

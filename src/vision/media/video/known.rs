@@ -20,7 +20,7 @@ type Examinations = Vec<(FileState, Arc<Examination>)>;
 static KNOWN: LazyLock<Mutex<Examinations>> = LazyLock::new(Mutex::default);
 /// Interval at which a thread that waits for another's survey reports progress and checks for
 /// cancellation.
-const TOLD_EVERY: Duration = Duration::from_millis(50);
+const REPORT_INTERVAL: Duration = Duration::from_millis(50);
 
 /// The survey of one video: the first thread that needs it performs it, others wait meanwhile.
 #[derive(Default)]
@@ -61,7 +61,7 @@ impl Examination {
             }
             let (state, _) = self
                 .changed
-                .wait_timeout(state, TOLD_EVERY)
+                .wait_timeout(state, REPORT_INTERVAL)
                 .unwrap_or_else(PoisonError::into_inner);
             // Copy the count and release the lock before reporting: the callback may take long.
             let counted = if let State::UnderWay(counted) = &*state {

@@ -49,7 +49,7 @@ pub struct AdjustedClip {
     pub sigma_px: f64,
     /// The factor by which the 1-σ of the points was inflated to make them agree with the priors; 1
     /// if they agree without.
-    pub widened: f64,
+    pub inflation: f64,
 }
 
 /// Adjusts all frames that propagation reached, together.
@@ -141,10 +141,10 @@ pub fn adjust_clip(
     // common error out. So a frame that scatters more than the clip is down-weighted beyond its own
     // σ, by the ratio of the two once more.
     let counted_px = |in_row: f64| in_row * alike * (in_row / sigma_px);
-    let sigmas_px = |widened: f64| {
+    let sigmas_px = |inflation: f64| {
         in_rows
             .iter()
-            .map(|in_row| counted_px(*in_row) * widened)
+            .map(|in_row| counted_px(*in_row) * inflation)
             .collect()
     };
     // Second pass with the estimated σ. Its cameras follow the motion of the points most closely
@@ -155,21 +155,21 @@ pub fn adjust_clip(
     // Inflate the σ of the points until the priors of persons and paint scatter as they state, and
     // the covariance of proposals until proposals do. The loss scale stays constant in px, so that
     // inflation does not readmit outliers.
-    let mut widened = 1.0;
-    for _ in 0..WIDENINGS {
-        let points = widening(&problem.priors, &fine.state, |source| {
+    let mut inflation = 1.0;
+    for _ in 0..MAX_INFLATIONS {
+        let points = needed_inflation(&problem.priors, &fine.state, |source| {
             source != PriorSource::Proposal
         });
-        let proposals = widening(&problem.priors, &fine.state, |source| {
+        let proposals = needed_inflation(&problem.priors, &fine.state, |source| {
             source == PriorSource::Proposal
         });
         if points.is_none() && proposals.is_none() {
             break;
         }
-        widened *= points.unwrap_or(1.0);
-        problem.sigma_px = sigmas_px(widened);
+        inflation *= points.unwrap_or(1.0);
+        problem.sigma_px = sigmas_px(inflation);
         problem.loss = Loss::Cauchy {
-            c: options.loss_sigmas / (alike * widened),
+            c: options.loss_sigmas / (alike * inflation),
         };
         let of_proposals = proposals.unwrap_or(1.0).powi(-2);
         for prior in problem
@@ -181,10 +181,10 @@ pub fn adjust_clip(
         }
         fine = minimise(&problem, fine.state, until(options.max_iterations));
     }
-    // If the points were inflated, their cameras bend at every prior; see `bent`.
+    // If the points were inflated, their cameras jump at every prior; see `drift_corrected`.
     let covariances = fine.equations.covariances()?;
-    let ptz = if widened > 1.0 {
-        bent(&straight, &fine.state.ptz, &covariances)
+    let ptz = if inflation > 1.0 {
+        drift_corrected(&straight, &fine.state.ptz, &covariances)
     } else {
         fine.state.ptz
     };
@@ -200,7 +200,7 @@ pub fn adjust_clip(
     Some(AdjustedClip {
         frames: frames.collect(),
         sigma_px,
-        widened,
+        inflation,
     })
 }
 
@@ -234,7 +234,7 @@ fn scatter_px(squares: &mut [f64]) -> f64 {
 const CONTRADICTED: f64 = 1.5;
 
 /// Maximum number of inflations.
-const WIDENINGS: usize = 8;
+const MAX_INFLATIONS: usize = 8;
 
 /// The factor by which a σ has to be inflated, because the priors of some sources contradict the
 /// points; `None` if they scatter as stated.
@@ -243,16 +243,16 @@ const WIDENINGS: usize = 8;
 /// scatter; only user clicks and painted lines reveal it, and they then take precedence over the
 /// points. Answers of a forest do not: their errors vary from frame to frame, and cameras that
 /// followed them would jump at each.
-fn widening(
+fn needed_inflation(
     priors: &[PosePrior],
     at: &PoseState,
-    is_asked: impl Fn(PriorSource) -> bool,
+    is_included: impl Fn(PriorSource) -> bool,
 ) -> Option<f64> {
     // Squared Mahalanobis distance per degree of freedom: 1 on average if the prior's covariance is
     // right.
     let squares = |prior: &PosePrior| {
         let offset = prior.offset(at.ptz[prior.frame]);
-        is_asked(prior.source).then(|| offset.dot(&(prior.information * offset)) / 3.0)
+        is_included(prior.source).then(|| offset.dot(&(prior.information * offset)) / 3.0)
     };
     let mut squares: Vec<f64> = priors.iter().filter_map(squares).collect();
     // The median of χ² with three degrees of freedom is 2.366 = 0.789 · 3. The median, not the
@@ -262,18 +262,18 @@ fn widening(
 }
 
 /// Drift correction: shifts the cameras of the adjustment before inflation (`straight`), which
-/// follow the points, smoothly towards those after it (`widened`), which agree with the priors.
+/// follow the points, smoothly towards those after it (`inflated`), which agree with the priors.
 ///
 /// The error of a lens or a base varies as slowly as the camera moves. Cameras of inflated points
 /// jump at every prior instead; so only their slowly varying difference from `straight` is applied.
-fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
+fn drift_corrected(straight: &[Ptz], inflated: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
     /// Time constant of the drift correction, in frames.
     const FRAMES: f64 = 15.0;
     // The difference per frame in (pan rad, tilt rad, ln f), treated as a measurement with the
     // frame's covariance.
     let by: Vec<Vec3> = straight
         .iter()
-        .zip(widened)
+        .zip(inflated)
         .map(|(from, to)| offset(*from, *to))
         .collect();
     let typical = |axis: usize| {
@@ -286,10 +286,10 @@ fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
     // A smoother whose rate performs a random walk of variance q per frame, on measurements of
     // variance R, has a time constant of about (R/q)^¼ frames; hence q = R / 15⁴.
     let unrest = Vec3::from([0, 1, 2].map(typical)) / FRAMES.powi(4);
-    let bend = smoothed_offsets(&by, covariances, &unrest);
+    let drift = smoothed_offsets(&by, covariances, &unrest);
     straight
         .iter()
-        .zip(bend)
+        .zip(drift)
         .map(|(ptz, by)| moved(*ptz, by))
         .collect()
 }
@@ -354,14 +354,14 @@ mod tests {
     }
 
     #[test]
-    fn a_bend_that_changes_slowly_stays_and_jumps_at_anchors_go() {
+    fn a_drift_that_changes_slowly_stays_and_jumps_at_anchors_go() {
         let straight = pans(|frame| 0.1 * frame as f64);
         let slow = |frame: usize| 0.2 * (frame as f64 / 60.0).sin();
         let jumping = pans(|frame| {
             0.1 * frame as f64 + slow(frame) + if frame.is_multiple_of(20) { 0.05 } else { 0.0 }
         });
-        let bent = bent(&straight, &jumping, &vec![covariance(); 200]);
-        let pan = |frame: usize| bent[frame].pan.degrees();
+        let corrected = drift_corrected(&straight, &jumping, &vec![covariance(); 200]);
+        let pan = |frame: usize| corrected[frame].pan.degrees();
         for frame in 10..190 {
             let off = pan(frame) - 0.1 * frame as f64 - slow(frame);
             assert!(off.abs() < 0.012, "frame {frame}: {off}");
@@ -510,11 +510,16 @@ mod tests {
         };
         let of_points = |by: PriorSource| by != PriorSource::Proposal;
         let proposals = [0, 1].map(|frame| prior(frame, off, PriorSource::Proposal));
-        assert_eq!(widening(&proposals, &at, of_points), None);
-        assert!(widening(&proposals, &at, |by| !of_points(by)).is_some_and(|by| by > 3.0));
+        assert_eq!(needed_inflation(&proposals, &at, of_points), None);
+        assert!(needed_inflation(&proposals, &at, |by| !of_points(by)).is_some_and(|by| by > 3.0));
         let painted = prior(2, off, PriorSource::Paint);
-        assert!(widening(&[proposals[0], painted], &at, of_points).is_some_and(|by| by > 3.0));
+        assert!(
+            needed_inflation(&[proposals[0], painted], &at, of_points).is_some_and(|by| by > 3.0)
+        );
         let agreeing = prior(2, ptz, PriorSource::Person);
-        assert_eq!(widening(&[proposals[0], agreeing], &at, of_points), None);
+        assert_eq!(
+            needed_inflation(&[proposals[0], agreeing], &at, of_points),
+            None
+        );
     }
 }

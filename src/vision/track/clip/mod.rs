@@ -21,7 +21,7 @@
 //!
 //! 1. **Tracking** (`follow.rs`, `flow.rs`): up to 320 corners by pyramidal Lucas–Kanade, each
 //!    checked by tracking it back. A track ends after at most 60 frames, because it drifts.
-//! 2. **Propagation** (`carry.rs`): a point is the mean direction in which the frames so far saw
+//! 2. **Propagation** (`propagate/`): a point is the mean direction in which the frames so far saw
 //!    it. The next frame's camera is the one that projects the directions onto the points, under a
 //!    Cauchy loss whose scale shrinks. A point that disagrees three times is taken to move in the
 //!    scene. A frame is not reached if fewer than 40 % of its points, or fewer than 20, agree, or

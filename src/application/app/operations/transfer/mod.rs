@@ -295,7 +295,7 @@ impl App {
     /// Takes over the import that was read and mends its cameras.
     fn take_import_and_mend(&mut self) {
         self.take_import();
-        // An import that could not be taken over has said so, and offers nothing.
+        // An import that failed has reported that, and its message has no button.
         if self.session.offers(Command::MendCameras) {
             self.mending_command(Command::MendCameras);
         }
@@ -334,8 +334,8 @@ impl App {
         self.follow_import(&look);
     }
 
-    /// What follows an import: the same format is offered for the export, the ways to attach the
-    /// cameras are kept for the mending, and the user is told.
+    /// Completes an import: preselects the same format for the export, keeps the ways to attach the
+    /// cameras for the mending, and reports the result.
     fn follow_import(&mut self, look: &ImportLook) {
         let joined = &look.joined;
         if look.format.exports() {

@@ -1,0 +1,125 @@
+//! The runner's tasks: slow work besides the operations, each on a thread of its own.
+//!
+//! A task ends with an opened document, an action or an error. What it depends on decides when the
+//! runner stops it and discards its result.
+
+use super::Runner;
+use crate::app::{Action, DiskReport};
+use crate::jobs::opening::Ready;
+use crate::jobs::{Background, BackgroundReport, JobError, Reporter};
+use std::ops::ControlFlow;
+
+/// The result of a task.
+pub(super) enum Outcome {
+    Opened(Box<Ready>),
+    Action(Action),
+}
+
+/// What a task depends on; decides when its result is discarded.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Opens a document. Discarded when the user opens another one or cancels.
+    Opening,
+    /// Reads something for the open document. Discarded when another document replaces that one.
+    Beside,
+    /// Independent of the open document; always runs to its end.
+    Other,
+}
+
+/// The reporter of a task. It answers `Break` when the result is no longer needed.
+#[derive(Clone, Copy)]
+pub(super) struct TaskWatch<'a>(&'a Reporter<Action, Result<Outcome, JobError>>);
+
+impl TaskWatch<'_> {
+    /// Reports progress and says whether the task should continue.
+    pub(super) fn tell(self, action: Action) -> ControlFlow<()> {
+        self.0.progress(action);
+        self.goes_on()
+    }
+
+    /// Says whether the task should continue.
+    fn goes_on(self) -> ControlFlow<()> {
+        if self.0.is_stopped() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// A running task.
+pub(super) struct Task {
+    background: Background<Action, Result<Outcome, JobError>>,
+    /// What the task depends on.
+    kind: Kind,
+    /// The result is to be discarded.
+    given_up: bool,
+}
+
+impl Runner {
+    /// Starts a task on a thread of its own; its result arrives with a later poll.
+    pub(super) fn begin(
+        &mut self,
+        name: &str,
+        kind: Kind,
+        task: impl FnOnce(TaskWatch<'_>) -> Result<Outcome, JobError> + Send + 'static,
+    ) {
+        let background = Background::spawn(name, self.wake.clone(), move |reporter| {
+            task(TaskWatch(reporter))
+        });
+        match background {
+            Ok(background) => self.tasks.push(Task {
+                background,
+                kind,
+                given_up: false,
+            }),
+            Err(source) => {
+                let error = JobError::NoThread {
+                    what: format!("“{name}”"),
+                    source,
+                };
+                self.reports
+                    .push(Action::Disk(DiskReport::Failed(error.to_string())));
+            }
+        }
+    }
+
+    /// The reports of the tasks. A document that a task has opened waits in `ready` until the next
+    /// poll.
+    pub(super) fn poll_tasks(&mut self) -> Vec<Action> {
+        let mut actions = Vec::new();
+        for task in &mut self.tasks {
+            while let Some(report) = task.background.poll() {
+                match report {
+                    _ if task.given_up => {}
+                    BackgroundReport::Done(Ok(Outcome::Opened(ready))) => self.ready = Some(ready),
+                    BackgroundReport::Progress(action)
+                    | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
+                        actions.push(action);
+                    }
+                    BackgroundReport::Done(Err(JobError::AlreadyOpen { file })) => {
+                        actions.push(Action::Disk(DiskReport::AlreadyOpen(file)));
+                    }
+                    BackgroundReport::Done(Err(error)) => {
+                        actions.push(Action::Disk(DiskReport::Failed(error.to_string())));
+                    }
+                    BackgroundReport::Panicked(message) => {
+                        actions.push(Action::Disk(DiskReport::Failed(format!(
+                            "internal error (please report it): {message}"
+                        ))));
+                    }
+                }
+            }
+        }
+        self.tasks.retain(|task| !task.background.is_over());
+        actions
+    }
+
+    /// Stops the tasks of some kinds and discards their results.
+    pub(super) fn give_up(&mut self, concerned: impl Fn(Kind) -> bool) {
+        for task in self.tasks.iter_mut().filter(|task| concerned(task.kind)) {
+            task.given_up = true;
+            task.background.stop();
+        }
+    }
+}

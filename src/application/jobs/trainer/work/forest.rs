@@ -1,0 +1,227 @@
+//! The steps that make the forest, and what follows from them.
+//!
+//! The trainer recalls a stored forest or trains a new one. It measures the accuracy of each and
+//! lowers the stated probabilities where they are too high. It drops the forest, and what was found
+//! out with it, when references are changed or withdrawn.
+
+use super::{Work, broke_down};
+use crate::app::{ForestFacts, TrainerStatus};
+use crate::jobs::trainer::backend::{Backend, Learnt, Measured};
+use crate::jobs::trainer::watch::{Until, Watch};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use touchline_calibration::proposals::{Coverage, Quality, TrainingSet};
+use touchline_core::progress::Progress;
+use touchline_documents::document::FrameId;
+use touchline_vision::relocalize::{CameraForest, ForestModel};
+
+/// Maximum time that proposals take precedence over the next training.
+const LONGEST_TURN: Duration = Duration::from_secs(20);
+
+/// The forest in use.
+pub(super) struct Forest {
+    pub(super) model: Arc<ForestModel>,
+    pub(super) training_set: TrainingSet,
+}
+
+impl<C: Backend> Work<C> {
+    /// Drops what was found out about references that were changed or withdrawn.
+    pub(super) fn forget_changed(&mut self, before: &TrainingSet) {
+        let is_unchanged = |id: &FrameId| {
+            let position = self.document.frames.position_of(id);
+            let sample = position.map(|position| TrainingSet::of(&self.document, &[position]));
+            sample.is_some_and(|sample| {
+                before.contains(&sample) && self.training_set.contains(&sample)
+            })
+        };
+        let status = &mut self.status;
+        status.suspects = status
+            .suspects
+            .iter()
+            .filter(|suspect| is_unchanged(&suspect.frame))
+            .cloned()
+            .collect();
+        status.failed = status
+            .failed
+            .iter()
+            .filter(|failed| is_unchanged(&failed.frame))
+            .cloned()
+            .collect();
+    }
+
+    /// Drops the forest: no training sample is left.
+    pub(super) fn forget(&mut self) {
+        if self.forest.take().is_some() {
+            self.answer_cache.trust_from(self.generation + 1);
+        }
+        self.status = TrainerStatus {
+            references: self.status.references,
+            withheld: self.status.withheld,
+            answered: self.status.answered,
+            not_kept: self.status.not_kept.take(),
+            ..TrainerStatus::default()
+        };
+    }
+
+    /// Looks for a forest that an earlier run of the program stored.
+    pub(super) fn recall(&mut self) {
+        self.recalled = true;
+        match self.backend.recall(&self.training_set) {
+            Ok(Some(model)) => {
+                let facts = ForestFacts {
+                    references: self.training_frames.frames.len(),
+                    ..facts(&model)
+                };
+                // The forest already answered in an earlier run; what was discarded then stays
+                // discarded.
+                self.answer_cache
+                    .keep_refusing(self.generation, self.generation + 1);
+                self.take_forest(model, self.training_set.clone(), facts);
+            }
+            Ok(None) => {}
+            // Not fatal: a new forest is trained instead.
+            Err(error) => self.status.trouble = Some(error.to_string()),
+        }
+    }
+
+    /// Trains a forest; ends early if a training sample is changed or withdrawn.
+    pub(super) fn learn(&mut self) {
+        let begun = Instant::now();
+        let (document, training_frames) =
+            (self.document.clone(), self.training_frames.frames.clone());
+        let training_set = self.training_set.clone();
+        let watch = Watch::new(
+            &self.mailbox,
+            &self.status,
+            self.orders.edition,
+            Until::Unlearnt(training_set.clone()),
+        );
+        let backend = &mut self.backend;
+        let learnt = catch_unwind(AssertUnwindSafe(|| {
+            let progress = Progress::new(|doing| watch.tell(doing));
+            backend.learn(&document, &training_frames, &training_set, &progress)
+        }));
+        match learnt {
+            Ok(Ok(None)) => {}
+            Ok(Ok(Some(Learnt {
+                model,
+                features,
+                failed,
+            }))) => {
+                let took = begun.elapsed();
+                let facts = ForestFacts {
+                    references: training_frames.len() - failed.len(),
+                    features,
+                    took: Some(took),
+                    ..facts(&model)
+                };
+                self.status.failed = failed.into();
+                self.status.trouble = None;
+                self.turn_until = Instant::now() + took.min(LONGEST_TURN);
+                self.take_forest(model, training_set, facts);
+            }
+            Ok(Err(error)) => {
+                self.status.trouble = Some(error.to_string());
+                self.failed = Some(training_set);
+            }
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("learning", panic.as_ref()));
+                self.failed = Some(training_set);
+            }
+        }
+        self.status.not_kept = self.backend.not_kept();
+    }
+
+    /// Puts a forest into use under a new generation.
+    fn take_forest(&mut self, model: ForestModel, training_set: TrainingSet, facts: ForestFacts) {
+        self.generation += 1;
+        // If it lacks samples of the one before, something was withdrawn: earlier answers are
+        // unreliable.
+        if self
+            .forest
+            .as_ref()
+            .is_some_and(|before| !training_set.contains(&before.training_set))
+        {
+            self.answer_cache.trust_from(self.generation);
+        }
+        self.status.forest = Some(ForestFacts {
+            generation: self.generation,
+            ..facts
+        });
+        self.forest = Some(Forest {
+            model: Arc::new(model),
+            training_set,
+        });
+        self.survey();
+    }
+
+    /// Measures the accuracy of the forest by leaving references out.
+    pub(super) fn measure(&mut self) {
+        let document = self.document.clone();
+        let training_frames = &self.training_frames.frames;
+        let watch = Watch::new(
+            &self.mailbox,
+            &self.status,
+            self.orders.edition,
+            Until::Changed(self.training_set.clone()),
+        );
+        let backend = &mut self.backend;
+        let measured = catch_unwind(AssertUnwindSafe(|| {
+            let progress = Progress::new(|doing| watch.tell(doing));
+            backend.measure(&document, training_frames, &progress)
+        }));
+        // If this ended early, or the training set has changed, it is measured again.
+        match measured {
+            Ok(None) => return,
+            Ok(Some(_)) if !watch.is_wanted() => return,
+            Ok(Some(Measured { quality, suspects })) => {
+                if let Some(quality) = &quality {
+                    self.bound(quality);
+                }
+                self.status.quality = quality.map(Arc::new);
+                self.status.suspects = suspects.into();
+            }
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("measuring quality", panic.as_ref()));
+            }
+        }
+        self.measured = self.generation;
+    }
+
+    /// Lowers the forest's stated probabilities if references that were left out got wrong answers
+    /// stated as certain. The result is a new generation, so that earlier answers are queried
+    /// again.
+    fn bound(&mut self, quality: &Quality) {
+        let shown = quality.shown();
+        let (Some(forest), Some(facts)) = (&self.forest, &self.status.forest) else {
+            return;
+        };
+        if shown.right == shown.certain {
+            return;
+        }
+        let mut model = (*forest.model).clone();
+        quality.bound(&self.document, &mut model);
+        let (training_set, facts) = (forest.training_set.clone(), *facts);
+        self.answer_cache
+            .keep_refusing(self.generation, self.generation + 1);
+        self.take_forest(model, training_set, facts);
+    }
+
+    /// Maps what the references of each camera see.
+    fn survey(&mut self) {
+        let training_frames = &self.training_frames.frames;
+        self.status.coverage =
+            Coverage::of_cameras(self.document.at(self.backend.folder()), training_frames).into();
+    }
+}
+
+/// The size of a forest.
+fn facts(model: &ForestModel) -> ForestFacts {
+    let count = |of: fn(&CameraForest) -> usize| model.cameras.iter().map(of).sum();
+    ForestFacts {
+        trees: count(|camera| camera.forest.trees()),
+        leaves: count(|camera| camera.forest.leaves()),
+        ..ForestFacts::default()
+    }
+}

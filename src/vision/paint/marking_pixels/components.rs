@@ -1,0 +1,94 @@
+//! Connected components of marking pixels, and which of them are paint.
+//!
+//! One pixel says too little: its colour is noisy, and the grain of the turf can look like paint.
+//! A component has a length, and its pixels together have a colour and a brightness that can be
+//! judged.
+
+use super::super::ground_area::parts;
+use super::super::turf_levels::TurfExcess;
+use super::StrokePoint;
+use super::ridges::RidgePixel;
+use super::stroke_colours::Colours;
+use touchline_core::geometry::ImageSize;
+
+/// Minimum extent of a connected component, px at 1920 px width, without the pixels that dilation
+/// adds at its ends.
+const MIN_LENGTH_PX: f64 = 28.0;
+
+/// Lower limit of the minimum extent in small pictures, px. The blur has a fixed width and makes
+/// the grain of the turf into components of about this extent at any resolution.
+const GRAIN_PX: f64 = 20.0;
+
+/// A connected component of marking pixels, with sums over them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Component {
+    /// Diagonal of its bounding box, px.
+    length_px: f64,
+    colours: Colours,
+    excess: TurfExcess,
+}
+
+impl Component {
+    /// Whether it is turf that is lighter than the turf beside it. Where the colours do not say,
+    /// the brightness of the turf around decides.
+    fn is_turf(&self) -> bool {
+        self.colours.are_of_brighter_turf()
+            || (!self.colours.are_whiter() && self.excess.is_light_turf())
+    }
+}
+
+/// The marking pixels of components that are long enough; on turf without components of lighter
+/// turf.
+pub(super) fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<StrokePoint> {
+    let (width, height) = (size.width as usize, size.height as usize);
+    // Dilating by one pixel joins pixels across gaps of up to two pixels.
+    let mut set = vec![false; width * height];
+    for ridge in ridges {
+        let (x, y) = (ridge.index % width, ridge.index / width);
+        for y in y.saturating_sub(1)..(y + 2).min(height) {
+            set[y * width + x.saturating_sub(1)..y * width + (x + 2).min(width)].fill(true);
+        }
+    }
+    // Extent of each connected component: the diagonal of its bounding box, px.
+    let mut of_part = vec![0_usize; width * height];
+    let mut components: Vec<Component> = Vec::new();
+    for part in parts(&set, width) {
+        let extent = |of: &dyn Fn(usize) -> usize| {
+            let (least, most) = part
+                .iter()
+                .map(|&index| of(index))
+                .fold((usize::MAX, 0), |(least, most), at| {
+                    (least.min(at), most.max(at))
+                });
+            (most - least) as f32
+        };
+        let length = extent(&|index| index % width).hypot(extent(&|index| index / width));
+        for index in part {
+            of_part[index] = components.len();
+        }
+        components.push(Component {
+            length_px: f64::from(length),
+            ..Component::default()
+        });
+    }
+    // Colours are summed over whole components; the colour of one pixel is too noisy to decide.
+    for ridge in ridges {
+        let component = &mut components[of_part[ridge.index]];
+        component.colours.add(&ridge.colours);
+        component.excess.add(&ridge.excess);
+    }
+    // Dilation adds one pixel at each end.
+    let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
+    let is_paint: Vec<bool> = components
+        .iter()
+        .map(|component| component.length_px > least_px && !(is_turf && component.is_turf()))
+        .collect();
+    let painted = ridges.iter().filter(|ridge| is_paint[of_part[ridge.index]]);
+    painted
+        .map(|ridge| StrokePoint {
+            at: ridge.at,
+            normal: ridge.normal,
+            length_px: components[of_part[ridge.index]].length_px,
+        })
+        .collect()
+}

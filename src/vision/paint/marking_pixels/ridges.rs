@@ -1,0 +1,300 @@
+//! Ridges of brightness: the pixels on the centre of something thin with ground beside it.
+//!
+//! A ridge is found in the blurred picture, where a thin marking is one smooth maximum. Its
+//! contrast and its centre are measured in the picture itself, because the blur lowers the contrast
+//! of thin lines and draws their centre to the brighter side. Whether a ridge is paint is not
+//! decided here.
+
+use super::super::GroundPicture;
+use super::super::ground_area::GroundArea;
+use super::super::profile::Profile;
+use super::super::turf_levels::{TurfExcess, TurfLevels};
+use super::stroke_colours::Colours;
+use crate::media::GreyPicture;
+use touchline_core::geometry::{ImagePoint, Vec2};
+
+/// Distances from the centre at which the ground is compared with a marking, px. The smallest suits
+/// thin lines, the largest the wide lines near the camera.
+const SIDES_PX: [f64; 3] = [4.0, 8.0, 14.0];
+
+/// Minimum contrast of paint against the brighter side: the larger of this many grey levels and
+/// [`MIN_CONTRAST_SHARE`] of that side's brightness.
+const MIN_CONTRAST: f64 = 4.5;
+const MIN_CONTRAST_SHARE: f64 = 0.045;
+
+/// Distances from the centre at which the ground's colour is tested, px. One match per side is
+/// enough.
+const COLOURS_PX: [f64; 3] = [8.0, 10.0, 12.0];
+
+/// Standard deviation of the Gaussian blur before the Hessian is taken, px.
+const BLUR_PX: f32 = 2.0;
+
+/// Minimum curvature of the blurred brightness across a marking, grey levels / px².
+const MIN_BEND: f32 = 0.25;
+
+/// Maximum curvature along a marking, as a share of the curvature across it. Blobs exceed it.
+const MAX_BEND_ALONG: f32 = 0.6;
+
+/// The centre of a marking found in one pixel.
+pub(super) struct RidgePixel {
+    pub index: usize,
+    pub at: ImagePoint,
+    pub normal: Vec2,
+    pub colours: Colours,
+    /// Against the turf around it; on turf alone.
+    pub excess: TurfExcess,
+}
+
+/// Whether a marking is brighter or darker than the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tone {
+    Bright,
+    Dark,
+}
+
+impl Tone {
+    /// Factor that makes the marking a maximum of brightness.
+    const fn sign(self) -> f32 {
+        match self {
+            Self::Bright => 1.0,
+            Self::Dark => -1.0,
+        }
+    }
+}
+
+/// The marking pixels of the ground area, row by row.
+pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
+    let (width, height) = (ground.size().width as usize, ground.size().height as usize);
+    let smooth = blurred(ground.grey());
+    // Paint on turf is always lighter. Lines of indoor floors may be dark.
+    let is_turf = ground.surface().is_turf();
+    let tones: &[Tone] = if is_turf {
+        &[Tone::Bright]
+    } else {
+        &[Tone::Bright, Tone::Dark]
+    };
+    let levels = is_turf.then(|| TurfLevels::of(ground, area));
+    let mut found = Vec::new();
+    let mut profile = Profile::default();
+    for y in 1..height.saturating_sub(1) {
+        for x in 1..width.saturating_sub(1) {
+            if !area.is_near(x, y) {
+                continue;
+            }
+            let index = y * width + x;
+            for tone in tones {
+                // Sub-pixel maximum of the blurred brightness along the normal.
+                let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else {
+                    continue;
+                };
+                let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).moved(normal * beside_px);
+                let at = match tone {
+                    Tone::Bright => brightest(ground.grey(), at, normal),
+                    Tone::Dark => at,
+                };
+                // The contrast is measured in the unblurred picture: the blur lowers that of thin
+                // lines.
+                let Some(side_px) = contrasts(ground.grey(), at, normal, *tone) else {
+                    continue;
+                };
+                if !has_ground_beside(area, at, normal) {
+                    continue;
+                }
+                // With the distance of the ground known, the centre is measured again from both
+                // edges.
+                let at = match tone {
+                    Tone::Bright => between_edges(&mut profile, ground.grey(), at, normal, side_px),
+                    Tone::Dark => at,
+                };
+                let level = ground.grey().at(at);
+                let excess = levels.as_ref().map(|levels| levels.excess(x, y, level));
+                found.push(RidgePixel {
+                    index,
+                    at,
+                    normal,
+                    colours: Colours::at(ground.picture(), at, normal, side_px),
+                    excess: excess.unwrap_or_default(),
+                });
+            }
+        }
+    }
+    found
+}
+
+/// The normal of a ridge at a pixel, and the signed distance from the pixel's centre along it to
+/// the maximum, px. None where the curvature is not that of a line, or where the maximum lies in
+/// another pixel.
+///
+/// As in Steger 1998: n is the eigenvector of the Hessian H with the most negative eigenvalue, and
+/// the maximum along n lies at t = −(n·∇I) / (nᵀ H n).
+fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2, f64)> {
+    let sign = tone.sign();
+    let at =
+        |dx: isize, dy: isize| sign * smooth[index.wrapping_add_signed(dy * width as isize + dx)];
+    let (centre, left, right, above, below) = (at(0, 0), at(-1, 0), at(1, 0), at(0, -1), at(0, 1));
+    let (xx, yy) = (left - 2.0 * centre + right, above - 2.0 * centre + below);
+    // Early exit without a square root. The conditions on both eigenvalues below imply this bound
+    // on their sum, the trace.
+    if xx + yy > -MIN_BEND * (1.0 - MAX_BEND_ALONG) {
+        return None;
+    }
+    // Gradient and mixed derivative by central differences, then the eigenvalues of the symmetric 2
+    // × 2 Hessian.
+    let (x, y) = (0.5 * (right - left), 0.5 * (below - above));
+    let xy = 0.25 * (at(1, 1) - at(-1, 1) - at(1, -1) + at(-1, -1));
+    let (mean, spread) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+    let (across, along) = (mean - spread, mean + spread);
+    if across > -MIN_BEND || along.abs() > MAX_BEND_ALONG * across.abs() {
+        return None;
+    }
+    // atan2 / 2 is the angle of the eigenvector of `along`, the larger eigenvalue; the normal is
+    // perpendicular to it.
+    let turn = 0.5 * (2.0 * xy).atan2(xx - yy) + std::f32::consts::FRAC_PI_2;
+    let (normal_y, normal_x) = turn.sin_cos();
+    let beside = -(x * normal_x + y * normal_y) / across;
+    // A little more than half a pixel, so that no maximum is lost between two neighbours.
+    let within = (beside * normal_x).abs() <= 0.6 && (beside * normal_y).abs() <= 0.6;
+    within.then(|| {
+        (
+            Vec2::new(f64::from(normal_x), f64::from(normal_y)),
+            f64::from(beside),
+        )
+    })
+}
+
+/// Moves a point to the brightest unblurred value within 1.5 px along the normal. Where a mowing
+/// stripe ends, 1 px wide paint lies beside the maximum of the blurred brightness.
+fn brightest(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> ImagePoint {
+    const STEP_PX: f64 = 0.5;
+    const STEPS: i32 = 3;
+    // From near to far, so that of equally bright points the nearest wins.
+    let beside = (0..=STEPS)
+        .flat_map(|step| [step, -step])
+        .map(|step| at.moved(normal * (STEP_PX * f64::from(step))));
+    let with_grey = beside.map(|at| (grey.at(at), at));
+    with_grey
+        .reduce(|best, next| if next.0 > best.0 { next } else { best })
+        .map_or(at, |(_, at)| at)
+}
+
+/// The midpoint of the two edges of bright paint, with ground `side_px` beside it.
+///
+/// Mowing stripes often end at painted lines. The maximum of the blurred brightness is then shifted
+/// to the brighter side, by 1.5 px for paint 1 px wide. The edges are not: each is taken halfway
+/// between the brightness of the paint and that of its own side.
+fn between_edges(
+    profile: &mut Profile,
+    grey: &GreyPicture,
+    at: ImagePoint,
+    normal: Vec2,
+    side_px: f64,
+) -> ImagePoint {
+    const STEP_PX: f64 = 0.5;
+    /// Maximum distance of the brightest point from the starting point, px.
+    const BESIDE_PX: f64 = 3.0;
+    profile.read(grey, at, normal, 2.0 * side_px, STEP_PX);
+    let middle = profile.len() / 2;
+    let (side, beside) = (
+        profile.places(side_px),
+        profile.places(BESIDE_PX).unsigned_abs(),
+    );
+    // Peak of the unblurred profile.
+    let near = middle.saturating_sub(beside)..=(middle + beside).min(profile.len() - 1);
+    let Some(brightest) =
+        near.max_by(|one, other| profile.grey(*one).total_cmp(&profile.grey(*other)))
+    else {
+        return at;
+    };
+    // Each side has a brightness of its own, averaged from one to two times `side_px` away.
+    let (before, behind) = (
+        profile.mean(middle, -2 * side, -side),
+        profile.mean(middle, side, 2 * side),
+    );
+    // An edge is where the profile falls to half the contrast against that side.
+    let edge = |direction: isize, ground: f64| {
+        profile.falls_below(
+            brightest,
+            direction,
+            f64::midpoint(profile.grey(brightest), ground),
+            2.0 * side_px,
+        )
+    };
+    match (edge(-1, before), edge(1, behind)) {
+        (Some(from), Some(to)) => at.moved(normal * profile.offset_px(f64::midpoint(from, to))),
+        _ => at,
+    }
+}
+
+/// The smallest of [`SIDES_PX`] at which both sides are darker, or for dark markings brighter, than
+/// the centre by the minimum contrast.
+fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Option<f64> {
+    let here = grey.at(at);
+    SIDES_PX.into_iter().find(|side_px| {
+        let (one, other) = (
+            grey.at(at.moved(normal * *side_px)),
+            grey.at(at.moved(normal * -side_px)),
+        );
+        let (stands_out, brighter) = match tone {
+            Tone::Bright => (here - one.max(other), one.max(other)),
+            Tone::Dark => (one.min(other) - here, one.max(other)),
+        };
+        stands_out > MIN_CONTRAST.max(MIN_CONTRAST_SHARE * brighter)
+    })
+}
+
+/// Whether both sides of a point have the ground's colour. Near the border of the ground area one
+/// side is enough: a boundary line may have a board beyond it.
+fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
+    let side = |sign: f64| {
+        COLOURS_PX
+            .into_iter()
+            .any(|beside_px| area.is_of_ground(at.moved(normal * (sign * beside_px))))
+    };
+    match (side(1.0), side(-1.0)) {
+        (true, true) => true,
+        (false, false) => false,
+        _ => area.is_near_border(at),
+    }
+}
+
+/// The brightness convolved with a Gaussian of [`BLUR_PX`], truncated at 3 σ; the border pixels are
+/// repeated outside.
+fn blurred(grey: &GreyPicture) -> Vec<f32> {
+    let (width, height) = (grey.size.width as usize, grey.size.height as usize);
+    let reach = (3.0 * BLUR_PX).ceil() as isize;
+    let weight = |offset: isize| (-0.5 * (offset as f32 / BLUR_PX).powi(2)).exp();
+    let sum: f32 = (-reach..=reach).map(weight).sum();
+    let kernel: Vec<f32> = (-reach..=reach)
+        .map(|offset| weight(offset) / sum)
+        .collect();
+    let clamped = |at: usize, step: usize, last: usize| {
+        (at as isize + step as isize - reach).clamp(0, last as isize) as usize
+    };
+    // The Gaussian is separable: first along rows. The inner loop runs over contiguous memory.
+    let mut across = vec![0.0_f32; width * height];
+    for (row, out) in grey
+        .values
+        .chunks_exact(width.max(1))
+        .zip(across.chunks_exact_mut(width.max(1)))
+    {
+        let padded: Vec<f32> = (0..width + 2 * reach as usize)
+            .map(|at| f32::from(row[clamped(at, 0, width - 1)]))
+            .collect();
+        for (step, weight) in kernel.iter().enumerate() {
+            for (out, value) in out.iter_mut().zip(&padded[step..]) {
+                *out += weight * value;
+            }
+        }
+    }
+    // Then along columns, again a row at a time.
+    let mut both = vec![0.0_f32; width * height];
+    for (y, out) in both.chunks_exact_mut(width.max(1)).enumerate() {
+        for (step, weight) in kernel.iter().enumerate() {
+            let from = clamped(y, step, height - 1) * width;
+            for (out, value) in out.iter_mut().zip(&across[from..from + width]) {
+                *out += weight * value;
+            }
+        }
+    }
+    both
+}
