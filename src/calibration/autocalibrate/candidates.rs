@@ -7,7 +7,8 @@
 //! 1. [`fit_panorama`] frees the focal scale, the crown and the field's size; the frames stay rigid
 //!    to each other. The best [`MAX_REFINED`] in different positions go on.
 //! 2. [`Hypothesis::adjust`] frees pan, tilt and focal length of every frame and the lens, and fits
-//!    the paint in the pictures. It is repeated from its own result ([`adjust_repeatedly`]).
+//!    the paint in the pictures. It is repeated from its own result
+//!    ([`Hypothesis::adjust_repeatedly`]).
 //! 3. Where the field's size is unknown, the best [`MAX_RESIZED`] try neighbouring sizes
 //!    (`neighbours.rs`).
 //!
@@ -20,7 +21,7 @@ use super::field_prior::FieldPrior;
 use super::focal_scales::{PosesByFocalScale, ScaledPose, poses_from_clicks, search_poses};
 use super::hypothesis::Hypothesis;
 use super::joint::{FirstReach, JointStart};
-use super::matched_frames::{FramesAtScale, MatchedFrames};
+use super::matched_frames::MatchedFrames;
 use super::neighbours::try_neighbouring_sizes;
 use super::panorama_fit::{PanoramaFit, PanoramaStart, fit_panorama};
 use super::pitch_map::PitchMap;
@@ -30,7 +31,6 @@ use super::search::ScoredPose;
 use super::search_places::SearchPlaces;
 use super::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::field::{FieldModel, Symmetry};
 use touchline_core::geometry::Vec3;
@@ -41,9 +41,6 @@ const MAX_REFINED: usize = 5;
 
 /// Maximum number of candidates for which neighbouring field sizes are tried.
 const MAX_RESIZED: usize = 2;
-
-/// An adjustment replaces another one if its score is this many times higher.
-pub(super) const MIN_GAIN: f64 = 1.01;
 
 /// Positions nearer to each other than this are one answer, m.
 pub(super) const SAME_POSITION_M: f64 = 1.5;
@@ -241,7 +238,7 @@ fn adjust_with_and_without_size(
     // Both variants are adjusted in parallel.
     let (as_assumed, resized) = rayon::join(
         || {
-            adjust_repeatedly(
+            Hypothesis::adjust_repeatedly(
                 &JointStart::from_panorama(&as_assumed?, reach),
                 None,
                 frames,
@@ -249,7 +246,7 @@ fn adjust_with_and_without_size(
             )
         },
         || {
-            adjust_repeatedly(
+            Hypothesis::adjust_repeatedly(
                 &JointStart::from_panorama(&resized?, reach),
                 Some(field_prior),
                 frames,
@@ -288,51 +285,6 @@ impl JointStart {
             ptz,
         }
     }
-
-    /// From the result of an adjustment. Frames that it dropped are placed by their matches with
-    /// the frames that it kept.
-    pub(super) fn from_hypothesis(
-        hypothesis: &Hypothesis,
-        matched: &MatchedFrames,
-    ) -> Option<Self> {
-        let ptz = hypothesis.all_ptz(matched)?.into_iter().map(Some).collect();
-        let camera = &hypothesis.camera;
-        Some(Self {
-            reach: hypothesis.reach,
-            field: camera.field.clone(),
-            base: camera.base,
-            ptz,
-        })
-    }
-}
-
-/// Adjusts a base and its frames, and repeats that from the result while the score rises by
-/// [`MIN_GAIN`].
-///
-/// Paint is assigned to lines once per round, with the base of the moment. A frame that was
-/// assigned to the wrong lines, or dropped because it lay near none, gets a second chance from the
-/// better base and field size.
-pub(super) fn adjust_repeatedly(
-    start: &JointStart,
-    size_prior: Option<&FieldPrior>,
-    frames: &Arc<FramesAtScale>,
-    matched: &MatchedFrames,
-) -> Option<Hypothesis> {
-    const MAX_PASSES: usize = 4;
-    let mut best = Hypothesis::adjust(start, size_prior, frames, matched)?;
-    for _ in 1..MAX_PASSES {
-        let Some(start) = JointStart::from_hypothesis(&best, matched) else {
-            break;
-        };
-        let Some(next) = Hypothesis::adjust(&start, size_prior, frames, matched) else {
-            break;
-        };
-        if next.score() <= MIN_GAIN * best.score() {
-            break;
-        }
-        best = next;
-    }
-    Some(best)
 }
 
 /// Chooses between the field as assumed and the field of fitted size.
@@ -385,6 +337,7 @@ mod tests {
     use super::*;
     use std::ops::ControlFlow;
     use std::path::Path;
+    use std::sync::Arc;
     use std::sync::Mutex;
     use touchline_core::camera::PtzCamera;
     use touchline_core::geometry::Vec3;

@@ -18,6 +18,9 @@ use touchline_core::camera::Ptz;
 use touchline_core::geometry::Vec3;
 use touchline_vision::track::{PosePrior, filled};
 
+/// An adjustment replaces another one if its score is this many times higher.
+pub(super) const MIN_GAIN: f64 = 1.01;
+
 /// A base for the camera, and the frames around it. Frames are numbered as in [`MatchedFrames`].
 #[derive(Clone)]
 pub(super) struct Hypothesis {
@@ -82,6 +85,35 @@ impl Hypothesis {
         })
     }
 
+    /// Adjusts a base and its frames, and repeats that from the result while the score rises by
+    /// [`MIN_GAIN`].
+    ///
+    /// Paint is assigned to lines once per round, with the base of the moment. A frame that was
+    /// assigned to the wrong lines, or dropped because it lay near none, gets a second chance from
+    /// the better base and field size.
+    pub fn adjust_repeatedly(
+        start: &JointStart,
+        size_prior: Option<&FieldPrior>,
+        frames: &Arc<FramesAtScale>,
+        matched: &MatchedFrames,
+    ) -> Option<Self> {
+        const MAX_PASSES: usize = 4;
+        let mut best = Self::adjust(start, size_prior, frames, matched)?;
+        for _ in 1..MAX_PASSES {
+            let Some(start) = JointStart::from_hypothesis(&best, matched) else {
+                break;
+            };
+            let Some(next) = Self::adjust(&start, size_prior, frames, matched) else {
+                break;
+            };
+            if next.score() <= MIN_GAIN * best.score() {
+                break;
+            }
+            best = next;
+        }
+        Some(best)
+    }
+
     /// The product of explained paint and visible lines, 0 to 1.
     pub fn score(&self) -> f64 {
         self.camera.evidence.score()
@@ -101,6 +133,24 @@ impl Hypothesis {
     /// the others. None if no frame has a camera.
     pub fn all_ptz(&self, matched: &MatchedFrames) -> Option<Vec<Ptz>> {
         filled(&self.ptz, &self.frames.rotations.ptz, &matched.matches)
+    }
+}
+
+impl JointStart {
+    /// From the result of an adjustment. Frames that it dropped are placed by their matches with
+    /// the frames that it kept.
+    pub(super) fn from_hypothesis(
+        hypothesis: &Hypothesis,
+        matched: &MatchedFrames,
+    ) -> Option<Self> {
+        let ptz = hypothesis.all_ptz(matched)?.into_iter().map(Some).collect();
+        let camera = &hypothesis.camera;
+        Some(Self {
+            reach: hypothesis.reach,
+            field: camera.field.clone(),
+            base: camera.base,
+            ptz,
+        })
     }
 }
 

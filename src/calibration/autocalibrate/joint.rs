@@ -162,8 +162,8 @@ impl JointAdjustment {
 /// A start that is some metres off needs the wide reach. From a good one it does harm: paint of the
 /// far end, where lines lie close together, goes to neighbouring lines, and lens and focal lengths
 /// adapt to it. Drawn clip 7 of the bowl (behind a goal, 360p): from a panorama that explains 91 %
-/// of its paint, 3 m off, the wide reach ends 4.7 m off with a median residual of 1.3 px, the narrow
-/// one 0.2 m off with 0.4 px.
+/// of its paint, 3 m off, the wide reach ends 4.7 m off with a median residual of 1.3 px, and the
+/// narrow one 0.2 m off with 0.4 px.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FirstReach {
     Wide,

@@ -27,13 +27,14 @@
 //! | 4′. With two clicked landmarks, poses from pairs of clicks in place of the search | `clicked.rs` | – |
 //! | 5. Fit of the panorama with focal scale, crown and field size | `panorama_fit/` | low cameras, from which size and distance trade off |
 //! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `candidates.rs`, `hypothesis.rs`, `joint.rs` | wrong lines at first; frames that stray |
-//! | 6′. Without a certain answer: stage 6 with a narrow reach, and from nearer and farther away | `joint.rs`, `neighbours.rs` | minima of the adjustment beside the right one: low cameras, far lines taken for their neighbours |
 //! | 7. Evidence: paint on lines × lines with paint; halves of the frames give one position | `evidence.rs` | fields of another sport or size |
 //! | 8. The best two are aligned to each frame's own picture and adjusted once more | `align.rs`, `refine.rs` | frames that went to other lines; a principal point that a few frames draw away |
 //! | 9. Verdict | `verdict.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much |
 //!
 //! `camera.rs` runs the stages in this order. From stage 6 on a candidate is one `Hypothesis`,
-//! which each stage refines.
+//! which each stage refines. If no answer is certain, stage 6 is repeated with a narrow first reach
+//! (`joint.rs`) and from nearer and farther away (`neighbours.rs`), and the later stages follow
+//! again: the adjustment has minima beside the right one.
 //!
 //! `field_prior.rs` says which field sizes are tried, `pitch_map.rs` which line a camera sees
 //! nearest to a point, and `rotations_by_focal_scale.rs` interpolates stage 2 between the focal

@@ -16,9 +16,8 @@
 //! of the field ([`try_neighbouring_sizes`]), and from nearer and farther away with the focal
 //! lengths that go with it ([`try_neighbouring_distances`]).
 
-use super::candidates::{MIN_GAIN, adjust_repeatedly};
 use super::field_prior::FieldPrior;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, MIN_GAIN};
 use super::joint::{FirstReach, JointStart};
 use super::matched_frames::MatchedFrames;
 use rayon::prelude::*;
@@ -87,7 +86,7 @@ pub(super) fn try_neighbouring_distances(
         .into_par_iter()
         .filter_map(|factor| {
             let start = from_other_distance(hypothesis, &ptz, middle_m, factor);
-            adjust_repeatedly(&start, size_prior, &hypothesis.frames, matched)
+            Hypothesis::adjust_repeatedly(&start, size_prior, &hypothesis.frames, matched)
         })
         .collect();
     // Of those that explain about as much as the best, the one with the smallest residual.

@@ -157,10 +157,10 @@ pub fn adjust_clip(
     // inflation does not readmit outliers.
     let mut inflation = 1.0;
     for _ in 0..MAX_INFLATIONS {
-        let points = needed_inflation(&problem.priors, &fine.state, |source| {
+        let points = inflation_factor(&problem.priors, &fine.state, |source| {
             source != PriorSource::Proposal
         });
-        let proposals = needed_inflation(&problem.priors, &fine.state, |source| {
+        let proposals = inflation_factor(&problem.priors, &fine.state, |source| {
             source == PriorSource::Proposal
         });
         if points.is_none() && proposals.is_none() {
@@ -243,7 +243,7 @@ const MAX_INFLATIONS: usize = 8;
 /// scatter; only user clicks and painted lines reveal it, and they then take precedence over the
 /// points. Answers of a forest do not: their errors vary from frame to frame, and cameras that
 /// followed them would jump at each.
-fn needed_inflation(
+fn inflation_factor(
     priors: &[PosePrior],
     at: &PoseState,
     is_included: impl Fn(PriorSource) -> bool,
@@ -510,15 +510,15 @@ mod tests {
         };
         let of_points = |by: PriorSource| by != PriorSource::Proposal;
         let proposals = [0, 1].map(|frame| prior(frame, off, PriorSource::Proposal));
-        assert_eq!(needed_inflation(&proposals, &at, of_points), None);
-        assert!(needed_inflation(&proposals, &at, |by| !of_points(by)).is_some_and(|by| by > 3.0));
+        assert_eq!(inflation_factor(&proposals, &at, of_points), None);
+        assert!(inflation_factor(&proposals, &at, |by| !of_points(by)).is_some_and(|by| by > 3.0));
         let painted = prior(2, off, PriorSource::Paint);
         assert!(
-            needed_inflation(&[proposals[0], painted], &at, of_points).is_some_and(|by| by > 3.0)
+            inflation_factor(&[proposals[0], painted], &at, of_points).is_some_and(|by| by > 3.0)
         );
         let agreeing = prior(2, ptz, PriorSource::Person);
         assert_eq!(
-            needed_inflation(&[proposals[0], agreeing], &at, of_points),
+            inflation_factor(&[proposals[0], agreeing], &at, of_points),
             None
         );
     }
