@@ -3,7 +3,8 @@
 
 use super::align::align_frames;
 use super::candidates::{
-    PosesFrom, RUNNER_UP_RATIO, SAME_POSITION_M, apart_m, find_poses, refine_poses, sort_best_first,
+    PosesFrom, RUNNER_UP_RATIO, SAME_POSITION_M, adjust_panoramas, apart_m, find_panoramas,
+    sort_best_first,
 };
 use super::clicked::GroundClick;
 use super::deciding_landmark::deciding_landmark;
@@ -162,15 +163,15 @@ impl Search<'_> {
         let num_usual = candidates.len();
         let min_explained = MIN_EXPLAINED_ELSEWHERE;
         let elsewhere = self.find_among(others, min_explained, &mut candidates, matched, picture);
-        if candidates.len() == num_usual {
-            answer
-        } else {
-            elsewhere
+        match elsewhere {
+            // Nothing elsewhere: the reason is that of the usual place.
+            Err(Stop::Abstained(_)) if candidates.len() == num_usual => answer,
+            elsewhere => elsewhere,
         }
     }
 
     /// Adds the candidates from `origin` that explain enough of the paint to those that there are,
-    /// and decides between all of them.
+    /// and decides between all of them. Nothing fits if none is added.
     ///
     /// Without an answer, the joint adjustment may have gone to a wrong minimum. So it begins once
     /// more with a narrower reach, the best candidates are moved to neighbouring minima where these
@@ -184,16 +185,21 @@ impl Search<'_> {
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, Stop> {
         let (prior, progress) = (&self.field_prior, self.progress);
-        let poses = find_poses(matched, origin, prior, progress)?;
+        let num_before = candidates.len();
+        let placed = find_panoramas(matched, origin, prior, progress)?;
         let add = |candidates: &mut Vec<Hypothesis>, reach| -> Result<(), Stop> {
-            let mut added = refine_poses(&poses, reach, prior, matched, progress)?;
+            let mut added = adjust_panoramas(&placed, reach, prior, matched, progress)?;
             added.retain(|candidate| candidate.camera.evidence.explained >= min_explained);
             candidates.append(&mut added);
             sort_best_first(candidates);
             Ok(())
         };
         add(candidates, FirstReach::Wide)?;
-        let answer = self.decide(candidates.clone(), matched, picture);
+        let answer = if candidates.len() > num_before {
+            self.decide(candidates.clone(), matched, picture)
+        } else {
+            Err(Abstention::NothingFits.into())
+        };
         let is_hopeful = candidates
             .first()
             .is_some_and(|best| best.camera.evidence.explained >= MIN_EXPLAINED_TO_RETRY);
@@ -201,6 +207,9 @@ impl Search<'_> {
             return answer;
         }
         add(candidates, FirstReach::Narrow)?;
+        if candidates.len() == num_before {
+            return answer;
+        }
         for candidate in candidates.iter_mut().take(MAX_MOVED) {
             report(progress, AutocalibrationProgress::Refining)?;
             if let Some(moved) = try_neighbouring_distances(candidate, prior, matched) {

@@ -78,51 +78,48 @@ pub(super) enum PosesFrom<'a> {
 }
 
 /// A pose after step 1.
-struct PlacedPanorama<'a> {
-    pose: &'a ScaledPose,
+struct PlacedPanorama {
+    pose: ScaledPose,
     fit: PanoramaFit,
 }
 
-/// The poses of the panorama to begin with, and the fields that they were found on.
-pub(super) struct InitialPoses {
-    fields: Vec<FieldModel>,
-    by_focal_scale: PosesByFocalScale,
+/// What step 1 gives: the panoramas in different positions, best first, and the rotations of the
+/// frames by focal scale.
+pub(super) struct PlacedPanoramas {
+    panoramas: Vec<PlacedPanorama>,
+    rotations: RotationsByFocalScale,
 }
 
-/// Finds the poses of `origin`.
-pub(super) fn find_poses(
+/// Finds the poses of `origin` and fits the panorama at each of them (step 1).
+pub(super) fn find_panoramas(
     matched: &MatchedFrames,
     origin: PosesFrom<'_>,
     field_prior: &FieldPrior,
     progress: &Progress<'_, AutocalibrationProgress>,
-) -> Result<InitialPoses, Stop> {
+) -> Result<PlacedPanoramas, Stop> {
     report(progress, AutocalibrationProgress::Gathering)?;
     let fields = field_prior.search_fields();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::with_grid).collect();
-    let by_focal_scale = match origin {
+    let found = match origin {
         PosesFrom::Places(places) => search_poses(matched, &maps, places, progress)?,
         PosesFrom::Clicks(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, progress)?,
     };
-    Ok(InitialPoses {
-        fields,
-        by_focal_scale,
-    })
+    Ok(place_panoramas(found, &fields, field_prior))
 }
 
-/// The hypotheses for the base of the matched frames' camera, best first: steps 1 to 3 for the
-/// initial poses. The joint adjustment begins with `reach`.
-pub(super) fn refine_poses(
-    initial: &InitialPoses,
+/// The hypotheses for the base of the matched frames' camera, best first: steps 2 and 3. The joint
+/// adjustment begins with `reach`.
+pub(super) fn adjust_panoramas(
+    placed: &PlacedPanoramas,
     reach: FirstReach,
     field_prior: &FieldPrior,
     matched: &MatchedFrames,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Vec<Hypothesis>, Stop> {
-    let InitialPoses {
-        fields,
-        by_focal_scale: PosesByFocalScale { poses, rotations },
-    } = initial;
-    let panoramas = place_panoramas(poses, fields, field_prior, rotations);
+    let PlacedPanoramas {
+        panoramas,
+        rotations,
+    } = placed;
 
     // Step 2 for all panoramas in parallel. The counter is for progress only.
     let num_done = AtomicUsize::new(0);
@@ -164,16 +161,17 @@ pub(super) fn sort_best_first(hypotheses: &mut [Hypothesis]) {
     hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 
-/// Step 1: fits the panorama at each pose. Returns the best first, one for each position.
-fn place_panoramas<'a>(
-    poses: &'a [ScaledPose],
+/// Step 1: fits the panorama at each pose that was found on some fields. Returns the best first, one
+/// for each position.
+fn place_panoramas(
+    found: PosesByFocalScale,
     fields: &[FieldModel],
     field_prior: &FieldPrior,
-    rotations: &RotationsByFocalScale,
-) -> Vec<PlacedPanorama<'a>> {
+) -> PlacedPanoramas {
+    let PosesByFocalScale { poses, rotations } = found;
     let size_prior = field_prior.is_size_unknown().then_some(field_prior);
-    let mut placed: Vec<PlacedPanorama<'_>> = poses
-        .par_iter()
+    let mut placed: Vec<PlacedPanorama> = poses
+        .into_par_iter()
         .filter_map(|scaled| {
             let ScoredPose { pose, field, .. } = scaled.scored;
             let log_scale = scaled.frames.log_scale;
@@ -182,35 +180,38 @@ fn place_panoramas<'a>(
                 log_scale,
                 field: &fields[field],
             };
-            let fit = fit_panorama(&scaled.frames, &start, size_prior, rotations)?;
+            let fit = fit_panorama(&scaled.frames, &start, size_prior, &rotations)?;
             Some(PlacedPanorama { pose: scaled, fit })
         })
         .collect();
 
     // Rank by both kinds of evidence: the share of paint on lines, from the fit, and the share of
     // lines with paint, from the search.
-    let score = |placed: &PlacedPanorama<'_>| placed.fit.explained * placed.pose.scored.visible;
+    let score = |placed: &PlacedPanorama| placed.fit.explained * placed.pose.scored.visible;
     placed.sort_by(|a, b| score(b).total_cmp(&score(a)));
 
     // Neighbouring poses converge to one position; keep the best of each.
-    let mut distinct: Vec<PlacedPanorama<'_>> = Vec::new();
+    let mut panoramas: Vec<PlacedPanorama> = Vec::new();
     for candidate in placed {
         let position_m = candidate.fit.pose.position_m;
-        let is_near = |other: &PlacedPanorama<'_>| {
+        let is_near = |other: &PlacedPanorama| {
             let field = &fields[candidate.pose.scored.field];
             apart_m(other.fit.pose.position_m, position_m, field) < SAME_POSITION_M
         };
-        if distinct.len() < MAX_REFINED && !distinct.iter().any(is_near) {
-            distinct.push(candidate);
+        if panoramas.len() < MAX_REFINED && !panoramas.iter().any(is_near) {
+            panoramas.push(candidate);
         }
     }
-    distinct
+    PlacedPanoramas {
+        panoramas,
+        rotations,
+    }
 }
 
 /// Step 2: adjusts all frames jointly, on the field as assumed and, where the rules allow other
 /// sizes, with its size fitted.
 fn adjust_with_and_without_size(
-    panorama: &PlacedPanorama<'_>,
+    panorama: &PlacedPanorama,
     reach: FirstReach,
     rotations: &RotationsByFocalScale,
     field_prior: &FieldPrior,
@@ -259,7 +260,7 @@ fn adjust_with_and_without_size(
 
 /// Fits a panorama again from its own pose, starting with the field as assumed.
 fn refit_assumed_field(
-    panorama: &PlacedPanorama<'_>,
+    panorama: &PlacedPanorama,
     size_prior: Option<&FieldPrior>,
     rotations: &RotationsByFocalScale,
     field_prior: &FieldPrior,
@@ -337,8 +338,7 @@ mod tests {
     use super::*;
     use std::ops::ControlFlow;
     use std::path::Path;
-    use std::sync::Arc;
-    use std::sync::Mutex;
+    use std::sync::{Arc, Mutex};
     use touchline_core::camera::PtzCamera;
     use touchline_core::geometry::Vec3;
     use touchline_documents::document::FieldSize;
@@ -354,7 +354,7 @@ mod tests {
 
     /// Poses beside the right one, each with its score of the search, as if found at one focal
     /// scale.
-    fn poses_beside(field: &FieldModel, beside: &[(Vec3, f64)]) -> InitialPoses {
+    fn poses_beside(field: &FieldModel, beside: &[(Vec3, f64)]) -> PosesByFocalScale {
         let frames = frames_at_scale(field);
         let scaled = |&(shift_m, explained): &(Vec3, f64)| {
             let pose = PanoramaPose::upright(base().position_m + shift_m, base().angles().heading);
@@ -370,10 +370,7 @@ mod tests {
         };
         let poses = beside.iter().map(scaled).collect();
         let rotations = RotationsByFocalScale::new([(100, frames.rotations.clone())]);
-        InitialPoses {
-            fields: vec![field.clone()],
-            by_focal_scale: PosesByFocalScale { poses, rotations },
-        }
+        PosesByFocalScale { poses, rotations }
     }
 
     #[test]
@@ -392,7 +389,8 @@ mod tests {
             steps.lock().unwrap().push(step);
             ControlFlow::Continue(())
         });
-        let candidates = refine_poses(&found, FirstReach::Wide, &prior, &matched, &progress)
+        let placed = place_panoramas(found, &prior.search_fields(), &prior);
+        let candidates = adjust_panoramas(&placed, FirstReach::Wide, &prior, &matched, &progress)
             .ok()
             .unwrap();
         let [candidate] = candidates.as_slice() else {
@@ -415,7 +413,8 @@ mod tests {
         let prior = known_field();
         let found = poses_beside(&prior.assumed, &[]);
         let progress = Progress::default();
-        let none = refine_poses(&found, FirstReach::Wide, &prior, &matched(), &progress);
+        let placed = place_panoramas(found, &prior.search_fields(), &prior);
+        let none = adjust_panoramas(&placed, FirstReach::Wide, &prior, &matched(), &progress);
         assert_eq!(none.ok().map(|candidates| candidates.len()), Some(0));
     }
 
@@ -441,7 +440,7 @@ mod tests {
             }
         };
         let clicks = [(0, "penalty_mark_left"), (2, "centre_mark")].map(click);
-        let nothing = find_poses(
+        let nothing = find_panoramas(
             &matched,
             PosesFrom::Clicks(&clicks),
             &prior,
@@ -460,7 +459,7 @@ mod tests {
         let progress = Progress::new(|_| ControlFlow::Break(()));
         let usual = SearchPlaces::usual();
         let origin = PosesFrom::Places(&usual);
-        let stopped = find_poses(&matched(), origin, &known_field(), &progress);
+        let stopped = find_panoramas(&matched(), origin, &known_field(), &progress);
         assert!(matches!(
             stopped,
             Err(Stop::Failed(AutocalibrationError::Stopped))

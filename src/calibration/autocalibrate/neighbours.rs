@@ -19,9 +19,9 @@
 use super::field_prior::FieldPrior;
 use super::hypothesis::{Hypothesis, MIN_GAIN};
 use super::joint::{FirstReach, JointStart};
-use super::matched_frames::MatchedFrames;
+use super::matched_frames::{FramePaint, MatchedFrames};
 use rayon::prelude::*;
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::Vec3;
 
 /// Moves a hypothesis to a neighbouring field size as long as that raises the score by
@@ -80,12 +80,12 @@ pub(super) fn try_neighbouring_distances(
     matched: &MatchedFrames,
 ) -> Option<Hypothesis> {
     let size_prior = field_prior.is_size_unknown().then_some(field_prior);
-    let ptz = hypothesis.all_ptz(matched)?;
-    let middle_m = middle_of_paint(hypothesis, &ptz)?;
+    let present = JointStart::from_hypothesis(hypothesis, matched)?;
+    let middle_m = middle_of_paint(&present, &hypothesis.frames.paint)?;
     let mut neighbours: Vec<Hypothesis> = DISTANCES
         .into_par_iter()
         .filter_map(|factor| {
-            let start = from_other_distance(hypothesis, &ptz, middle_m, factor);
+            let start = from_other_distance(&present, middle_m, factor);
             Hypothesis::adjust_repeatedly(&start, size_prior, &hypothesis.frames, matched)
         })
         .collect();
@@ -99,41 +99,37 @@ pub(super) fn try_neighbouring_distances(
     let mut nearest = neighbours
         .into_iter()
         .min_by(|a, b| residual_px(a).total_cmp(&residual_px(b)))?;
-    // What contradicts a stated size was found with both sizes, and is not asked again.
+    // What contradicts a stated size was found with both sizes, and is not measured again.
     nearest.camera.evidence.other_size_m = hypothesis.camera.evidence.other_size_m;
     (MIN_RESIDUAL_RATIO * residual_px(&nearest) < residual_px(hypothesis)).then_some(nearest)
 }
 
 /// The camera moved towards a point or away from it by a factor on the distance, with focal lengths
 /// such that what lies around the point keeps its size in the pictures (a "dolly zoom").
-fn from_other_distance(
-    hypothesis: &Hypothesis,
-    ptz: &[Ptz],
-    middle_m: Vec3,
-    factor: f64,
-) -> JointStart {
-    let mut base = hypothesis.camera.base;
+fn from_other_distance(present: &JointStart, middle_m: Vec3, factor: f64) -> JointStart {
+    let mut base = present.base;
     base.position_m = middle_m + factor * (base.position_m - middle_m);
-    let zoomed = |ptz: &Ptz| Ptz {
-        focal_px: factor * ptz.focal_px,
-        ..*ptz
-    };
+    let mut ptz = present.ptz.clone();
+    for ptz in ptz.iter_mut().flatten() {
+        ptz.focal_px *= factor;
+    }
     JointStart {
         reach: FirstReach::Wide,
-        field: hypothesis.camera.field.clone(),
+        field: present.field.clone(),
         base,
-        ptz: ptz.iter().map(zoomed).map(Some).collect(),
+        ptz,
     }
 }
 
 /// The mean of the paint on the ground within the field, in `world`, m.
-fn middle_of_paint(hypothesis: &Hypothesis, ptz: &[Ptz]) -> Option<Vec3> {
-    let (base, field) = (hypothesis.camera.base, &hypothesis.camera.field);
+fn middle_of_paint(cameras: &JointStart, paint: &[FramePaint]) -> Option<Vec3> {
+    let field = &cameras.field;
     let is_on_field =
         |at: &Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m;
     let (mut sum, mut count) = (Vec3::zeros(), 0.0);
-    for (ptz, paint) in ptz.iter().zip(&hypothesis.frames.paint) {
-        let camera = PtzCamera::new(base, *ptz);
+    for (ptz, paint) in cameras.ptz.iter().zip(paint) {
+        let Some(ptz) = *ptz else { continue };
+        let camera = PtzCamera::new(cameras.base, ptz);
         let on_ground = paint
             .iter()
             .filter_map(|image| camera.plane_from_image(*image, 0.0));
@@ -153,9 +149,9 @@ mod tests {
     /// The right hypothesis seen from another distance, with a median residual (px).
     fn from_distance(factor: f64, residual_px: f64) -> Hypothesis {
         let mut moved = hypothesis(&soccer().assumed);
-        let ptz = moved.all_ptz(&matched()).unwrap();
-        let middle_m = middle_of_paint(&moved, &ptz).unwrap();
-        let start = from_other_distance(&moved, &ptz, middle_m, factor);
+        let present = JointStart::from_hypothesis(&moved, &matched()).unwrap();
+        let middle_m = middle_of_paint(&present, &moved.frames.paint).unwrap();
+        let start = from_other_distance(&present, middle_m, factor);
         (moved.camera.base, moved.ptz) = (start.base, start.ptz);
         moved.camera.evidence.residual_px = residual_px;
         moved

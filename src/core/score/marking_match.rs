@@ -248,17 +248,10 @@ impl NamedMatch {
 /// Distance of a point, px, from the polyline that joins all parts in order, as in the task.
 fn distance_px(point: ImagePoint, parts: &[Vec<ImagePoint>]) -> f64 {
     let joined: Vec<ImagePoint> = parts.iter().flatten().copied().collect();
-    let distances = joined.windows(2).map(|pair| {
-        let (along, offset) = (pair[1].offset_from(pair[0]), point.offset_from(pair[0]));
-        let squared = along.norm_squared();
-        let share = if squared > 0.0 {
-            (offset.dot(&along) / squared).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        (offset - along * share).norm()
-    });
-    distances.fold(f64::INFINITY, f64::min)
+    joined
+        .windows(2)
+        .map(|ends| point.distance_from_segment_px(ends[0], ends[1]))
+        .fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

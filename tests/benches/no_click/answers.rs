@@ -10,7 +10,7 @@ use touchline::calibrate::{AutocalibratedCamera, record_found};
 use touchline::camera::PtzCamera;
 use touchline::document::{Click, Document};
 use touchline::field::{FieldLine, FieldModel, Landmark};
-use touchline::geometry::{ImagePoint, Vec3};
+use touchline::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline::markings::project_landmarks;
 use touchline::media::FrameReader;
 use touchline::progress::Progress;
@@ -162,19 +162,20 @@ pub fn worst_px(
     truth: &[PtzCamera],
     field: &FieldModel,
 ) -> Vec<(usize, f64)> {
-    let mut recorded = document.clone();
-    let camera = document.cameras[0].id.clone();
     let moved = moved_with_the_end_seen(found, truth, field);
-    record_found(&mut recorded, &camera, found);
-    let of_frame = |index: usize| {
-        let frame = &recorded.frames[index];
-        let (found, exact) = (recorded.pointed(frame)?, &truth[index]);
+    let of_frame = |answered: AnsweredFrame| {
+        let AnsweredFrame {
+            index,
+            size,
+            camera: found,
+        } = answered;
+        let exact = &truth[index];
         let (columns, rows) = (8, 6);
         let pixels = (0..columns * rows).map(|place| {
             let share = |at: u32, of: u32| (f64::from(at) + 0.5) / f64::from(of);
             ImagePoint::new(
-                share(place % columns, columns) * f64::from(frame.image_size.width),
-                share(place / columns, rows) * f64::from(frame.image_size.height),
+                share(place % columns, columns) * f64::from(size.width),
+                share(place / columns, rows) * f64::from(size.height),
             )
         });
         let apart = |pixel: ImagePoint| {
@@ -187,39 +188,61 @@ pub fn worst_px(
                     .map_or(f64::INFINITY, |image| image.distance_px(pixel)),
             )
         };
-        let worst = pixels.filter_map(apart).fold(0.0, f64::max);
-        Some((index, worst))
+        (index, pixels.filter_map(apart).fold(0.0, f64::max))
     };
-    (0..truth.len()).filter_map(of_frame).collect()
+    let answered = answered_frames(document, found).into_iter();
+    answered.map(of_frame).collect()
 }
 
-/// How far off the lines of each answered frame are at the worst place, px: from where a line of the
-/// real field is seen to the nearest point of the same line of the answer.
-fn worst_line_px(
-    document: &Document,
-    found: &AutocalibratedCamera,
-    truth: &[PtzCamera],
-    field: &FieldModel,
-) -> Vec<(usize, f64)> {
-    const SAMPLES: u32 = 100;
+/// A frame that an answer gives a camera, as it stands in the document.
+struct AnsweredFrame {
+    index: usize,
+    size: ImageSize,
+    camera: PtzCamera,
+}
+
+/// The frames of a document that an answer gives a camera.
+fn answered_frames(document: &Document, found: &AutocalibratedCamera) -> Vec<AnsweredFrame> {
     let mut recorded = document.clone();
     let camera = document.cameras[0].id.clone();
     record_found(&mut recorded, &camera, found);
     let of_frame = |index: usize| {
         let frame = &recorded.frames[index];
-        let (answered, exact) = (recorded.pointed(frame)?, &truth[index]);
-        let mut worst = 0.0_f64;
+        Some(AnsweredFrame {
+            index,
+            size: frame.image_size,
+            camera: recorded.pointed(frame)?,
+        })
+    };
+    (0..recorded.frames.len()).filter_map(of_frame).collect()
+}
+
+/// How far off the lines of the answered frames are at the worst place, px: from where a line of the
+/// real field is seen to the nearest point of the same line of the answer. Infinite without any
+/// answered frame.
+fn worst_line_px(
+    document: &Document,
+    found: &AutocalibratedCamera,
+    truth: &[PtzCamera],
+    field: &FieldModel,
+) -> f64 {
+    const SAMPLES: u32 = 100;
+    let mut worst_px = 0.0_f64;
+    let answered = answered_frames(document, found);
+    for frame in &answered {
         for (line, mine) in field.lines.iter().zip(&found.field.lines) {
-            let seen = seen_line(exact, field, line, SAMPLES);
-            let seen = seen.iter().filter(|at| frame.image_size.contains(**at));
-            let drawn = seen_line(&answered, &found.field, mine, 4 * SAMPLES);
-            for at in seen {
-                worst = worst.max(distance_from_polyline_px(*at, &drawn));
+            let seen = seen_line(&truth[frame.index], field, line, SAMPLES).into_iter();
+            let drawn = seen_line(&frame.camera, &found.field, mine, 4 * SAMPLES);
+            for at in seen.filter(|at| frame.size.contains(*at)) {
+                worst_px = worst_px.max(distance_from_polyline_px(at, &drawn));
             }
         }
-        Some((index, worst))
-    };
-    (0..truth.len()).filter_map(of_frame).collect()
+    }
+    if answered.is_empty() {
+        f64::INFINITY
+    } else {
+        worst_px
+    }
 }
 
 /// Where a camera sees a line of a field, evenly sampled.
@@ -239,19 +262,16 @@ fn seen_line(
 
 /// The distance of a point from the nearest segment of a polyline, px.
 fn distance_from_polyline_px(at: ImagePoint, polyline: &[ImagePoint]) -> f64 {
-    let from_segment = |ends: &[ImagePoint]| {
-        let (segment, offset) = (ends[1].offset_from(ends[0]), at.offset_from(ends[0]));
-        let along = offset.dot(&segment) / segment.norm_squared().max(1e-12);
-        (offset - segment * along.clamp(0.0, 1.0)).norm()
-    };
-    let distances = polyline.windows(2).map(from_segment);
-    distances.fold(f64::INFINITY, f64::min)
+    polyline
+        .windows(2)
+        .map(|ends| at.distance_from_segment_px(ends[0], ends[1]))
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// What has to lie within [`RIGHT_PX`] in an answer that is right.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Measured {
-    /// Every place of the ground, told from the middle of the field.
+    /// Every place of the ground, measured from the middle of the field.
     Ground,
     /// Every line. A field whose size is a decimetre off has its middle off as well, which a near
     /// camera sees as 20 px although all lines lie on their paint.
@@ -270,8 +290,7 @@ pub fn judge_answer(
             return (f64::INFINITY, "nothing is right".to_owned());
         };
         let frames = worst_px(document, found, truth, field);
-        let lines = worst_line_px(document, found, truth, field);
-        let worst_line_px = lines.iter().map(|(_, px)| *px).fold(0.0, f64::max);
+        let worst_line_px = worst_line_px(document, found, truth, field);
         let moved = moved_with_the_end_seen(found, truth, field);
         let off =
             |exact: &PtzCamera| (found.base.position_m - exact.base().position_m - moved).norm();
@@ -301,7 +320,6 @@ pub fn judge_answer(
         );
         let px = match measured {
             Measured::Ground => worst.1,
-            Measured::Lines if lines.is_empty() => f64::INFINITY,
             Measured::Lines => worst_line_px,
         };
         (px, format!("{says}; {}", speaks(found)))
