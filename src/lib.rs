@@ -16,7 +16,7 @@
 //! | the same without a click, from pictures alone; with two | [`autocalibrate::camera_without_clicks`], [`autocalibrate::camera_from_few_clicks`] |
 //! | a document: reading, solving, writing | [`store::read`], [`calibrate::solve_document`], [`store::write_document`] |
 //! | a forest, and frames without clicks | [`proposals::learn`], [`relocalize::relocalize()`] |
-//! | a clip: known frames carried to all others | [`calibrate::track_clip`] |
+//! | a clip: known cameras propagated to all frames | [`calibrate::track_clip`] |
 //! | a whole match, from its pictures to its labels | [`pipelines::label_match`] |
 //! | two documents compared | [`evaluate::evaluate`], [`score`] |
 //!

@@ -46,13 +46,13 @@ pub struct CalibrateArgs {
     /// The camera is found from this many frames at most, spread over all of them.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(3..=300))]
     look_at: u32,
-    /// Also write a picture of what was found: the paint that stays while the camera turns, over
-    /// pan and tilt, and the field's lines as the base has them. Where they fall together the base
-    /// is right.
+    /// Also write a picture of what was found, over pan and tilt: the paint that stays in place
+    /// while the camera pans, and the field's lines as the base projects them. Where the two
+    /// coincide, the base is right.
     #[arg(long, value_name = "FILE.png")]
     panorama: Option<PathBuf>,
-    /// Answer only the frames that are looked at. Else a video's other frames are carried from
-    /// them, and other images are asked of a forest that learns from them.
+    /// Answer only the frames that are looked at. Otherwise a video's other frames are tracked from
+    /// them, and a forest that learns from them finds the cameras of other images.
     #[arg(long)]
     found_only: bool,
     /// Make the project although the folder holds something; a project in it is kept as
@@ -130,7 +130,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     touchline_documents::store::write_document(&location, &document, args.force)?;
     new_folder.keep();
     messages.note(&format!(
-        "{}: {} frames, {} with a suggested camera, {} of them snapped to the painted lines",
+        "{}: {} frames, {} with a suggested camera, {} of them aligned to the painted lines",
         location.file().display(),
         document.frames.len(),
         all.iter().map(|found| found.frames.len()).sum::<usize>(),

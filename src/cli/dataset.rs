@@ -29,8 +29,8 @@ pub struct DatasetArgs {
     /// How decoded pictures are written.
     #[arg(long, default_value = "png", value_parser = picture_format(), requires = "dataset")]
     image_format: String,
-    /// Take pictures that lie outside of the project's folder too. They are listed; a project from
-    /// somebody else may name any file.
+    /// Also take pictures that lie outside the project's folder. They are listed: another person's
+    /// project may refer to any file.
     #[arg(long, requires = "dataset")]
     outside_pictures: bool,
     /// Shares of training, validation and test, such as 80/10/10; without it there are no splits.

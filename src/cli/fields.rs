@@ -18,7 +18,7 @@ use touchline_application::scene::overlay::OverlayScene;
 use touchline_core::field::{
     Curve, FieldLine, FieldModel, Template, builtin, builtin_names, svg, template_named,
 };
-use touchline_core::geometry::Vec3;
+use touchline_core::geometry::{Vec3, decimal};
 
 /// Margin around the field on a PNG, m.
 const MAP_MARGIN_M: f64 = 3.0;
@@ -161,13 +161,7 @@ fn listing(template: &Template, field: &FieldModel) -> String {
 
 /// A length rounded to the millimetre, without trailing zeros.
 fn metres(value: f64) -> String {
-    let text = format!("{value:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.to_owned()
-    }
+    decimal(value, 3)
 }
 
 fn shape_name(curve: &Curve) -> &'static str {

@@ -79,7 +79,7 @@ impl MatchReport {
             MatchEvent::Learning(LearningProgress::Training(_)) => {}
             MatchEvent::Asking { done, of } => {
                 shown
-                    .bar_of(messages, "Asking for the other frames", of)
+                    .bar_of(messages, "Solving the other frames", of)
                     .set_position(done as u64);
             }
             MatchEvent::Tracking(event) => {

@@ -23,8 +23,9 @@ use touchline_documents::exchange::{Format, ImportOptions, import, recognize_for
 use touchline_documents::report::{Cell, Table};
 use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 
-/// Mends cameras that another program gave for the frames of a video: one place, base and lens for
-/// all of them, each frame on its painted lines, and what was absurd carried from its neighbours.
+/// Mends the cameras that another program gave the frames of a video: all get one place, base and
+/// lens, each frame is aligned to its painted lines, and impossible cameras are replaced by
+/// tracking from neighbouring frames.
 ///
 /// VIDEO and CAMERAS give a new document; without CAMERAS, VIDEO is a document whose frames have
 /// imported cameras. Cameras alone, without a video, are compared with each other only: one place,

@@ -248,7 +248,7 @@ fn carry_few(
         }
         let known = counted(known, "frame");
         messages.note(&format!(
-            "{}: only {known} known: carried to the clip first",
+            "{}: only {known} known: tracking the clip first",
             camera.as_str()
         ));
         is_any = true;

@@ -26,7 +26,7 @@ use touchline_vision::relocalize::{ForestModel, PoseOptions, PredictOptions, Rel
 /// Maximum size of a forest's file, bytes.
 const MAX_FOREST_BYTES: u64 = 8 << 30;
 
-/// Finds the cameras of frames that nobody clicked, from a trained forest.
+/// Finds the cameras of frames without clicks, from a trained forest.
 #[derive(clap::Args, Debug)]
 #[expect(
     clippy::struct_excessive_bools,
@@ -53,8 +53,8 @@ pub struct RelocalizeArgs {
     /// stopped.
     #[arg(long)]
     resume: bool,
-    /// Of videos, answer only key frames, a second apart; `touchline track` then carries cameras to
-    /// the frames between.
+    /// Of videos, answer only key frames, a second apart; `touchline track` then finds the cameras
+    /// of the frames between.
     #[arg(long)]
     key_frames: bool,
     /// Leaves examined in each tree.

@@ -17,7 +17,7 @@ use touchline_calibration::proposals::read_picture;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::ImageSize;
-use touchline_documents::document::{Document, Frame, FrameStatus};
+use touchline_documents::document::{Document, Frame};
 use touchline_vision::media::{self, FrameReader};
 
 /// Margin around the field on the field map, m.
@@ -82,11 +82,7 @@ pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> 
     let scene = OverlayScene {
         field: &field,
         camera: camera.as_ref(),
-        standing: if frame.status == FrameStatus::Suggested {
-            Standing::Proposed
-        } else {
-            Standing::Solved
-        },
+        standing: Standing::from_frame(frame),
         image_size: frame.image_size,
         clicks: &frame.clicks,
         selected: None,

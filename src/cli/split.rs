@@ -20,8 +20,8 @@ pub struct SplitArgs {
     /// The folder to write: package001 and so on. It must be empty or not there.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Copy pictures that lie outside of the project's folder too; a project from somebody else may
-    /// name any file.
+    /// Also copy pictures that lie outside the project's folder. Another person's project may refer
+    /// to any file.
     #[arg(long)]
     outside_pictures: bool,
 }

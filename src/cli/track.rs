@@ -21,7 +21,7 @@ use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document};
 use touchline_vision::media::{CachedReader, FrameReader, FrameRef, KEPT_BYTES};
 
-/// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip
+/// Propagates the cameras of solved frames to their neighbours, and adjusts all frames of a clip
 /// together.
 #[derive(clap::Args, Debug)]
 pub struct TrackArgs {
@@ -108,13 +108,14 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.write(document, location.folder())?;
     if found.is_stopped {
         messages.note(&format!(
-            "stopped: {} frames of finished clips were carried and are written; track what was written for the rest",
+            "stopped: {} frames of finished clips were tracked and written; to go on, track \
+             the document that was written",
             found.tracked
         ));
         return Ok(Outcome::Stopped);
     }
     messages.note(&format!(
-        "{} carried, {} not",
+        "{} tracked, {} not",
         counted(found.tracked, "frame"),
         found.missed
     ));
@@ -256,7 +257,8 @@ fn name_of(clip: &ClipSpan) -> String {
 fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
     let name = name_of(clip);
     messages.note(&format!(
-        "{name}: {} frames carried, {} held to their painted lines, points {:.2} px, widened {:.1} times",
+        "{name}: {} frames tracked, {} aligned to their painted lines, points ±{:.2} px, \
+         uncertainty multiplied by {:.1}",
         tracked.frames.len(),
         tracked.painted,
         tracked.sigma_px,
@@ -270,13 +272,10 @@ fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
     }
     for stop in &tracked.stops {
         let why = format!(
-            "only {} of {} points agree with one turn and zoom",
+            "only {} of {} points agree with one rotation and zoom",
             stop.agreeing, stop.seen
         );
-        messages.frame_failed(
-            &stop.picture,
-            &format!("not carried on to this frame: {why}"),
-        );
+        messages.frame_failed(&stop.picture, &format!("not tracked to this frame: {why}"));
     }
     for (what, jitter) in [
         (" before smoothing", tracked.raw_jitter),
@@ -299,20 +298,21 @@ fn describe_length(found: &LengthOnLines) -> String {
         ..
     } = found.size;
     let seen = format!(
-        "the painted lines of {} frames ask for a length of {value_m:.2} ± {sigma_m:.2} m",
+        "the painted lines of {} frames indicate a length of {value_m:.2} ± {sigma_m:.2} m",
         found.frames
     );
     if found.is_prescribed {
         format!("{seen}; {assumed_m} m is stated, and stays")
     } else {
-        format!("{seen}, where {assumed_m} m was assumed: carrying again")
+        format!("{seen}, where {assumed_m} m was assumed: tracking again")
     }
 }
 
 fn describe_refined(camera: &CameraId, seen: &PaintSeen) -> String {
     let median_px = |errors: &OnPaintErrors| errors.paint.map_or(0.0, |paint| paint.median_px);
     format!(
-        "{camera}: the base is refined on {} lines in {} frames, from {:.2} to {:.2} px off paint held out: carrying again",
+        "{camera}: the base is refined on {} lines in {} frames, from {:.2} to {:.2} px off \
+         paint held out: tracking again",
         seen.lines,
         seen.frames,
         median_px(&seen.before),

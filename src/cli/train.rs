@@ -136,7 +136,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     let mut model = model?;
     // Measure the forest, and lower its stated probabilities if certain answers were wrong.
-    let bar = messages.progress(0, "Asking for references left out");
+    let bar = messages.progress(0, "Solving references left out");
     let asking = Progress::new(|progress: Share| {
         bar.set_length(progress.of as u64);
         bar.set_position(progress.done as u64);
@@ -174,7 +174,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     if training_frames.withheld > 0 {
         messages.note(&format!(
-            "{} references were not used for training: accepted suggestions (--all-references takes them, too), frames judged Wrong, or \
+            "{} references were not used for training: accepted suggestions (--all-references takes them, too), frames with the verdict Wrong, or \
              left out by hand",
             training_frames.withheld
         ));

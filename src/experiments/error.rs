@@ -44,7 +44,8 @@ pub enum ExperimentError {
     NothingInCommon,
     /// No camera has two clips in a document, and there is no second document to test on.
     #[error(
-        "no camera has solved frames in two clips (`clip` of a frame): give a second document whose frames are to be asked"
+        "no camera has solved frames in two clips (`clip` of a frame): give a second \
+         document to test on"
     )]
     OneClip,
     /// The authors' files cannot be read.

@@ -53,7 +53,7 @@ pub fn run(
     report.table("path", "The motion.", path_table(&real.ptz, &pan_deg));
     report.table(
         "all",
-        "All frames asked.",
+        "All tested frames.",
         tally_table(
             ("set", "set"),
             &[("drawn".into(), Tally::of(answers.iter()))],
@@ -61,7 +61,7 @@ pub fn run(
     );
     report.data(
         "frames",
-        "Every frame asked.",
+        "Every tested frame.",
         frame_table(std::slice::from_ref(&set), [("default", &answers[..])]),
     );
     report.text(&evaluated(&set, &answers)?);

@@ -177,8 +177,8 @@ impl PyForest {
     /// The camera of a picture: (height, width, 3), uint8, red first, or blue with `bgr`.
     ///
     /// The answer is that of `touchline relocalize`, the check against the painted lines included.
-    /// `camera`: which camera took it, by default the one with pictures of this size. `snap`: pull
-    /// the answer onto the painted lines. Where no camera is found, `Answer.camera` is None.
+    /// `camera`: which camera took it, by default the one with pictures of this size. `snap`: align
+    /// the answer to the painted lines. Where no camera is found, `Answer.camera` is None.
     #[pyo3(signature = (
         image, camera = None, *, bgr = false, min_confidence = None, snap = false, seed = 0
     ))]

@@ -17,7 +17,7 @@
 //! | in place of the picture | `quality`, `start` |
 //! | above everything | `dialogs`, `files` (the system's file dialogs) |
 //! | maps and plots that several panels use | `field_map`, `coverage_map`, `paint_map`, `miniature`, `plot` |
-//! | controls that several panels use | `bar`, `number`, `symbol`, `theme` |
+//! | controls that several panels use | `bar`, `heading`, `number`, `symbol`, `theme` |
 //!
 //! A *frame* is a picture of the document; a repaint of the window is called a *frame of the
 //! window*. Lengths on the screen are in egui's points, lengths in a picture in px.
@@ -30,6 +30,7 @@ mod dialogs;
 mod field_map;
 mod files;
 mod filmstrip;
+mod heading;
 mod input_queue;
 mod inspector;
 mod keys;

@@ -54,7 +54,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &FoundCamera, within: Vec
         let goal = Navigation::GoTo(frames[place].0);
         panel.actions.push(Action::Navigate(goal));
     }
-    let tip = "White: paint that stays put while the camera turns. Orange: the field's lines with this camera. Where they coincide, the camera is right. Click to go to the frame that shows that place.";
+    let tip = "White: paint that stays in place while the camera pans. Orange: the field's lines with this camera. Where the two coincide, the camera is right. Click to go to the frame that shows that place.";
     response.on_hover_text(tip);
     place.is_some()
 }

@@ -449,7 +449,7 @@ mod tests {
         hands.place("penalty_mark_left");
         hands.pointer.x += 200.0;
         hands.stroke(0.1, Key::Enter, "");
-        // A key that bounces sends two strokes.
+        // A key that bounces sends two key presses.
         hands.stroke(0.1, Key::Enter, "");
         assert_eq!(
             (hands.status(), hands.app.session.points.named_automatically),

@@ -1,5 +1,4 @@
 //! A test of this program run as a program of its own, so that it can be killed and measured.
-#![cfg(feature = "opencv")]
 
 use std::io::{BufRead, BufReader, Lines};
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -19,4 +18,14 @@ pub fn spawned<const N: usize>(
         .unwrap();
     let lines = BufReader::new(child.stdout.take().unwrap()).lines();
     (child, lines)
+}
+
+/// The numbers that a child prints behind a word.
+pub fn numbers_behind(
+    word: &str,
+    lines: Lines<BufReader<ChildStdout>>,
+) -> impl Iterator<Item = usize> {
+    lines
+        .map_while(Result::ok)
+        .filter_map(move |line| line.split_once(word)?.1.trim().parse().ok())
 }

@@ -338,7 +338,7 @@ fn frames_and_pictures_are_chosen() {
     );
     assert!(
         ran.stderr
-            .contains("1 frames have a camera that nobody has looked at"),
+            .contains("1 frames have a camera that has not been reviewed"),
         "{}",
         ran.stderr
     );

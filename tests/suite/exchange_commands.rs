@@ -249,7 +249,7 @@ fn frames_are_chosen_by_status_and_camera() {
     assert_eq!(ran.code, 2);
     assert_eq!(
         ran.stderr,
-        "touchline: no frame to export as csv: no frame has the status, camera and confidence that were asked for\n"
+        "touchline: no frame to export as csv: no frame has the requested status, camera and confidence\n"
     );
     let ran = touchline(folder.path(), "export doc.json --format csv --camera other");
     assert_eq!(

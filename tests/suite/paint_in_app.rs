@@ -140,14 +140,14 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     headless.act(Action::Command(Command::Undo));
     assert_eq!(frame(&headless.app).ptz, before);
     assert!(
-        !next_step(&headless.app).text.contains("nap"),
+        !next_step(&headless.app).text.contains("ligned"),
         "{:?}",
         next_step(&headless.app)
     );
     headless.act(Action::Command(Command::Redo));
     let said = next_step(&headless.app).text;
     assert!(
-        said.starts_with("Snapped to the painted lines. Enter accepts it")
+        said.starts_with("Aligned to the painted lines. Enter accepts it")
             && said.ends_with("Hold S: before."),
         "{said}"
     );

@@ -111,7 +111,7 @@ fn nothing_is_carried_across_a_cut_or_from_nothing() {
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(
         ran.stderr
-            .contains("noise15.png: not carried on to this frame"),
+            .contains("noise15.png: not tracked to this frame"),
         "{}",
         ran.stderr
     );
@@ -129,7 +129,7 @@ fn nothing_is_carried_across_a_cut_or_from_nothing() {
     assert_eq!(ran.code, 1);
     assert!(
         ran.stderr
-            .contains("none of its 30 frames has a camera to carry on"),
+            .contains("none of its 30 frames has a camera to track from"),
         "{}",
         ran.stderr
     );
@@ -158,7 +158,7 @@ fn the_lines_of_a_whole_clip_refine_a_base_of_which_one_frame_is_known() {
     let ran = touchline(&folder, "refine-base one.json --markings -o refined.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     for line in [
-        "only 1 frame known: carried to the clip first",
+        "only 1 frame known: tracking the clip first",
         "30 of 30 frames pulled onto their painted lines",
     ] {
         assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);

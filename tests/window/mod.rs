@@ -6,15 +6,19 @@
 mod base;
 mod cameras;
 mod closing;
+mod commands;
+mod filmstrip;
 mod gold;
 mod guide;
 mod harness;
+mod inspector;
 mod labelling;
 mod names;
 mod panels;
 mod preferences;
 mod quality;
 mod review;
+mod solved_frame;
 mod timeline;
 mod tour;
 mod trainer;
@@ -28,8 +32,11 @@ pub const TESTS: &[&[Test]] = &[
     base::TESTS,
     cameras::TESTS,
     closing::TESTS,
+    commands::TESTS,
+    filmstrip::TESTS,
     gold::TESTS,
     guide::TESTS,
+    inspector::TESTS,
     labelling::TESTS,
     names::TESTS,
     panels::TESTS,

@@ -86,7 +86,7 @@ fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
         .rect();
     window
         .harness
-        .get_by_label("No check points. K turns a point into one.");
+        .get_by_label("No check points. Press K to make a point a check point.");
     window
         .harness
         .get_by_label_contains("Map of pan and tilt. No reference sees the field near pan");

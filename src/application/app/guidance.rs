@@ -321,7 +321,7 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
             Some(_) => Guidance::say(format!(
                 "Dashed = proposed{}. Enter takes it, a click corrects it, X rejects it.",
                 if frame.is_snapped_proposal() {
-                    " and snapped to the painted lines"
+                    " and aligned to the painted lines"
                 } else {
                     ""
                 }
@@ -356,11 +356,11 @@ fn of_snapped(app: &App, frame: &Frame) -> String {
     };
     let (means, then) = match frame.status {
         FrameStatus::Suggested => (
-            "Dashed = proposed and snapped",
+            "Dashed = proposed and aligned",
             "Enter takes it, a click corrects it, X rejects it.",
         ),
         _ => (
-            "Snapped",
+            "Aligned",
             "Enter accepts it, a click solves from the points.",
         ),
     };
@@ -392,7 +392,7 @@ fn proposed(frame: &Frame) -> Option<SolutionSource> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, EditAction, Navigation, Opened, PointerAction, Settings};
+    use crate::app::{Action, EditAction, Navigation, Opened, PointerAction};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
     use touchline_documents::document::{
@@ -428,12 +428,7 @@ mod tests {
                 .frames
                 .push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
         }
-        let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(
-            document,
-            "/match/project.json",
-        ))));
-        app
+        App::with_document(document)
     }
 
     /// Clicks a landmark where a camera projects it.
@@ -586,7 +581,7 @@ mod tests {
         );
         let farthest_px = residuals[0].max(residuals[1]);
         let text = format!(
-            "Snapped to the painted lines; points within {farthest_px:.1} px. Enter accepts it"
+            "Aligned to the painted lines; points within {farthest_px:.1} px. Enter accepts it"
         );
         assert!(said(&app).starts_with(&text), "{}", said(&app));
         document.frames[0].clicks.clear();
@@ -597,7 +592,7 @@ mod tests {
         ))));
         let text = said(&app);
         assert!(
-            text.starts_with("Dashed = proposed and snapped to the painted lines. Enter takes it"),
+            text.starts_with("Dashed = proposed and aligned to the painted lines. Enter takes it"),
             "{text}"
         );
     }

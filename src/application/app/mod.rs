@@ -13,7 +13,7 @@
 //! | [`Current`], [`Review`], [`Quality`] | values derived from the others after every action,
 //! never stored |
 //!
-//! [`scene`](crate::scene) turns the state into what is drawn, as plain data.
+//! [`scene`](crate::scene) derives from the state what is drawn, as plain data.
 
 mod action;
 pub mod camera_text;

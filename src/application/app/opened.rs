@@ -68,3 +68,14 @@ impl Opened {
         self.prepared.document()
     }
 }
+
+#[cfg(test)]
+impl super::App {
+    /// The application with a document open.
+    pub(super) fn with_document(document: Document) -> Self {
+        let mut app = Self::new(super::Settings::default());
+        let opened = Opened::new(document, "/match/project.json");
+        app.update(super::Action::Opened(Box::new(opened)));
+        app
+    }
+}

@@ -81,7 +81,7 @@ pub(super) fn after_click(
 mod tests {
     use super::*;
     use crate::app::session::Filter;
-    use crate::app::{Action, App, Navigation, Opened, Settings, ViewAction};
+    use crate::app::{Action, App, Navigation, ViewAction};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Camera, Clip, Document, FieldSpec, FrameStatus};
 
@@ -101,12 +101,7 @@ mod tests {
             };
             document.frames.push(frame.into());
         }
-        let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(
-            document,
-            "/match/project.json",
-        ))));
-        app
+        App::with_document(document)
     }
 
     fn selected(app: &App) -> Vec<usize> {

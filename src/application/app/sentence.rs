@@ -1,4 +1,4 @@
-//! Turns reasons and warnings into sentences.
+//! Makes sentences from reasons and warnings.
 
 /// A text with a capital letter and a full stop.
 #[must_use]

@@ -154,7 +154,7 @@ impl Doing {
             Self::Features(done) => share("Finding features of references", done),
             Self::Training(done) => format!("Training: {:.0} %", 100.0 * done.fraction()),
             Self::Proposing(done) => share("Proposing cameras", done),
-            Self::Carrying(done) => share("Carrying cameras to the frames between", done),
+            Self::Carrying(done) => share("Tracking the frames between key frames", done),
             Self::Measuring(done) => share("Measuring accuracy", done),
             Self::Paused => "Paused".to_owned(),
         }
@@ -168,7 +168,7 @@ impl Doing {
             Self::Features(share) => format!("features {}/{}", share.done, share.of),
             Self::Training(share) => format!("training {:.0} %", 100.0 * share.fraction()),
             Self::Proposing(share) => format!("proposing {}/{}", share.done, share.of),
-            Self::Carrying(share) => format!("carrying {}/{}", share.done, share.of),
+            Self::Carrying(share) => format!("tracking {}/{}", share.done, share.of),
             Self::Measuring(share) => format!("measuring {}/{}", share.done, share.of),
             Self::Paused => "trainer paused".to_owned(),
         })

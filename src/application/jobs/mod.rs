@@ -13,8 +13,8 @@
 //! | [`Saver`] | edits, in order; to write the document |
 //! | [`Trainer`] | the newest document and the shown frame, which replace those before |
 //!
-//! [`Runner`] owns the jobs of an open document. It turns effects into orders and reports into
-//! actions. It runs the operations of `app` as [`Job`](crate::app::operation::Job)s, without
+//! [`Runner`] owns the jobs of an open document. It translates effects into orders, and reports
+//! into actions. It runs the operations of `app` as [`Job`](crate::app::operation::Job)s, without
 //! knowing which they are.
 
 mod background;

@@ -16,7 +16,7 @@ pub struct Panicked {
     pub place: String,
 }
 
-/// Runs `work` on this thread and turns a panic into an error.
+/// Runs `work` on this thread and returns a panic as an error.
 ///
 /// A panic of this thread prints nothing, here and later: the hook stays installed. Panics of other
 /// threads are printed as before.

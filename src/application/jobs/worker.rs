@@ -185,8 +185,8 @@ pub(super) struct Worker<O, R> {
 }
 
 impl<O: Send + 'static, R: Send + 'static> Worker<O, R> {
-    /// Starts a thread that runs `work`. If `work` panics, `broke_down` turns the message into the
-    /// last report.
+    /// Starts a thread that runs `work`. If `work` panics, `broke_down` makes the last report from
+    /// the message.
     ///
     /// # Errors
     /// The operating system gives no thread.

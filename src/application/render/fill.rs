@@ -61,7 +61,7 @@ pub(super) fn append_triangles(area: &Area, vertices: &mut Vec<FillVertex>) {
     }
 }
 
-/// The corners without repetitions, ordered so that the polygon turns from +x to +y. `None` if they
+/// The corners without repetitions, ordered from +x towards +y around the polygon. `None` if they
 /// span no area.
 fn counter_clockwise(corners: &[[f32; 2]]) -> Option<Vec<[f32; 2]>> {
     let mut corners = corners.to_vec();
@@ -86,7 +86,7 @@ fn cross(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// Twice the signed area of a triangle; positive if it turns from +x to +y.
+/// Twice the signed area of a triangle; positive if its corners run from +x towards +y.
 fn turn(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
     cross([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]])
 }
@@ -105,7 +105,8 @@ fn half_px_outward(before: [f32; 2], at: [f32; 2], after: [f32; 2]) -> [f32; 2] 
     sum.map(|x| x / squared)
 }
 
-/// Triangulates a simple polygon that turns from +x to +y by ear clipping (Meisters 1975), O(n²).
+/// Triangulates a simple polygon, whose corners run from +x towards +y, by ear clipping (Meisters
+/// 1975), O(n²).
 fn triangulate(corners: &[[f32; 2]]) -> Vec<[usize; 3]> {
     let mut rest: Vec<usize> = (0..corners.len()).collect();
     let mut triangles = Vec::with_capacity(corners.len() - 2);

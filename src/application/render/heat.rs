@@ -1,4 +1,4 @@
-//! A heat map over the picture: a small texture of levels, which the shader turns into colours.
+//! A heat map over the picture: a small texture of levels, which the shader maps to colours.
 
 use super::gpu::Gpu;
 use super::stroke::rgba;

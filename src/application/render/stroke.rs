@@ -136,7 +136,7 @@ fn direction(from: [f32; 2], to: [f32; 2]) -> [f32; 2] {
 }
 
 /// The direction of the bisector of two unit vectors, not normalised. Zero, which means no cut, if
-/// the stroke turns back on itself.
+/// the stroke reverses its direction.
 fn bisector(before: [f32; 2], after: [f32; 2]) -> [f32; 2] {
     let sum = [before[0] + after[0], before[1] + after[1]];
     if sum[0].hypot(sum[1]) < 1e-3 {

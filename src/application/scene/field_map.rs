@@ -424,6 +424,6 @@ mod tests {
         };
         assert_eq!(at(-8.0, 0.0), [200, 0, 0, 255]);
         assert_eq!(at(8.0, 0.0), [0, 0, 200, 255]);
-        assert_eq!(at(-50.0, -30.0), [0, 0, 0, 0], "out of sight");
+        assert_eq!(at(-50.0, -30.0), [0, 0, 0, 0], "not visible");
     }
 }

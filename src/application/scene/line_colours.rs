@@ -25,59 +25,28 @@ pub struct LineColour {
     pub safe_on: &'static [Ground],
 }
 
+/// The colours that are the default of a sport.
+const YELLOW: [u8; 3] = [255, 221, 64];
+const CYAN: [u8; 3] = [90, 225, 255];
+const ORANGE: [u8; 3] = [255, 150, 60];
+
 /// The colours that a user can choose.
 pub const LINE_COLOURS: [LineColour; 10] = [
-    LineColour {
-        name: "Yellow",
-        rgb: [255, 221, 64],
-        safe_on: &[Ground::Turf, Ground::Painted],
-    },
-    LineColour {
-        name: "Cyan",
-        rgb: [90, 225, 255],
-        safe_on: &[Ground::Turf, Ground::Wood, Ground::Painted],
-    },
-    LineColour {
-        name: "Pink",
-        rgb: [255, 120, 220],
-        safe_on: &[Ground::Turf],
-    },
-    LineColour {
-        name: "White",
-        rgb: [255, 255, 255],
-        safe_on: &[Ground::Turf, Ground::Painted],
-    },
-    LineColour {
-        name: "Magenta",
-        rgb: [214, 40, 190],
-        safe_on: &[Ground::Turf, Ground::Ice],
-    },
-    LineColour {
-        name: "Orange",
-        rgb: [255, 150, 60],
-        safe_on: &[Ground::Ice],
-    },
-    LineColour {
-        name: "Lime",
-        rgb: [170, 255, 90],
-        safe_on: &[Ground::Painted],
-    },
-    LineColour {
-        name: "Sky blue",
-        rgb: [86, 180, 233],
-        safe_on: &[Ground::Wood],
-    },
-    LineColour {
-        name: "Deep blue",
-        rgb: [0, 114, 178],
-        safe_on: &[Ground::Wood, Ground::Ice],
-    },
-    LineColour {
-        name: "Vermilion",
-        rgb: [213, 94, 0],
-        safe_on: &[Ground::Ice],
-    },
+    line_colour("Yellow", YELLOW, &[Ground::Turf, Ground::Painted]),
+    line_colour("Cyan", CYAN, &[Ground::Turf, Ground::Wood, Ground::Painted]),
+    line_colour("Pink", [255, 120, 220], &[Ground::Turf]),
+    line_colour("White", [255, 255, 255], &[Ground::Turf, Ground::Painted]),
+    line_colour("Magenta", [214, 40, 190], &[Ground::Turf, Ground::Ice]),
+    line_colour("Orange", ORANGE, &[Ground::Ice]),
+    line_colour("Lime", [170, 255, 90], &[Ground::Painted]),
+    line_colour("Sky blue", [86, 180, 233], &[Ground::Wood]),
+    line_colour("Deep blue", [0, 114, 178], &[Ground::Wood, Ground::Ice]),
+    line_colour("Vermilion", [213, 94, 0], &[Ground::Ice]),
 ];
+
+const fn line_colour(name: &'static str, rgb: [u8; 3], safe_on: &'static [Ground]) -> LineColour {
+    LineColour { name, rgb, safe_on }
+}
 
 /// A sport and the default colour of its lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,55 +63,29 @@ pub struct Sport {
 
 /// All sports with built-in field templates.
 pub const SPORTS: [Sport; 8] = [
-    Sport {
-        id: "soccer",
-        name: "Soccer",
-        ground: Ground::Turf,
-        colour: [255, 221, 64],
-    },
-    Sport {
-        id: "american_football",
-        name: "American football",
-        ground: Ground::Turf,
-        colour: [255, 221, 64],
-    },
-    Sport {
-        id: "basketball",
-        name: "Basketball",
-        ground: Ground::Wood,
-        colour: [90, 225, 255],
-    },
-    Sport {
-        id: "handball",
-        name: "Handball",
-        ground: Ground::Wood,
-        colour: [90, 225, 255],
-    },
-    Sport {
-        id: "volleyball",
-        name: "Volleyball",
-        ground: Ground::Wood,
-        colour: [90, 225, 255],
-    },
-    Sport {
-        id: "futsal",
-        name: "Futsal",
-        ground: Ground::Wood,
-        colour: [90, 225, 255],
-    },
-    Sport {
-        id: "ice_hockey",
-        name: "Ice hockey",
-        ground: Ground::Ice,
-        colour: [255, 150, 60],
-    },
-    Sport {
-        id: "tennis",
-        name: "Tennis",
-        ground: Ground::Painted,
-        colour: [255, 221, 64],
-    },
+    sport("soccer", "Soccer", Ground::Turf, YELLOW),
+    sport(
+        "american_football",
+        "American football",
+        Ground::Turf,
+        YELLOW,
+    ),
+    sport("basketball", "Basketball", Ground::Wood, CYAN),
+    sport("handball", "Handball", Ground::Wood, CYAN),
+    sport("volleyball", "Volleyball", Ground::Wood, CYAN),
+    sport("futsal", "Futsal", Ground::Wood, CYAN),
+    sport("ice_hockey", "Ice hockey", Ground::Ice, ORANGE),
+    sport("tennis", "Tennis", Ground::Painted, YELLOW),
 ];
+
+const fn sport(id: &'static str, name: &'static str, ground: Ground, colour: [u8; 3]) -> Sport {
+    Sport {
+        id,
+        name,
+        ground,
+        colour,
+    }
+}
 
 impl Sport {
     /// The sport of a built-in field template. `None` for a user's own template.

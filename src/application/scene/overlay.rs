@@ -14,7 +14,7 @@ use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 use touchline_core::markings::{
     MarkingOptions, MarkingPolyline, ProjectedLandmark, project_landmarks, project_lines,
 };
-use touchline_documents::document::{Click, Target};
+use touchline_documents::document::{Click, Frame, FrameStatus, Target};
 
 /// Colour of the rim around lines and markers.
 const RIM: Colour = Colour {
@@ -55,6 +55,18 @@ pub enum Standing {
     Solved,
     /// Proposed by the program and not yet accepted: dashed lines.
     Proposed,
+}
+
+impl Standing {
+    /// The standing of the camera of a frame.
+    #[must_use]
+    pub fn from_frame(frame: &Frame) -> Self {
+        if frame.status == FrameStatus::Suggested {
+            Self::Proposed
+        } else {
+            Self::Solved
+        }
+    }
 }
 
 /// What an overlay is drawn from.

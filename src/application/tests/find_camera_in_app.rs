@@ -240,7 +240,7 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
                 connected: 7,
             },
             None,
-            "No camera was found: only 7 of 40 frames overlap with each other. Add frames in which the camera turns from one \
+            "No camera was found: only 7 of 40 frames overlap with each other. Add frames in which the camera pans from one \
              view to the next, all of one camera that does not move, or click 4 landmarks on 2 wide frames.",
         ),
         (
@@ -284,11 +284,11 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     );
     bench.command(Command::FindCamera);
     bench.report_end::<CameraSearch>(Err(Failure::Broken(Breakdown::Panicked(
-        "the rig fell".to_owned(),
+        "the tripod fell".to_owned(),
     ))));
     let last = bench.app.session.messages.notices.last().unwrap();
     assert!(
-        last.level == Level::Error && last.text.contains("the rig fell"),
+        last.level == Level::Error && last.text.contains("the tripod fell"),
         "{last:?}"
     );
 }

@@ -11,6 +11,9 @@
 #[path = "../../../tests/shared/bench.rs"]
 mod bench;
 #[allow(dead_code, reason = "shared by several crates")]
+#[path = "../../../tests/shared/child.rs"]
+mod child;
+#[allow(dead_code, reason = "shared by several crates")]
 #[path = "../../../tests/shared/headless.rs"]
 mod headless;
 #[allow(dead_code, reason = "shared by several crates")]
@@ -36,6 +39,7 @@ mod nothing_unasked;
 mod operations_in_app;
 mod outside;
 mod places_in_app;
+mod proposals_in_app;
 mod quality_in_app;
 mod review_in_app;
 mod session;

@@ -81,7 +81,7 @@ fn another_document_ends_the_tracking_of_a_clip() {
     );
     assert_eq!(
         next_step(&bench.app).text,
-        "Carrying cameras through the shot…"
+        "Tracking cameras through the shot…"
     );
     assert!(bench.app.why_not(Command::Track).is_some(), "one at a time");
     let started = vec![bench.started::<ClipTracking>()];

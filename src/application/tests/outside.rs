@@ -62,6 +62,12 @@ pub fn accept(headless: &mut Headless, frame: usize, pan_deg: f64) {
     );
 }
 
+/// What the window says of the edits that lie beside the document.
+fn orphaned_edits(headless: &Headless) -> Vec<String> {
+    let orphans = headless.app.session.disk.orphans.iter();
+    orphans.flat_map(|orphan| orphan.edits.clone()).collect()
+}
+
 fn save(headless: &mut Headless) {
     let whole = |app: &touchline_application::app::App| {
         app.session.disk.changed_outside.is_some()
@@ -155,15 +161,7 @@ fn what_the_window_holds_is_kept_beside_as_soon_as_a_change_is_seen() {
     ask(&mut headless);
     let own = document_from_bytes(&fs::read(path.join("project.json.mine-1")).unwrap()).unwrap();
     assert_eq!(own.frames, headless.app.open().unwrap().document.frames);
-    let listed: Vec<_> = headless
-        .app
-        .session
-        .disk
-        .orphans
-        .iter()
-        .flat_map(|orphan| orphan.edits.clone())
-        .collect();
-    assert_eq!(listed, ["Changes in 0.jpg"]);
+    assert_eq!(orphaned_edits(&headless), ["Changes in 0.jpg"]);
     // Edits that come after it are kept as well.
     headless.act(Action::View(ViewAction::CloseDialog));
     headless.act(Action::Navigate(Navigation::GoTo(1)));
@@ -255,15 +253,7 @@ fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
             });
         }
         let again = Headless::opened(&path);
-        let listed: Vec<_> = again
-            .app
-            .session
-            .disk
-            .orphans
-            .iter()
-            .flat_map(|orphan| orphan.edits.clone())
-            .collect();
-        assert_eq!(listed, ["Changes in 0.jpg"]);
+        assert_eq!(orphaned_edits(&again), ["Changes in 0.jpg"]);
     }
 }
 

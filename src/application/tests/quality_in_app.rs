@@ -12,7 +12,7 @@ use touchline_documents::document::{
     Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus,
 };
 
-/// Two cameras in turns, a slow pan of each; the fifth frame of the first looks elsewhere.
+/// Two cameras alternately, a slow pan of each; the fifth frame of the first looks elsewhere.
 fn document() -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
     for name in ["main", "high"] {

@@ -159,7 +159,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     };
     assert_eq!(
         why,
-        "No frame to export as freed: no frame has the status, camera and confidence that were asked for."
+        "No frame to export as freed: no frame has the requested status, camera and confidence."
     );
     assert!(folder.path().join("wc14/0000.homographyMatrix").is_file());
 }

@@ -2,11 +2,10 @@
 //! on disk.
 
 use crate::bench::{SIZE, base, landmark_in, uncounted};
+use crate::child::{numbers_behind, spawned};
 use crate::headless::Headless;
 use std::fs;
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command as Process, Stdio};
 use tempfile::TempDir;
 use touchline_application::app::session::Saving;
 use touchline_application::app::{
@@ -318,29 +317,14 @@ fn undo_survives_a_kill() {
     let (_root, path) = new_project(3);
     let start = uncounted(&document(3));
     for round in 0..6 {
-        let mut child = Process::new(std::env::current_exe().unwrap())
-            .args([
-                "undo_in_app::child_that_edits_until_it_is_killed",
-                "--exact",
-                "--nocapture",
-                "--test-threads=1",
-            ])
-            .env(CHILD_FOLDER, &path)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let mut lines = BufReader::new(child.stdout.take().unwrap())
-            .lines()
-            .map_while(Result::ok);
-        let number = |line: String| {
-            line.split("undoable ")
-                .nth(1)
-                .and_then(|count| count.trim().parse().ok())
-        };
-        let mut steps: Vec<usize> = lines.by_ref().filter_map(number).take(4 + round).collect();
+        let (mut child, lines) = spawned(
+            "undo_in_app::child_that_edits_until_it_is_killed",
+            [(CHILD_FOLDER, path.to_str().unwrap())],
+        );
+        let mut counts = numbers_behind("undoable ", lines);
+        let mut steps: Vec<usize> = counts.by_ref().take(4 + round).collect();
         child.kill().unwrap();
-        steps.extend(lines.filter_map(number));
+        steps.extend(counts);
         child.wait().unwrap();
         let mut headless = Headless::opened(&path);
         let found = headless.all(Command::Undo);

@@ -328,7 +328,10 @@ mod tests {
                 .iter()
                 .all(|frame| frame.uncertainty.is_some())
         );
-        assert!(!camera.paint.is_empty(), "where the paint lies is told");
+        assert!(
+            !camera.paint.is_empty(),
+            "the directions of the paint are reported"
+        );
     }
 
     #[test]

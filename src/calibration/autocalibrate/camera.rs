@@ -59,15 +59,7 @@ pub fn camera_without_clicks(
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
-    let field_prior = FieldPrior::from_document(document, camera)?;
-    Search {
-        document,
-        camera,
-        field_prior,
-        by_clicks: false,
-        progress,
-    }
-    .run(look_at, picture)
+    Search::new(document, camera, false, progress)?.run(look_at, picture)
 }
 
 /// Finds a camera of a document from two or more clicks on landmarks of the ground, in one frame or
@@ -83,15 +75,7 @@ pub fn camera_from_few_clicks(
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
-    let field_prior = FieldPrior::from_document(document, camera)?;
-    Search {
-        document,
-        camera,
-        field_prior,
-        by_clicks: true,
-        progress,
-    }
-    .run(look_at, picture)
+    Search::new(document, camera, true, progress)?.run(look_at, picture)
 }
 
 struct Search<'a> {
@@ -109,7 +93,22 @@ struct Choice {
     runner_up: Option<Hypothesis>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(
+        document: DocumentAt<'a>,
+        camera: &'a CameraId,
+        by_clicks: bool,
+        progress: &'a Progress<'a, AutocalibrationProgress>,
+    ) -> Result<Self, AutocalibrationError> {
+        Ok(Self {
+            document,
+            camera,
+            field_prior: FieldPrior::from_document(document, camera)?,
+            by_clicks,
+            progress,
+        })
+    }
+
     /// Returns the answer; abstaining is an answer, not an error.
     fn run(
         &self,
@@ -594,7 +593,7 @@ mod tests {
         assert_eq!(
             (score, runner_up),
             (0.62, None),
-            "its score is told all the same"
+            "its score is recorded nevertheless"
         );
     }
 

@@ -36,36 +36,36 @@ pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -
     const MAX_ROLL_DEG: f64 = 4.0;
     let roll_deg = base.angles().roll.degrees();
     let mut doubts = Vec::new();
-    let mut ask = |wrong: bool, doubt: Doubt| {
+    let mut reject_if = |wrong: bool, doubt: Doubt| {
         if wrong {
             doubts.push(doubt);
         }
     };
-    ask(
+    reject_if(
         evidence.explained < MIN_EXPLAINED,
         Doubt::Unexplained {
             share: 1.0 - evidence.explained,
         },
     );
-    ask(
+    reject_if(
         evidence.visible < MIN_VISIBLE,
         Doubt::Unseen {
             share: 1.0 - evidence.visible,
         },
     );
-    ask(
+    reject_if(
         evidence.lines.len() < MIN_LINES,
         Doubt::FewLines {
             lines: evidence.lines.len(),
         },
     );
-    ask(
+    reject_if(
         !evidence.missing.is_empty(),
         Doubt::LinesMissing {
             lines: evidence.missing.clone(),
         },
     );
-    ask(
+    reject_if(
         evidence.residual_px > MAX_RESIDUAL_PX,
         Doubt::OffLines {
             residual_px: evidence.residual_px,
@@ -74,16 +74,16 @@ pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -
     // An infinite distance means that some part of the frames gave no position at all.
     let parts_m = evidence.parts_m;
     if parts_m.is_finite() {
-        ask(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
+        reject_if(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
     } else {
-        ask(
+        reject_if(
             true,
             Doubt::Unconfirmed {
                 frames: evidence.frames,
             },
         );
     }
-    ask(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
+    reject_if(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
     if let Some([length_m, width_m]) = evidence.other_size_m {
         doubts.push(Doubt::OtherSize { length_m, width_m });
     }

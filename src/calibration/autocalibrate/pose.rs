@@ -163,7 +163,7 @@ impl Residual<2, 0, 6> for Upright {
 
 /// Least squares over paint and the prior on the pan axis.
 struct OnPaint {
-    sights: Vec<PaintCorrespondence>,
+    correspondences: Vec<PaintCorrespondence>,
     upright: Upright,
     loss: Loss,
 }
@@ -174,8 +174,8 @@ impl Problem for OnPaint {
 
     fn equations(&self, at: &PanoramaPose) -> BlockEquations<0, 6> {
         let mut equations = BlockEquations::zero();
-        for sight in &self.sights {
-            equations.add(sight, at, self.loss);
+        for correspondence in &self.correspondences {
+            equations.add(correspondence, at, self.loss);
         }
         equations.add(&self.upright, at, self.loss);
         equations
@@ -219,24 +219,27 @@ pub(super) fn fit_pose(
     for reach_deg in ROUNDS_DEG {
         let sigma = angular_scale(pose.position_m.z) * reach_deg.to_radians();
         // Assign each direction to its nearest line.
-        let sight = |direction: &Vec3| {
+        let correspondence = |direction: &Vec3| {
             let line = pose.line_at(*direction, map)?;
-            let sight = PaintCorrespondence {
+            let correspondence = PaintCorrespondence {
                 direction_in_panorama: *direction,
                 line,
                 sigma,
             };
-            let off = sight.value(&pose)?[0].abs();
-            (off < 3.0 * sigma).then_some(sight)
+            let off = correspondence.value(&pose)?[0].abs();
+            (off < 3.0 * sigma).then_some(correspondence)
         };
         // Refine the pose for this assignment, with the loss in units of the reach.
         let problem = OnPaint {
-            sights: directions_in_panorama.iter().filter_map(sight).collect(),
+            correspondences: directions_in_panorama
+                .iter()
+                .filter_map(correspondence)
+                .collect(),
             upright: Upright(UPRIGHT_SIGMA.radians()),
             loss: Loss::Cauchy { c: 1.0 },
         };
         // Twice as many as there are parameters, or the pose stays as it was.
-        if problem.sights.len() < 12 {
+        if problem.correspondences.len() < 12 {
             return pose;
         }
         pose = minimise(

@@ -124,7 +124,7 @@ impl fmt::Display for AutocalibrationProgress {
                 )
             }
             Self::Snapping { done, of } => {
-                write!(f, "snapping {} of {} frames", count(done), count(of))
+                write!(f, "aligning {} of {} frames", count(done), count(of))
             }
         }
     }

@@ -226,8 +226,8 @@ fn on_one_field(
         explained_upright(&PanoramaPose::upright(position_m, heading), directions, map)
     };
     let best_first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
-    // 1. Score all poses of the grid. Scores add up over the stages; ties are broken by index, so
-    //    that the result does not depend on the threads.
+    // 1. Score all poses of the grid. Scores add up over the stages. Equal scores are ordered by
+    //    index, so that the result does not depend on the threads.
     let mut scored: Vec<(f64, usize)> = (0..places.len()).map(|index| (0.0, index)).collect();
     for (ninths, one_in) in PARTS {
         let directions = below(&ninths);

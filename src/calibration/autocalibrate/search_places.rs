@@ -21,7 +21,7 @@ pub(super) struct SearchPlaces {
 /// camera looks.
 const TURN_FROM_DEG: f64 = -40.0;
 pub(super) const TURN_STEP_DEG: f64 = 2.0;
-const TURNS: usize = 41;
+const NUM_HEADINGS: usize = 41;
 
 /// Spacing of the usual places, m. Heights are a geometric series: errors of the height matter
 /// relative to the height.
@@ -74,14 +74,14 @@ impl SearchPlaces {
 
     /// Number of positions and headings.
     pub fn len(&self) -> usize {
-        self.positions_m.len() * TURNS
+        self.positions_m.len() * NUM_HEADINGS
     }
 
     /// Position and heading of a number below [`Self::len`]; headings vary fastest.
     pub fn at(&self, index: usize) -> (Vec3, Angle) {
-        let position_m = self.positions_m[index / TURNS];
+        let position_m = self.positions_m[index / NUM_HEADINGS];
         let to_middle_deg = (-position_m.x).atan2(-position_m.y).to_degrees();
-        let turn_deg = TURN_FROM_DEG + TURN_STEP_DEG * (index % TURNS) as f64;
+        let turn_deg = TURN_FROM_DEG + TURN_STEP_DEG * (index % NUM_HEADINGS) as f64;
         (position_m, Angle::from_degrees(to_middle_deg + turn_deg))
     }
 }

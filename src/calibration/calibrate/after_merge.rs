@@ -62,7 +62,7 @@ pub fn solve_after_merge(
             if follow_base(document, index, &before) {
                 done.withdrawn += 1;
             } else {
-                // `follow_base` turns an accepted proposal as well; doing it again changes nothing.
+                // `follow_base` may have refitted the frame; to refit it again changes nothing.
                 refit(document, index, &before);
                 done.refitted += 1;
             }

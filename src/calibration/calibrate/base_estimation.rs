@@ -269,10 +269,7 @@ impl BaseProblem {
     /// The distance of the clicks on each landmark from its projection with the new base, crown and
     /// frame cameras. Landmarks are sorted by their median, the worst first.
     fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {
-        let field = FieldModel {
-            crown_m: estimate.crown_m,
-            ..self.field.clone()
-        };
+        let field = self.field.with_crown_m(estimate.crown_m);
         // Residuals in px by landmark, with the indices of frame and click. Check clicks count for
         // nothing.
         let mut errors: BTreeMap<&LandmarkId, Vec<(f64, usize, usize)>> = BTreeMap::new();

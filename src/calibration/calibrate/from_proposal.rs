@@ -97,11 +97,11 @@ fn stated_prior(
 
 #[cfg(test)]
 mod tests {
-    use crate::calibrate::{FrameLookup, calibrate};
+    use crate::calibrate::{CalibrationError, FrameLookup, calibrate};
     use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
-    use touchline_core::field::builtin;
+    use touchline_core::field::{FieldModel, builtin};
     use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-    use touchline_core::solve::Uncertainty;
+    use touchline_core::solve::{FrameSolution, Uncertainty};
     use touchline_documents::document::{
         Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
     };
@@ -133,6 +133,12 @@ mod tests {
         (document, truth)
     }
 
+    /// Solves the first frame.
+    fn solve(document: &Document, field: &FieldModel) -> Result<FrameSolution, CalibrationError> {
+        let lookup = FrameLookup::of(document);
+        calibrate(document, &lookup, &document.frames[0], field, 0)
+    }
+
     #[test]
     fn one_click_moves_a_proposal_two_decide_without_it_and_none_brings_it_back() {
         // Of the forest, or found by the painted lines.
@@ -150,14 +156,7 @@ mod tests {
             Click::landmark(landmark.into(), truth.image_from_world(world).unwrap())
         };
         document.frames[0].clicks.push(seen("centre_mark"));
-        let one = calibrate(
-            &document,
-            &FrameLookup::of(&document),
-            &document.frames[0],
-            &field,
-            0,
-        )
-        .unwrap();
+        let one = solve(&document, &field).unwrap();
         document.frames[0].record(&one);
         let corrected = document.pointed(&document.frames[0]).unwrap().ptz();
         assert!(
@@ -174,14 +173,7 @@ mod tests {
         );
         assert_eq!(document.frames[0].proposed(), Some(before.clone()));
         document.frames[0].clicks.push(seen("halfway_far"));
-        let two = calibrate(
-            &document,
-            &FrameLookup::of(&document),
-            &document.frames[0],
-            &field,
-            0,
-        )
-        .unwrap();
+        let two = solve(&document, &field).unwrap();
         document.frames[0].record(&two);
         let solved = document.pointed(&document.frames[0]).unwrap().ptz();
         assert!(
@@ -202,13 +194,9 @@ mod tests {
         let world = field.landmark_in_world(field.landmark("centre_mark").unwrap());
         let at = truth.image_from_world(world).unwrap();
         frame.clicks.push(Click::landmark("centre_mark".into(), at));
-        let solve = |document: &Document| {
-            let lookup = FrameLookup::of(document);
-            calibrate(document, &lookup, &document.frames[0], &field, 0)
-        };
-        assert!(solve(&document).is_err(), "one click is too few");
+        assert!(solve(&document, &field).is_err(), "one click is too few");
         document.frames[0].keep_camera_as_prior();
-        let solved = solve(&document).unwrap();
+        let solved = solve(&document, &field).unwrap();
         let camera = PtzCamera::new(*truth.base(), solved.ptz);
         let off_px = camera.image_from_world(world).unwrap().distance_px(at);
         assert!(off_px < 1.0, "{off_px} px off");
@@ -250,14 +238,7 @@ mod tests {
             "centre_mark".into(),
             ImagePoint::new(at.x + off_px, at.y),
         ));
-        let one = calibrate(
-            &document,
-            &FrameLookup::of(&document),
-            &document.frames[0],
-            &field,
-            0,
-        )
-        .unwrap();
+        let one = solve(&document, &field).unwrap();
         (before_px, one.worst_corner_sigma_px, one.ptz)
     }
 

@@ -293,10 +293,7 @@ pub(crate) struct KnownCameras {
 impl KnownCameras {
     /// The problem's field with the crown of these cameras.
     fn field(&self, problem: &BaseProblem) -> FieldModel {
-        FieldModel {
-            crown_m: self.crown_m,
-            ..problem.field.clone()
-        }
+        problem.field.with_crown_m(self.crown_m)
     }
 
     /// These cameras after an adjustment to clicks and paint.

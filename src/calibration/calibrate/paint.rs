@@ -287,7 +287,7 @@ fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
     warn_once(
         frame,
         NOT_SNAPPED,
-        format!("not snapped to the painted lines: {reason}"),
+        format!("not aligned to the painted lines: {reason}"),
     );
 }
 

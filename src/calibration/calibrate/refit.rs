@@ -21,9 +21,9 @@ const SIGMA_PX: f64 = 2.0;
 /// Lines that end up farther off than this cause a warning, px at 1920 px width.
 const TOLERATED_PX: f64 = 5.0;
 
-/// Turns and zooms a frame so that its lines project as before its base changed; `before` is the
-/// document until then. A frame that was not solved, or that shows too little ground, is not
-/// changed.
+/// Adjusts pan, tilt and zoom of a frame so that its lines project as before its base changed;
+/// `before` is the document until then. A frame that was not solved, or that shows too little
+/// ground, is not changed.
 pub fn refit(document: &mut Document, index: usize, before: &Document) {
     let Some(known) = before
         .frames

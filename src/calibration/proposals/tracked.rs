@@ -54,7 +54,7 @@ impl TrackedProposal {
     }
 }
 
-/// The cameras of a tracked clip, as offers for the frames on which the user has not decided.
+/// The cameras of a tracked clip, as suggestions for the frames on which the user has not decided.
 #[must_use]
 pub fn suggest_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<SuggestionUpdate> {
     clip.frames

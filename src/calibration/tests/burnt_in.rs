@@ -1,29 +1,12 @@
 //! Score bugs, logos and lower thirds are neither trained on nor matched, with no mask drawn.
 
+use crate::described_scene::{SIZE, add, base, descriptor, empty};
 use crate::seeded::rng;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_vision::features::{
-    BurntIn, DESCRIPTOR_BYTES, Descriptor, Features, Keypoint, burnt_in,
-};
-
-const SIZE: ImageSize = ImageSize::new(1280, 720);
-
-fn base() -> CameraBase {
-    CameraBase::new(
-        Vec3::new(0.0, -60.0, 18.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
-}
-
-fn descriptor(rng: &mut Pcg64Mcg) -> Descriptor {
-    Descriptor(std::array::from_fn::<u8, DESCRIPTOR_BYTES, _>(|_| {
-        (rng.random_range(0.0..1.0f64).powi(4) * 135.0) as u8
-    }))
-}
+use touchline_core::camera::{PanTilt, Ptz, PtzCamera};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_vision::features::{BurntIn, Descriptor, Features, burnt_in};
 
 /// Things in the stadium, by their rays, and things on the screen, by their places.
 struct World {
@@ -58,24 +41,13 @@ impl World {
             .iter()
             .filter(|_| with_graphic)
             .map(|(what, at)| (what, *at));
-        let mut features = Features {
-            image_size: SIZE,
-            ..Features::default()
-        };
+        let mut features = empty();
         for (what, at) in stadium.filter(|(_, at)| SIZE.contains(*at)).chain(screen) {
             let point = ImagePoint::new(
                 at.x + rng.random_range(-0.2..0.2),
                 at.y + rng.random_range(-0.2..0.2),
             );
-            features.keypoints.push(Keypoint {
-                point,
-                size_px: 3.0,
-                strength: 1.0,
-            });
-            let noisy = what
-                .0
-                .map(|byte| (i16::from(byte) + rng.random_range(-4..=4)).clamp(0, 255) as u8);
-            features.descriptors.push(Descriptor(noisy));
+            add(&mut features, what, point, rng);
         }
         features
     }
@@ -149,10 +121,7 @@ fn pictures_that_tell_nothing_give_nothing() {
     let mut rng = rng("pictures_that_tell_nothing_give_nothing");
     let world = World::new(&mut rng);
     let one = world.seen(0.0, true, &mut rng);
-    let empty = Features {
-        image_size: SIZE,
-        ..Features::default()
-    };
+    let empty = empty();
     let other_size = Features {
         image_size: ImageSize::new(1920, 1080),
         ..world.seen(12.0, true, &mut rng)
@@ -440,7 +409,7 @@ mod videos {
             }
         }
 
-        /// Makes it one of a few frames in which the camera turns by this much in all.
+        /// Makes it one of a few frames in which the camera rotates by this much in all.
         fn turn_slowly(&mut self, frames: usize, [pan_deg, tilt_deg]: [f64; 2], focal_px: f64) {
             let start = self.path[0].ptz;
             self.path.truncate(frames);

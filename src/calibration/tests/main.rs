@@ -8,11 +8,15 @@
 )]
 
 #[allow(dead_code, reason = "shared by several crates")]
+#[path = "../../../tests/shared/described_scene.rs"]
+mod described_scene;
+#[allow(dead_code, reason = "shared by several crates")]
 #[path = "../../../tests/shared/seeded.rs"]
 mod seeded;
 
 mod bad_documents;
 mod burnt_in;
+mod checked_documents;
 mod coarse_to_fine;
 mod document;
 mod unseen_length;

@@ -11,7 +11,7 @@ use crate::geometry::{Angle, ImagePoint, ImageSize};
 /// How far two cameras are apart in direction and in zoom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngularDistance {
-    /// The angle between the optical axes, of small turns.
+    /// The angle between the optical axes, to first order.
     pub turn: Angle,
     /// The logarithm of the ratio of the first camera's focal length to the second one's.
     pub log_zoom: f64,
@@ -21,7 +21,7 @@ impl AngularDistance {
     /// From one camera to another.
     #[must_use]
     pub fn between(one: &Ptz, other: &Ptz) -> Self {
-        // A turn about the vertical moves the optical axis by its cosine of tilt.
+        // A rotation about the vertical moves the optical axis by the cosine of its tilt.
         let pan = one.pan.turn_from(other.pan).radians() * one.tilt.radians().cos();
         let tilt = (one.tilt - other.tilt).radians();
         let log_zoom = (one.focal_px / other.focal_px).ln();

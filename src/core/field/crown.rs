@@ -72,6 +72,15 @@ impl FieldModel {
         self.width_m >= MIN_CROWNED_WIDTH_M
     }
 
+    /// The same field with another crown.
+    #[must_use]
+    pub fn with_crown_m(&self, crown_m: f64) -> Self {
+        Self {
+            crown_m,
+            ..self.clone()
+        }
+    }
+
     /// The shape of its ground.
     #[must_use]
     pub const fn crown(&self) -> Crown {

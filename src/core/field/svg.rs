@@ -1,7 +1,7 @@
 //! A field seen from above as an SVG: lines at their real width, landmarks with their codes.
 
 use super::{Curve, FieldLine, FieldModel};
-use crate::geometry::Vec3;
+use crate::geometry::{Vec3, decimal, xml_text};
 use std::fmt::Write as _;
 
 /// The minimum margin around the field, m; landmarks outside the field are included.
@@ -28,13 +28,13 @@ pub fn svg(field: &FieldModel) -> String {
         reach_m,
         px_per_m: WIDTH_PX / (2.0 * reach_m.x),
     };
-    let height_px = number(2.0 * reach_m.y * plan.px_per_m);
+    let height_px = plan.length(2.0 * reach_m.y);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH_PX}\" height=\"{height_px}\">\n\
          <title>{}</title>\n\
          <rect width=\"{WIDTH_PX}\" height=\"{height_px}\" fill=\"#215c38\"/>\n\
          <g fill=\"none\" stroke=\"#f4f7f4\" stroke-linecap=\"square\">\n",
-        escaped(&field.template),
+        xml_text(&field.template),
     );
     for line in &field.lines {
         out.push_str(&plan.line(line));
@@ -44,7 +44,7 @@ pub fn svg(field: &FieldModel) -> String {
     );
     for landmark in &field.landmarks {
         let [x, y] = plan.at(landmark.nominal_m);
-        let title = escaped(&landmark.label);
+        let title = xml_text(&landmark.label);
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
@@ -76,8 +76,9 @@ impl Plan {
             .map(|metres| self.length(metres))
     }
 
+    /// A length in the drawing, px.
     fn length(&self, metres: f64) -> String {
-        number(metres * self.px_per_m)
+        decimal(metres * self.px_per_m, 2)
     }
 
     fn line(&self, line: &FieldLine) -> String {
@@ -118,27 +119,9 @@ impl Plan {
             " stroke=\"#7fb4ff\""
         };
         let width = self.length(line.width_m);
-        let title = escaped(&line.label);
+        let title = xml_text(&line.label);
         format!("<g><title>{title}</title><{tag} {place} stroke-width=\"{width}\"{colour}/></g>\n")
     }
-}
-
-/// px with two digits, without trailing zeros.
-fn number(value: f64) -> String {
-    let text = format!("{value:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.to_owned()
-    }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 #[cfg(test)]

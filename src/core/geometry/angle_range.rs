@@ -168,11 +168,11 @@ impl AngleRange {
     /// from its start to its end without a jump.
     #[must_use]
     pub fn unwrapped(&self, angle: Angle) -> Angle {
-        let turns = ((self.middle() - angle).radians() / TAU).round();
-        if turns == 0.0 {
+        let revolutions = ((self.middle() - angle).radians() / TAU).round();
+        if revolutions == 0.0 {
             angle
         } else {
-            angle + Angle::TURN * turns
+            angle + Angle::TURN * revolutions
         }
     }
 

@@ -1,4 +1,4 @@
-//! Formatting of numbers for the user and for files.
+//! Formatting of numbers and texts for the user and for files.
 
 use std::fmt::Write as _;
 
@@ -21,6 +21,27 @@ pub fn thousands(number: usize) -> String {
 pub fn counted(number: usize, singular: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {singular}{plural}", thousands(number))
+}
+
+/// A number with at most this many decimals, at least one, without trailing zeros: 0.25, 12.
+#[must_use]
+pub fn decimal(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
+}
+
+/// Text as XML has it in an element or an attribute.
+#[must_use]
+pub fn xml_text(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 /// Bytes in lower-case hexadecimal digits, two each.
@@ -62,6 +83,12 @@ mod tests {
     fn thousands_are_set_apart() {
         let texts = [0, 12, 999, 1000, 41_200, 1_234_567].map(thousands);
         assert_eq!(texts, ["0", "12", "999", "1,000", "41,200", "1,234,567"]);
+    }
+
+    #[test]
+    fn decimals_end_at_the_last_digit_that_says_something() {
+        let texts = [0.25, 12.0, 10.04, -0.001].map(|value| decimal(value, 2));
+        assert_eq!(texts, ["0.25", "12", "10.04", "0"]);
     }
 
     #[test]

@@ -3,9 +3,9 @@
 //! With the focal length known, one point gives pan and tilt (`one_point.rs`). So does one straight
 //! line, by the same equations: the plane through the camera and the field's line has a normal m in
 //! `base`, and the plane through the camera and the drawn line one n in `cam`. A camera that shows
-//! the line where it was drawn turns m into n or into −n, as a camera that shows a point where it
-//! was clicked turns the point's direction into the pixel's. (n is the image of the line under the
-//! transposed projection: Hartley and Zisserman, *Multiple View Geometry*, 2nd ed., eq. 8.2.)
+//! the line where it was drawn rotates m into n or into −n, as a camera that shows a point where it
+//! was clicked rotates the point's direction into the pixel's. (n is the image of the line under
+//! the transposed projection: Hartley and Zisserman, *Multiple View Geometry*, 2nd ed., eq. 8.2.)
 //!
 //! One parameter is left to sweep. Every local minimum of the cost over all observations is the
 //! start of one solution: none is missed that is wider than a step of 10 % in focal length.

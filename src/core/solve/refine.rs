@@ -141,10 +141,10 @@ pub(super) fn squared_sigmas(distance_px: Option<f64>, sigma_px: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, FocalCurve};
+    use crate::camera::FocalCurve;
     use crate::field::builtin;
     use crate::geometry::{ImagePoint, ImageSize, Mat3};
-    use crate::solve::check_derivatives;
+    use crate::solve::{check_derivatives, fixtures};
     use std::collections::BTreeMap;
 
     #[test]
@@ -198,15 +198,7 @@ mod tests {
                 per_1000_px: 0.2,
                 ..FocalCurve::NONE
             },
-            ..CameraBase::new(
-                Vec3::new(3.0, -62.0, 17.0),
-                BaseAngles {
-                    roll: Angle::from_degrees(0.7),
-                    ..BaseAngles::default()
-                }
-                .base_from_world(),
-                ImagePoint::new(955.0, 543.0),
-            )
+            ..fixtures::base()
         };
         let ptz = Ptz::from_degrees(-4.0, -15.0, 1910.0);
         let stepped =

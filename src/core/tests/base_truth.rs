@@ -13,13 +13,15 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseError, BaseModel, BaseOptions, BaseProgress, BesideFrames, CameraClicks,
-    CrownModel, FrameClicks, LensModel, adjust_base, estimate_base, estimate_base_on_paint,
+    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, BaseProgress, BesideFrames,
+    CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
+    estimate_base_on_paint,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
-fn field(crown_m: f64) -> FieldModel {
+/// The soccer field of the usual size.
+pub fn field(crown_m: f64) -> FieldModel {
     builtin("soccer")
         .unwrap()
         .model(&BTreeMap::new(), crown_m)
@@ -107,6 +109,20 @@ fn prescribed(lens: LensModel, crown: CrownModel) -> BaseOptions {
         crown: Some(crown),
         ..BaseOptions::default()
     }
+}
+
+/// The base of a camera whose principal point is the middle of its pictures.
+fn centred_base(
+    field: &FieldModel,
+    frames: &[FrameClicks],
+    options: &BaseOptions,
+) -> Result<BaseEstimate, BaseError> {
+    estimate_base(
+        &CameraClicks::centred(field, frames, SIZE),
+        None,
+        options,
+        &Progress::default(),
+    )
 }
 
 #[test]
@@ -200,13 +216,7 @@ fn exact_clicks_give_the_exact_base() {
     let base = true_base(FocalCurve::NONE);
     let (frames, truth) = frames(&base, &field, 8, 12, 0.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let found = estimate_base(
-        &CameraClicks::centred(&field, &frames, SIZE),
-        None,
-        &options,
-        &Progress::default(),
-    )
-    .unwrap();
+    let found = centred_base(&field, &frames, &options).unwrap();
     assert!(
         (found.base.position_m - base.position_m).norm() < 1e-4,
         "{:?}",
@@ -239,13 +249,7 @@ fn the_position_is_as_good_as_its_sigma_says() {
         let (mut squares, trials) = (0.0, 6);
         for _ in 0..trials {
             let (frames, _) = frames(&base, &field, count, 10, 2.0, &mut rng);
-            let found = estimate_base(
-                &CameraClicks::centred(&field, &frames, SIZE),
-                None,
-                &options,
-                &Progress::default(),
-            )
-            .unwrap();
+            let found = centred_base(&field, &frames, &options).unwrap();
             let z = z_scores(&found.base, &base);
             assert!(z.amax() < 4.0, "{count} frames: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
@@ -305,13 +309,7 @@ fn the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_error
             } else {
                 clicked.clone()
             };
-            let found = estimate_base(
-                &CameraClicks::centred(&field, &clicked, SIZE),
-                None,
-                &options,
-                &Progress::default(),
-            )
-            .unwrap();
+            let found = centred_base(&field, &clicked, &options).unwrap();
             let z = (found.base.position_m - base.position_m)
                 .component_div(&bound_m(&base, &field, &good, &truth));
             assert!(z.amax() < 3.0, "{count} frames, spoiled {spoiled}: {z:?}");
@@ -362,13 +360,7 @@ fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
     });
     let (mut frames, _) = frames(&base, &field, 20, 12, 2.0, &mut rng);
     let (wrong, _) = spoil(&mut frames, &mut rng);
-    let found = estimate_base(
-        &CameraClicks::centred(&field, &frames, SIZE),
-        None,
-        &BaseOptions::default(),
-        &Progress::default(),
-    )
-    .unwrap();
+    let found = centred_base(&field, &frames, &BaseOptions::default()).unwrap();
     assert!(
         z_scores(&found.base, &base).amax() < 4.0,
         "{:?}",
@@ -392,15 +384,8 @@ fn what_cannot_be_estimated_says_why() {
     let mut rng = seeded::rng("what_cannot_be_estimated_says_why");
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
-    let estimate = |frames: &[FrameClicks]| {
-        estimate_base(
-            &CameraClicks::centred(&field, frames, SIZE),
-            None,
-            &BaseOptions::default(),
-            &Progress::default(),
-        )
-        .unwrap_err()
-    };
+    let estimate =
+        |frames: &[FrameClicks]| centred_base(&field, frames, &BaseOptions::default()).unwrap_err();
     assert!(matches!(
         estimate(&[]),
         BaseError::NoStart {
@@ -458,13 +443,7 @@ fn landmarks_on_one_line_and_a_single_view_are_reported() {
         one_line.iter().any(|frame| frame.observations.len() > 3),
         "four of them are on it"
     );
-    let error = estimate_base(
-        &CameraClicks::centred(&field, &one_line, SIZE),
-        None,
-        &BaseOptions::default(),
-        &Progress::default(),
-    )
-    .unwrap_err();
+    let error = centred_base(&field, &one_line, &BaseOptions::default()).unwrap_err();
     assert!(matches!(error, BaseError::NoStart { .. }), "{error}");
     assert!(
         error.to_string().contains("that are not on one line"),
@@ -472,15 +451,7 @@ fn landmarks_on_one_line_and_a_single_view_are_reported() {
     );
 
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let estimate = |frames: &[FrameClicks]| {
-        estimate_base(
-            &CameraClicks::centred(&field, frames, SIZE),
-            None,
-            &options,
-            &Progress::default(),
-        )
-        .unwrap()
-    };
+    let estimate = |frames: &[FrameClicks]| centred_base(&field, frames, &options).unwrap();
     assert_eq!(estimate(&many).one_view(), None);
     let same = vec![many[3].clone(); 5];
     let reported = estimate(&same).one_view().unwrap();
@@ -497,15 +468,7 @@ fn few_frames_on_one_side_ask_for_one_on_the_other() {
     // From left to right.
     let (many, _) = frames(&true_base(FocalCurve::NONE), &field, 8, 4, 2.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let estimate = |frames: &[FrameClicks]| {
-        estimate_base(
-            &CameraClicks::centred(&field, frames, SIZE),
-            None,
-            &options,
-            &Progress::default(),
-        )
-        .unwrap()
-    };
+    let estimate = |frames: &[FrameClicks]| centred_base(&field, frames, &options).unwrap();
     for (few, side) in [
         (&many[4..7], BesideFrames::Left),
         (&many[1..4], BesideFrames::Right),

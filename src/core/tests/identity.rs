@@ -1,11 +1,11 @@
 //! Mistakes in names: found, and not invented.
 
+use crate::base_truth::field;
 use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use std::collections::BTreeMap;
 use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline_core::field::{FieldElement, FieldModel, Symmetry, builtin};
+use touchline_core::field::{FieldElement, FieldModel, Symmetry};
 use touchline_core::geometry::{Angle, AngleRange, ImageSize, Vec2, Vec3};
 use touchline_core::solve::{
     Evidence, FrameSolution, IdentityFinding, IdentityKind, Motion, MotionPrior, Name, Observation,
@@ -13,13 +13,6 @@ use touchline_core::solve::{
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
-
-fn field() -> FieldModel {
-    builtin("soccer")
-        .unwrap()
-        .model(&BTreeMap::new(), 0.15)
-        .unwrap()
-}
 
 fn nominal_base() -> CameraBase {
     CameraBase {
@@ -139,7 +132,7 @@ fn mends(finding: &IdentityFinding, field: &FieldModel, named: &[usize], truth: 
 #[test]
 fn right_names_raise_no_alarm() {
     let mut rng = seeded::rng("right_names_raise_no_alarm");
-    let field = field();
+    let field = field(0.15);
     let (mut alarms, trials) = (0, 1500);
     for trial in 0..trials {
         let (clicks, _) = labels(&field, 4 + trial % 9, &mut rng);
@@ -153,7 +146,7 @@ fn right_names_raise_no_alarm() {
 #[test]
 fn one_swap_or_one_wrong_landmark_is_found_and_mended() {
     let mut rng = seeded::rng("one_swap_or_one_wrong_landmark_is_found_and_mended");
-    let field = field();
+    let field = field(0.15);
     for swap in [true, false] {
         let (mut found, mut mended, trials) = (0, 0, 600);
         for trial in 0..trials {
@@ -303,7 +296,7 @@ const TWO_CLICKS: [(Known, [usize; 5], [usize; 4]); 3] = [
 /// With two clicks and a base there is one surplus equation, and what the camera usually does.
 #[test]
 fn two_clicks_say_what_they_can() {
-    let field = field();
+    let field = field(0.15);
     let trials = 400;
     println!(
         "two clicks, % of {trials}: refused or warned of; with the right names at hand | false alarms, in doubt"
@@ -434,7 +427,7 @@ fn named_otherwise(
 
 #[test]
 fn the_goal_area_named_as_the_penalty_area_is_found() {
-    let field = field();
+    let field = field(0.15);
     let camera = PtzCamera::new(nominal_base(), Ptz::from_degrees(30.0, -12.0, 2600.0));
     let clicks = named_otherwise(
         &field,
@@ -473,7 +466,7 @@ fn the_goal_area_named_as_the_penalty_area_is_found() {
 
 #[test]
 fn two_clicks_on_the_neighbouring_line_are_found() {
-    let field = field();
+    let field = field(0.15);
     let camera = PtzCamera::new(nominal_base(), Ptz::from_degrees(28.0, -12.0, 2200.0));
     let exact = |name: &str| (name.to_owned(), name.to_owned());
     let same = [
@@ -513,7 +506,7 @@ fn two_clicks_on_the_neighbouring_line_are_found() {
 #[test]
 fn a_mirrored_frame_is_found() {
     let mut rng = seeded::rng("a_mirrored_frame_is_found");
-    let field = field();
+    let field = field(0.15);
     for symmetry in Symmetry::ALL {
         let (clicks, truth) = labels(&field, 9, &mut rng);
         let twin = |index: usize| {
@@ -538,7 +531,7 @@ fn a_mirrored_frame_is_found() {
 
 #[test]
 fn a_click_on_the_neighbouring_line_is_found() {
-    let field = field();
+    let field = field(0.15);
     let camera = PtzCamera::new(nominal_base(), Ptz::from_degrees(28.0, -12.0, 2200.0));
     let mut clicks = Vec::new();
     for name in [

@@ -1,5 +1,6 @@
 //! Two drawn lines, or a line and a landmark, with a known base: the camera that saw them.
 
+use crate::base_truth::field;
 use crate::seeded;
 use crate::two_point_truth::{SIZE, error, noisy};
 use nalgebra::Vector3;
@@ -18,13 +19,6 @@ const POINTS: usize = 3;
 /// Cameras drawn for each case, and times that noise is drawn for each.
 const FRAMES: usize = 60;
 const DRAWS: usize = 10;
-
-fn soccer() -> FieldModel {
-    touchline_core::field::builtin("soccer")
-        .unwrap()
-        .model(&std::collections::BTreeMap::new(), 0.1)
-        .unwrap()
-}
 
 /// A camera anywhere around the field, looking at a point of it.
 fn random_camera(rng: &mut Pcg64Mcg) -> PtzCamera {
@@ -156,7 +150,7 @@ fn determined_drawing(
 }
 
 fn assert_found_and_efficient(with_landmark: bool, rng: &mut Pcg64Mcg) {
-    let field = soccer();
+    let field = field(0.1);
     let context = SolveContext::new(SIZE);
     let mut squared_sigmas = Vec::new();
     for frame in 0..FRAMES {

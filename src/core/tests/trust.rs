@@ -1,11 +1,11 @@
 //! How far labels say they are to be trusted, against how far off they are.
 
+use crate::base_truth::field;
 use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use std::collections::BTreeMap;
 use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline_core::field::{FieldModel, builtin};
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
@@ -17,13 +17,6 @@ const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 /// χ² with two degrees of freedom of a 68 % region.
 const REGION: f64 = 2.28;
-
-fn field() -> FieldModel {
-    builtin("soccer")
-        .unwrap()
-        .model(&BTreeMap::new(), 0.15)
-        .unwrap()
-}
 
 fn nominal_base() -> CameraBase {
     CameraBase {
@@ -115,7 +108,7 @@ impl TrustCoverage {
 #[test]
 fn stated_regions_hold_what_they_promise() {
     let mut rng = seeded::rng("stated_regions_hold_what_they_promise");
-    let field = field();
+    let field = field(0.15);
     let nominal = CameraBase {
         sigma: BaseSigma {
             position_m: Vec3::new(0.15, 0.3, 0.1),
@@ -205,7 +198,7 @@ fn stated_regions_hold_what_they_promise() {
 /// and within the stated regions of frames that are then solved with a few clicks.
 #[test]
 fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
-    let field = field();
+    let field = field(0.15);
     // The model is known here, so that the test is quick.
     let options = BaseOptions {
         lens: Some(LensModel::K1Focal),
@@ -255,10 +248,7 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                 two.count(z.abs() <= 2.0);
                 squares += z * z;
             }
-            let crowned = FieldModel {
-                crown_m: found.crown_m,
-                ..field.clone()
-            };
+            let crowned = field.with_crown_m(found.crown_m);
             for _ in 0..10 {
                 let camera = PtzCamera::new(nominal_base(), somewhere(&mut rng));
                 let clicked: Vec<Observation> = clicks(&field, &camera, 4, &[], &mut rng)

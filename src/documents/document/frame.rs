@@ -46,14 +46,14 @@ pub struct Frame {
     /// The shot it belongs to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip: Option<Clip>,
-    /// What somebody noted.
+    /// The user's comment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub comment: Option<String>,
     /// Whether its clicks are used to estimate the base of its camera.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub use_for_base: bool,
-    /// The user's choice whether it is used for training; none: it is unless it is
-    /// a suggestion or judged Wrong.
+    /// The user's choice whether it is used for training. Without a choice it is used, unless it is
+    /// a suggestion or has the verdict Wrong.
     #[serde(default, alias = "teaches", skip_serializing_if = "Option::is_none")]
     pub use_for_training: Option<bool>,
     /// It is clicked again, blind.
@@ -139,10 +139,10 @@ pub struct VideoFrame {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FrameStatus {
-    /// Nobody has looked at it.
+    /// Not looked at yet.
     #[default]
     New,
-    /// Somebody began.
+    /// Begun, but not accepted.
     Draft,
     /// Solved by the forest or by tracking, not yet looked at.
     Suggested,

@@ -49,7 +49,7 @@ impl Frame {
         self.landmarks_to_repeat()
             .next()
             .is_none()
-            .then_some("Nobody clicked a landmark here: there is nothing to click again.")
+            .then_some("This frame has no clicked landmark: there is nothing to click again.")
     }
 
     /// The landmarks that the user clicks again in a blind round, in the order of the label's

@@ -160,23 +160,10 @@ fn has_only_picture(frame: &Frame) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Click, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource};
+    use crate::document::fixtures::{SMALL, document, names_and_comments};
+    use crate::document::{Click, FramePtz, FrameStatus, Solution, SolutionSource};
     use touchline_core::camera::Ptz;
-    use touchline_core::geometry::{ImagePoint, ImageSize};
-
-    const SIZE: ImageSize = ImageSize::new(64, 48);
-
-    fn document(names: &[&str]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
-        document.frames = names
-            .iter()
-            .map(|name| Frame::from_image(name, "main".into(), SIZE).into())
-            .collect();
-        document
-    }
+    use touchline_core::geometry::ImagePoint;
 
     fn accept(frame: &mut Frame, x: f64) {
         frame.clicks.push(Click::unnamed(ImagePoint::new(x, 1.0)));
@@ -192,21 +179,13 @@ mod tests {
         });
     }
 
-    fn comments(document: &Document) -> Vec<String> {
-        document
-            .frames
-            .iter()
-            .map(|frame| frame.name() + frame.comment.as_deref().unwrap_or_default())
-            .collect()
-    }
-
     #[test]
     fn edits_of_an_unknown_document_bring_their_frames() {
         let base = document(&["a", "b"]);
         let mut ours = base.clone();
         ours.frames[1].comment = Some(" ours".to_owned());
         ours.frames
-            .push(Frame::from_image("new", "main".into(), SIZE).into());
+            .push(Frame::from_image("new", "main".into(), SMALL).into());
         let edits = [Edit::between(&base, &ours, "Both")];
         let theirs = document(&["b", "z"]);
         let Merged {
@@ -214,7 +193,7 @@ mod tests {
             conflicts,
         } = graft(&edits, &theirs);
         assert_eq!(
-            (comments(&document), conflicts.len()),
+            (names_and_comments(&document), conflicts.len()),
             (["b ours", "z", "new"].map(str::to_owned).to_vec(), 0)
         );
     }
@@ -268,7 +247,8 @@ mod tests {
         let base = document(&["a"]);
         let mut ours = base.clone();
         ours.cameras[0].click_noise_px = Some(3.0);
-        ours.cameras.push(Camera::new("second".into(), SIZE).into());
+        ours.cameras
+            .push(Camera::new("second".into(), SMALL).into());
         ours.field.template = "futsal".to_owned();
         let Merged {
             document,

@@ -245,23 +245,10 @@ fn join_maps(sides: [&Keys; 3], conflicts: &mut Vec<String>) -> Keys {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Click, FieldSpec, FramePtz, FrameStatus};
+    use crate::document::fixtures::{SMALL, document, names_and_comments};
+    use crate::document::{Click, FramePtz, FrameStatus};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-
-    const SIZE: ImageSize = ImageSize::new(64, 48);
-
-    fn document(names: &[&str]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
-        document.frames = names
-            .iter()
-            .map(|name| Frame::from_image(name, "main".into(), SIZE).into())
-            .collect();
-        document
-    }
+    use touchline_core::geometry::{ImagePoint, Vec3};
 
     fn comment(document: &mut Document, name: &str, comment: &str) {
         let frame = document
@@ -270,14 +257,6 @@ mod tests {
             .find(|frame| frame.name() == name)
             .unwrap();
         frame.comment = Some(comment.to_owned());
-    }
-
-    fn described(document: &Document) -> Vec<String> {
-        document
-            .frames
-            .iter()
-            .map(|frame| frame.name() + frame.comment.as_deref().unwrap_or_default())
-            .collect()
     }
 
     #[test]
@@ -289,17 +268,17 @@ mod tests {
         ours.frames.remove(0);
         theirs.frames.remove(3);
         ours.frames
-            .insert(2, Frame::from_image("new", "main".into(), SIZE).into());
+            .insert(2, Frame::from_image("new", "main".into(), SMALL).into());
         theirs.field.template = "futsal".to_owned();
         ours.extra.insert("note".to_owned(), "ours".into());
         theirs
             .cameras
-            .push(Camera::new("second".into(), SIZE).into());
+            .push(Camera::new("second".into(), SMALL).into());
         let Merged {
             document,
             conflicts,
         } = merge(&base, &ours, &theirs);
-        assert_eq!(described(&document), ["b ours", "c theirs", "new"]);
+        assert_eq!(names_and_comments(&document), ["b ours", "c theirs", "new"]);
         assert_eq!(conflicts, [""; 0]);
         assert_eq!(
             (document.field.template.as_str(), document.cameras.len()),
@@ -321,7 +300,7 @@ mod tests {
             conflicts,
         } = merge(&base, &ours, &theirs);
         assert_eq!(
-            described(&document),
+            names_and_comments(&document),
             ["a ours", "b", "c second"],
             "work is not lost to a removal"
         );
@@ -392,7 +371,7 @@ mod tests {
         moved.cameras[0].set_base(&CameraBase::new(
             Vec3::new(0.0, -60.0, 18.0),
             upright,
-            SIZE.centre(),
+            SMALL.centre(),
         ));
         assert_eq!(
             merge(&base, &ours, &moved).document.frames[0].status,
@@ -412,7 +391,7 @@ mod tests {
             conflicts,
         } = merge(&base, &ours, &theirs);
         assert_eq!(
-            (described(&document), conflicts.len()),
+            (names_and_comments(&document), conflicts.len()),
             (vec!["a theirs".to_owned()], 0)
         );
         assert_eq!(document.frames[0].revision, 5);

@@ -7,6 +7,7 @@ use super::{
     Shared, Shot, StoredClickNoise,
 };
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use thiserror::Error;
 use touchline_core::files::plain;
@@ -289,44 +290,29 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
 
 /// The place and message of the first violation of the schema.
 fn place(document: &Value) -> Option<(String, String)> {
-    let fails = |value: &Value| {
-        FieldSpec::deserialize(value)
-            .err()
-            .map(|error| error.to_string())
-    };
-    if let Some(found) = document
+    document
         .get("field")
-        .and_then(|field| found(field, "field", &fails))
-    {
-        return Some(found);
-    }
-    let fails = |value: &Value| {
-        Camera::deserialize(value)
-            .err()
-            .map(|error| error.to_string())
-    };
-    for (index, camera) in elements(document, "cameras") {
-        if let Some((place, message)) = found(camera, &format!("cameras[{index}]"), &fails) {
-            return Some((named(place, camera, "id"), message));
-        }
-    }
-    let fails = |value: &Value| {
-        Frame::deserialize(value)
-            .err()
-            .map(|error| error.to_string())
-    };
-    for (index, frame) in elements(document, "frames") {
-        if let Some((place, message)) = found(frame, &format!("frames[{index}]"), &fails) {
-            return Some((named(place, frame, "image"), message));
-        }
-    }
-    let fails = |value: &Value| {
-        Shot::deserialize(value)
-            .err()
-            .map(|error| error.to_string())
-    };
-    let mut shots = elements(document, "shots");
-    shots.find_map(|(index, shot)| found(shot, &format!("shots[{index}]"), &fails))
+        .and_then(|field| found(field, "field", &misfit::<FieldSpec>))
+        .or_else(|| violation_in::<Camera>(document, "cameras", Some("id")))
+        .or_else(|| violation_in::<Frame>(document, "frames", Some("image")))
+        .or_else(|| violation_in::<Shot>(document, "shots", None))
+}
+
+/// The first violation in one of the document's lists. `name` is the key that names an element.
+fn violation_in<T: DeserializeOwned>(
+    document: &Value,
+    list: &str,
+    name: Option<&str>,
+) -> Option<(String, String)> {
+    elements(document, list).find_map(|(index, element)| {
+        let (place, message) = found(element, &format!("{list}[{index}]"), &misfit::<T>)?;
+        Some((named(place, element, name), message))
+    })
+}
+
+/// Why a value is no `T`; none if it is one.
+fn misfit<T: DeserializeOwned>(value: &Value) -> Option<String> {
+    T::deserialize(value).err().map(|error| error.to_string())
 }
 
 fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, &'a Value)> {
@@ -338,8 +324,8 @@ fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, 
         .enumerate()
 }
 
-fn named(place: String, value: &Value, key: &str) -> String {
-    match value.get(key).and_then(Value::as_str) {
+fn named(place: String, value: &Value, key: Option<&str>) -> String {
+    match key.and_then(|key| value.get(key)?.as_str()) {
         Some(name) => format!("{place} ({name})"),
         None => place,
     }

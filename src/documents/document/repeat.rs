@@ -9,7 +9,7 @@ use touchline_core::geometry::ImagePoint;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Repeat {
-    /// What was asked for.
+    /// The landmark to click again.
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     #[serde(with = "adapters::name")]
     pub landmark: LandmarkId,

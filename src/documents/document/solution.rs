@@ -126,7 +126,7 @@ pub struct Solution {
     /// How many samples of painted lines took part, where they did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub samples: Option<usize>,
-    /// What the paint of the picture says about the camera, where it was asked.
+    /// What the paint of the picture says about the camera, if it was checked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line_check: Option<PaintEvidence>,
     /// The camera that it had before a person corrected it with clicks.

@@ -43,16 +43,19 @@ impl WriteContext<'_> {
 
 /// A format that stores a camera or a homography for each frame.
 pub trait CameraFormat: Sync {
-    /// The frame as the format stores it, under the name with which it will be read back.
+    /// The frame as the format stores it, under the name with which it will be read back: as it is
+    /// and under the name of its files, unless the format says otherwise.
     ///
     /// # Errors
     /// The format cannot store the frame at all; the reason in words.
     fn hold(
         &self,
         frame: &FrameCamera,
-        index: usize,
-        context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String>;
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        Ok(frame.with_name(stem_of(frame)))
+    }
 
     /// The maximum error of a landmark due to the precision of the format, px.
     fn resolution_px(&self, _held: &FrameCamera) -> f64 {

@@ -38,10 +38,7 @@ impl CameraFormat for Cdf {
         _context: &WriteContext<'_>,
     ) -> Result<FrameCamera, String> {
         parts(frame)?;
-        Ok(FrameCamera {
-            name: format!("{index:06}"),
-            ..frame.clone()
-        })
+        Ok(frame.with_name(format!("{index:06}")))
     }
 
     fn notes(&self, _frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {

@@ -43,7 +43,7 @@ pub fn off_paint_note<'a>(frames: impl Iterator<Item = &'a Frame>) -> Option<Str
 /// The error that nothing is left to export, with the reasons.
 pub fn nothing(format: Format, left_out: &[(String, String)]) -> ExchangeError {
     let why = match left_out {
-        [] => "no frame has the status, camera and confidence that were asked for".to_owned(),
+        [] => "no frame has the requested status, camera and confidence".to_owned(),
         [(frame, why), ..] => format!("{frame}: {why} ({} frames in all)", left_out.len()),
     };
     ExchangeError::NothingToExport { format, why }

@@ -66,11 +66,15 @@ pub fn size_needed(image: &str) -> Problem {
 
 /// A format that stores points of pictures.
 pub trait ClickFormat: Sync {
-    /// Whether it can store a click.
-    fn holds(&self, click: &Click, context: &ClickContext<'_>) -> bool;
+    /// Whether it can store a click: any, unless the format says otherwise.
+    fn holds(&self, _click: &Click, _context: &ClickContext<'_>) -> bool {
+        true
+    }
 
-    /// The name of a frame when it is read back.
-    fn name_of(&self, frame: &ClickedFrame) -> String;
+    /// The name of a frame when it is read back: its picture's, unless the format says otherwise.
+    fn name_of(&self, frame: &ClickedFrame) -> String {
+        frame.image.clone()
+    }
 
     /// The maximum error of a click due to the precision of the format, px.
     fn resolution_px(&self) -> f64 {

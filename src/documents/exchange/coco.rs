@@ -192,10 +192,6 @@ impl ClickFormat for Coco {
         is_keypoint(click, context)
     }
 
-    fn name_of(&self, frame: &ClickedFrame) -> String {
-        frame.image.clone()
-    }
-
     fn write(
         &self,
         frames: &[ClickedFrame],

@@ -306,10 +306,7 @@ impl CameraFormat for Colmap {
                 "names must not contain spaces, and {name:?} does; rename the image"
             ));
         }
-        Ok(FrameCamera {
-            name,
-            ..frame.clone()
-        })
+        Ok(frame.with_name(name))
     }
 
     fn write(

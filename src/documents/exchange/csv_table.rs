@@ -264,10 +264,7 @@ impl CameraFormat for Csv {
                 ));
             }
         };
-        Ok(FrameCamera {
-            name,
-            ..frame.clone()
-        })
+        Ok(frame.with_name(name))
     }
 
     fn write(

@@ -252,10 +252,6 @@ impl ClickFormat for Cvat {
         false
     }
 
-    fn name_of(&self, frame: &ClickedFrame) -> String {
-        frame.image.clone()
-    }
-
     fn write(
         &self,
         _frames: &[ClickedFrame],

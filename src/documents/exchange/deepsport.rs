@@ -78,15 +78,6 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
 }
 
 impl CameraFormat for DeepSport {
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
-        Ok(frame.clone())
-    }
-
     fn write(
         &self,
         _held: &[FrameCamera],

@@ -130,6 +130,15 @@ impl FrameCamera {
         }
     }
 
+    /// The same frame under another name.
+    #[must_use]
+    pub fn with_name(&self, name: String) -> Self {
+        Self {
+            name,
+            ..self.clone()
+        }
+    }
+
     /// The camera; none for a homography, a lens, or where it could not be read.
     #[must_use]
     pub const fn pinhole(&self) -> Option<&Pinhole> {
@@ -235,7 +244,7 @@ impl Pinhole {
             let what = format!("k2 = {} without k1 of {what}", self.lens.k2);
             return Err(Problem::Unsupported {
                 what,
-                why: "the lens model ties k2 to k1",
+                why: "in the lens model k2 depends on k1",
             });
         }
         if self.curve().is_none_or(|curve| !curve.is_finite()) {

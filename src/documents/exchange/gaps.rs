@@ -63,7 +63,7 @@ pub fn interpolated(
         (long, format!("longer than {most} frames")),
         (
             held,
-            "with a rejected frame, or a camera that was not asked for, in it".to_owned(),
+            "with a rejected frame or a camera that was not requested".to_owned(),
         ),
     ];
     let reasons: Vec<String> = reasons
@@ -369,8 +369,7 @@ mod tests {
             27,
             "the other gap is filled"
         );
-        let why =
-            "not filled: 1 gap with a rejected frame, or a camera that was not asked for, in it";
+        let why = "not filled: 1 gap with a rejected frame or a camera that was not requested";
         assert_eq!(note.as_deref(), Some(why));
     }
 

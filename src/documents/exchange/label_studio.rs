@@ -12,7 +12,6 @@ use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::node::{Node, parse, safe_path};
 use super::options::{ImportOptions, Pixels};
-use crate::document::Click;
 use serde_json::{Value, json};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
@@ -190,14 +189,6 @@ fn read_task(
 }
 
 impl ClickFormat for LabelStudio {
-    fn holds(&self, _click: &Click, _context: &ClickContext<'_>) -> bool {
-        true
-    }
-
-    fn name_of(&self, frame: &ClickedFrame) -> String {
-        frame.image.clone()
-    }
-
     fn write(
         &self,
         frames: &[ClickedFrame],

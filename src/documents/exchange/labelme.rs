@@ -12,7 +12,6 @@ use super::error::{ExchangeError, Problem};
 use super::files::{Files, without_ending};
 use super::node::{Node, parse};
 use super::options::{ImportOptions, Pixels};
-use crate::document::Click;
 use serde_json::{Value, json};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
@@ -91,14 +90,6 @@ fn read_file(bytes: &[u8], shift: f64, sizes: &Sizes<'_>) -> Result<LabelledFram
 }
 
 impl ClickFormat for Labelme {
-    fn holds(&self, _click: &Click, _context: &ClickContext<'_>) -> bool {
-        true
-    }
-
-    fn name_of(&self, frame: &ClickedFrame) -> String {
-        frame.image.clone()
-    }
-
     fn write(
         &self,
         frames: &[ClickedFrame],

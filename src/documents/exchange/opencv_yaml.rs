@@ -4,7 +4,7 @@
 //! World and camera axes are ours, metres; pixels count from the first one's centre, so the
 //! principal point is ours − 0.5.
 
-use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
+use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, stem, text};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
@@ -195,18 +195,6 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
 }
 
 impl CameraFormat for OpenCvYaml {
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
-        Ok(FrameCamera {
-            name: stem_of(frame),
-            ..frame.clone()
-        })
-    }
-
     fn write(
         &self,
         held: &[FrameCamera],

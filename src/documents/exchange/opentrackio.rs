@@ -7,7 +7,7 @@
 //! denominator alternate). Source: SMPTE/ris-osvp-metadata-camdkit (schema and documentation).
 
 use super::body_angles::{angles_deg, cam_from_world, world_from_body};
-use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
+use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
@@ -373,18 +373,6 @@ fn read_line(
 }
 
 impl CameraFormat for OpenTrackIo {
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
-        Ok(FrameCamera {
-            name: stem_of(frame),
-            ..frame.clone()
-        })
-    }
-
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
         let mut notes = Vec::new();
         if context.options.sensor_width_mm.is_none() {

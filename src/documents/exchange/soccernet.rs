@@ -223,10 +223,7 @@ impl CameraFormat for SoccerNet {
                 "the evaluator cuts names at the first dot, and {name:?} has one; rename the image"
             ));
         }
-        Ok(FrameCamera {
-            name,
-            ..frame.clone()
-        })
+        Ok(frame.with_name(name))
     }
 
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
@@ -305,15 +302,6 @@ impl CameraFormat for SoccerNet {
 impl CameraFormat for PnlCalib {
     fn size_source(&self) -> SizeSource {
         SizeSource::PrincipalPoint
-    }
-
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
-        Ok(frame.clone())
     }
 
     fn write(
@@ -525,7 +513,7 @@ mod tests {
             ),
             (
                 with("radial_distortion", json!([0.0, 0.2, 0.0, 0.0, 0.0, 0.0])),
-                "k2 = 0.2 without k1 of the camera cannot be read: the lens model ties k2 to k1",
+                "k2 = 0.2 without k1 of the camera cannot be read: in the lens model k2 depends on k1",
             ),
             (
                 with("pan_degrees", json!(0)).replace(":0,", ":NaN,"),

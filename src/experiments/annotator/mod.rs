@@ -74,11 +74,11 @@ pub fn run(
     let ways: [Way<'_>; 5] = [
         ("two clicks on every frame", &|| Ok(Ok(two_clicks(&clip)))),
         ("forest", &|| forest(&clip, false).map(Ok)),
-        ("forest, snapped to the paint", &|| {
+        ("forest, aligned to the paint", &|| {
             forest(&clip, true).map(Ok)
         }),
-        ("carried through the clip", &|| tracked(&clip).map(Ok)),
-        ("no click: base found, then carried", &|| no_click(&clip)),
+        ("tracked through the clip", &|| tracked(&clip).map(Ok)),
+        ("no click: base found, then tracked", &|| no_click(&clip)),
     ];
     let mut refusals = Vec::new();
     for (name, way) in ways {

@@ -88,7 +88,7 @@ pub(super) fn add(setting: &Setting<'_>, report: &mut Report) {
     add_rotation(report, &by_rotation);
     report.text(&format!(
         "*Robust* to position and *sensitive* to rotation cannot be compared without the paper's \
-         axes: {COMPARED} m turns the picture by {:.2}°, {COMPARED}° by {:.2}°.",
+         axes: {COMPARED} m rotates the picture by {:.2}°, {COMPARED}° by {:.2}°.",
         means(&by_position, COMPARED).rotation_deg,
         means(&by_rotation, COMPARED).rotation_deg
     ));

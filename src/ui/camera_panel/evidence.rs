@@ -380,7 +380,7 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
         .unwrap_or_default();
     let off = disputed
         .error_px
-        .map_or_else(|| "out of sight".to_owned(), |px| format!("{px:.0} px off"));
+        .map_or_else(|| "out of view".to_owned(), |px| format!("{px:.0} px off"));
     let better = disputed
         .fits_better
         .as_ref()

@@ -13,11 +13,12 @@ mod numbers;
 mod over_time;
 mod position_view;
 
+use super::heading::Heading;
 use super::{
     Panel, inspector, paint_map,
     theme::{self, Themed as _},
 };
-use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
+use egui::{Button, Frame, Label, Margin, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::{Action, Command, EditAction};
 use touchline_core::camera::{BaseAngles, CameraBase};
 use touchline_core::geometry::{Angle, Vec3};
@@ -106,38 +107,30 @@ fn camera_of(panel: &Panel<'_>) -> Option<Camera> {
 
 /// Shows the title, the name of the camera, and the buttons that load a camera and close the panel.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new()
-        .inner_margin(Margin::symmetric(8, 6))
-        .show(ui, |ui| {
-            ui.horizontal(|ui| {
-                let name = camera_of(panel)
-                    .map(|camera| camera.id.as_str().to_owned())
-                    .unwrap_or_default();
-                ui.label(RichText::new("Camera").heading().color(ui.palette().strong));
-                ui.add(Label::new(RichText::new(name).color(ui.palette().weak)).truncate());
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let keys = &panel.app.settings.keys;
-                    let weak = ui.palette().weak;
-                    let close = super::symbol::button(
-                        ui,
-                        super::symbol::Symbol::Cross,
-                        "Close the camera panel",
-                        weak,
-                    );
-                    let tip = format!("Back to the frame. ({})", keys.shown(Command::CameraPanel));
-                    if close.on_hover_text(tip).clicked() {
-                        panel.actions.push(Action::Command(Command::CameraPanel));
-                    }
-                    let load = ui.add(Button::new("Load a camera…").small());
-                    if load
-                        .on_hover_text(keys.tooltip(Command::LoadCamera))
-                        .clicked()
-                    {
-                        panel.actions.push(Action::Command(Command::LoadCamera));
-                    }
-                });
-            });
-        });
+    let heading = Heading {
+        title: "Camera",
+        command: Command::CameraPanel,
+        closes: "camera panel",
+        behind: "frame",
+    };
+    heading.show(panel, ui, name, load);
+}
+
+/// Shows the name of the camera.
+fn name(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let name = camera_of(panel)
+        .map(|camera| camera.id.as_str().to_owned())
+        .unwrap_or_default();
+    ui.add(Label::new(RichText::new(name).color(ui.palette().weak)).truncate());
+}
+
+/// Shows the button that loads a camera.
+fn load(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let load = ui.add(Button::new("Load a camera…").small());
+    let tip = panel.app.settings.keys.tooltip(Command::LoadCamera);
+    if load.on_hover_text(tip).clicked() {
+        panel.actions.push(Action::Command(Command::LoadCamera));
+    }
 }
 
 /// Shows how many frames the camera has, or how many are selected, and the button that assigns some

@@ -102,78 +102,62 @@ pub fn position(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
+/// The number field of an angle of the base rotation.
+struct AngleField {
+    name: &'static str,
+    tip: &'static str,
+    /// The largest angle in both directions, degrees.
+    limit_deg: f64,
+    of: fn(&mut BaseAngles) -> &mut Angle,
+}
+
+/// The angles that make up the base rotation.
+const ANGLES: [AngleField; 3] = [
+    AngleField {
+        name: "Heading",
+        tip: "Where pan 0 looks, seen from above: 0 is across the field, positive to the right. \
+              Usually 0.",
+        limit_deg: 180.0,
+        of: |angles| &mut angles.heading,
+    },
+    AngleField {
+        name: "Pitch",
+        tip: "The elevation of tilt 0 above the horizon.",
+        limit_deg: 89.9,
+        of: |angles| &mut angles.pitch,
+    },
+    AngleField {
+        name: "Roll",
+        tip: "How far the camera is rotated to its right about the viewing direction.",
+        limit_deg: 180.0,
+        of: |angles| &mut angles.roll,
+    },
+];
+
 /// Shows the base rotation as heading, pitch and roll in degrees, and as a matrix.
 pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(base) = camera.base() else { return };
-    let angles = base.angles();
     section(ui, "BASE ROTATION");
-    // The three angles have the same unit and step; their limits differ.
-    let number = |name, tip, angle: Angle, limit: f64| Number {
-        name,
-        step: "Rotate camera base",
-        tip,
-        value: angle.degrees(),
-        speed: 0.02,
-        decimals: 4,
-        range: -limit..=limit,
-        why: "larger angles repeat the same directions",
-        suffix: "°",
-        width: FIELD,
-    };
-    let write = |changed: &mut Camera, angles: BaseAngles| {
-        changed.base_from_world = Some(angles.base_from_world());
-    };
-    let tip = "Where pan 0 looks, seen from above: 0 is across the field, positive to the right. Usually 0.";
-    row(
-        panel,
-        ui,
-        camera,
-        "Heading",
-        number("Heading", tip, angles.heading, 180.0),
-        |changed, degrees| {
-            write(
-                changed,
-                BaseAngles {
-                    heading: Angle::from_degrees(degrees),
-                    ..angles
-                },
-            );
-        },
-    );
-    let tip = "The elevation of tilt 0 above the horizon.";
-    row(
-        panel,
-        ui,
-        camera,
-        "Pitch",
-        number("Pitch", tip, angles.pitch, 89.9),
-        |changed, degrees| {
-            write(
-                changed,
-                BaseAngles {
-                    pitch: Angle::from_degrees(degrees),
-                    ..angles
-                },
-            );
-        },
-    );
-    let tip = "How far the camera is rotated to its right about the viewing direction.";
-    row(
-        panel,
-        ui,
-        camera,
-        "Roll",
-        number("Roll", tip, angles.roll, 180.0),
-        |changed, degrees| {
-            write(
-                changed,
-                BaseAngles {
-                    roll: Angle::from_degrees(degrees),
-                    ..angles
-                },
-            );
-        },
-    );
+    for angle in ANGLES {
+        let mut angles = base.angles();
+        let number = Number {
+            name: angle.name,
+            step: "Rotate camera base",
+            tip: angle.tip,
+            value: (angle.of)(&mut angles).degrees(),
+            speed: 0.02,
+            decimals: 4,
+            range: -angle.limit_deg..=angle.limit_deg,
+            why: "larger angles repeat the same directions",
+            suffix: "°",
+            width: FIELD,
+        };
+        row(panel, ui, camera, angle.name, number, |changed, degrees| {
+            // The other two angles stay as they are.
+            *(angle.of)(&mut angles) = Angle::from_degrees(degrees);
+            changed.base_from_world = Some(angles.base_from_world());
+        });
+    }
     ui.add_space(theme::SPACE);
     matrix(ui, &base.base_from_world);
 }

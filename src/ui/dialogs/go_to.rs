@@ -11,7 +11,7 @@ use touchline_application::app::{Action, Navigation, sentence};
 
 /// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    let memory = Id::unique("place asked for");
+    let memory = Id::unique("typed place");
     let opened = has_just_opened(ctx, "place");
     let known = ctx.data_mut(|data| data.get_temp::<String>(memory));
     let mut typed = known.filter(|_| !opened).unwrap_or_default();

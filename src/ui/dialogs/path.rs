@@ -60,7 +60,7 @@ const fn describe(question: Question) -> (&'static str, &'static str, &'static s
 
 /// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
-    let memory = Id::unique("path asked for");
+    let memory = Id::unique("typed path");
     let opened = has_just_opened(ctx, "path");
     let known = ctx.data_mut(|data| data.get_temp::<String>(memory));
     let mut typed = known.filter(|_| !opened).unwrap_or_default();

@@ -92,7 +92,7 @@ fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
             (
                 ThemeChoice::Dark,
                 "Dark",
-                "Light on dark: pictures are judged best on a dark ground.",
+                "Light on dark: pictures are assessed best on a dark background.",
             ),
             (ThemeChoice::Light, "Light", "Dark on light."),
             (
@@ -171,7 +171,7 @@ fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// The colours of lines for each sport. The underlined ones can be distinguished from the sport's
 /// ground with every kind of colour vision.
 fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let text = "Underlined: people with any colour vision tell it from the sport's ground.";
+    let text = "Underlined: easy to see on the sport's ground with every kind of colour vision.";
     ui.label(RichText::new(text).small().color(ui.palette().weak));
     Grid::new("line colours")
         .num_columns(2)

@@ -28,11 +28,11 @@ pub fn show(ui: &mut Ui, whose: &str, ground: Option<Ground>, chosen: [u8; 3]) -
         for colour in safe.iter().chain(&other) {
             let tip = match (ground, is_safe(colour)) {
                 (Some(_), true) => format!(
-                    "{}: told from the ground by every colour vision.",
+                    "{}: easy to see on the ground with every kind of colour vision.",
                     colour.name
                 ),
                 (Some(_), false) => format!(
-                    "{}: not told from the ground by every colour vision.",
+                    "{}: hard to see on the ground with some kinds of colour vision.",
                     colour.name
                 ),
                 (None, _) => format!("{}.", colour.name),

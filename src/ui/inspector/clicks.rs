@@ -283,7 +283,7 @@ struct Residual {
 /// |---|---|
 /// | without a name | nothing |
 /// | check point | distance in px, and in σ of its prediction where that is known |
-/// | without a projection | "out of sight" |
+/// | without a projection | "out of view" |
 /// | of a frame in which residuals are no evidence | "no evidence" |
 /// | any other | distance in px, emphasised beyond 3 σ |
 fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residual {
@@ -315,14 +315,14 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
                 ..loud(px, if z > 3.0 { 0.0 } else { px })
             },
             (Some(px), None) => loud(px, px),
-            (None, _) => quiet("out of sight"),
+            (None, _) => quiet("out of view"),
         };
     }
     let Some(residual) = app.shown().residual(index) else {
         return quiet("–");
     };
     match residual.distance_px() {
-        None => quiet("out of sight"),
+        None => quiet("out of view"),
         Some(_) if solved.is_some_and(|solved| !solved.residuals_are_evidence()) => {
             quiet("no evidence")
         }

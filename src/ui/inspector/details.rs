@@ -216,7 +216,7 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
                 format!("Check point {}: {px:.1} px off, {z:.1} σ", check.click + 1)
             }
             (Some(px), None) => format!("Check point {}: {px:.1} px off", check.click + 1),
-            (None, _) => format!("Check point {}: out of sight", check.click + 1),
+            (None, _) => format!("Check point {}: out of view", check.click + 1),
         };
         ui.label(description);
     }

@@ -72,12 +72,12 @@ fn source(app: &App, frame: &Frame) -> String {
             "proposed, corrected with a point".to_owned()
         }
         Some(SolutionSource::Forest) if frame.is_snapped_proposal() => {
-            "proposed, snapped to the lines".to_owned()
+            "proposed, aligned to the paint".to_owned()
         }
         Some(SolutionSource::Forest) => "proposed".to_owned(),
         Some(SolutionSource::Tracking) => "tracked".to_owned(),
         Some(SolutionSource::Interpolated) => "between its neighbours".to_owned(),
-        Some(SolutionSource::Markings) => "snapped to the lines".to_owned(),
+        Some(SolutionSource::Markings) => "aligned to the paint".to_owned(),
         Some(SolutionSource::Import) => "imported".to_owned(),
         None if frame.ptz.is_none() => from_points(frame),
         None => "from the document".to_owned(),

@@ -118,7 +118,7 @@ fn read_pointer(
     };
     // How many frames see this direction, and which one a click shows.
     let seen = format!(
-        "Pan {}, tilt {}: in sight of {} and {}.",
+        "Pan {}, tilt {}: seen in {} and {}.",
         whole_degrees(pan_deg),
         whole_degrees(tilt_deg),
         legend::counted(PointKind::Reference, count(&looks.references)),

@@ -85,7 +85,10 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
     // Without check points, how to make one.
     let Some(spread) = spread else {
         if check {
-            nothing_yet(ui, "No check points. K turns a point into one.");
+            nothing_yet(
+                ui,
+                "No check points. Press K to make a point a check point.",
+            );
         }
         return;
     };
@@ -250,7 +253,7 @@ fn px(value: f64) -> String {
     if value.is_finite() {
         format!("{} px", number(value))
     } else {
-        "out of sight".to_owned()
+        "out of view".to_owned()
     }
 }
 

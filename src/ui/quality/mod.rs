@@ -23,7 +23,7 @@ mod scatter;
 mod targets;
 mod time;
 
-use super::symbol::{self, Symbol};
+use super::heading::Heading;
 use super::{
     Panel,
     theme::{self, Themed as _},
@@ -67,31 +67,21 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Shows the title, the camera that the page is about, frames that their paint contradicts, and the
 /// close button.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new()
-        .inner_margin(Margin::symmetric(8, 6))
-        .show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.label(
-                    RichText::new("Quality")
-                        .heading()
-                        .color(ui.palette().strong),
-                );
-                cameras(panel, ui);
-                off_paint(panel, ui);
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let palette = ui.palette();
-                    let close =
-                        symbol::button(ui, Symbol::Cross, "Close the quality page", palette.weak);
-                    let key = panel.app.settings.keys.shown(Command::QualityPage);
-                    if close
-                        .on_hover_text(format!("Back to the picture. ({key})"))
-                        .clicked()
-                    {
-                        panel.actions.push(Action::Command(Command::QualityPage));
-                    }
-                });
-            });
-        });
+    let heading = Heading {
+        title: "Quality",
+        command: Command::QualityPage,
+        closes: "quality page",
+        behind: "picture",
+    };
+    heading.show(
+        panel,
+        ui,
+        |panel, ui| {
+            cameras(panel, ui);
+            off_paint(panel, ui);
+        },
+        |_, _| {},
+    );
 }
 
 /// Shows how many accepted frames their paint contradicts; a click shows the first of them.

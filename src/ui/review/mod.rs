@@ -3,15 +3,13 @@
 
 mod list;
 
+use super::heading::Heading;
 use super::symbol::{self, Symbol};
 use super::{
     Panel, inspector,
     theme::{self, Themed as _},
 };
-use egui::{
-    Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo,
-    vec2,
-};
+use egui::{Button, DragValue, Frame, Label, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Action, Command, ViewAction};
 
@@ -40,32 +38,24 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Shows the title, the number of suggestions, and the close button.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new()
-        .inner_margin(Margin::symmetric(8, 6))
-        .show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.label(RichText::new("Review").heading().color(ui.palette().strong));
-                let count = panel.app.review().count();
-                let said = if count == 1 {
-                    "1 suggestion".to_owned()
-                } else {
-                    format!("{count} suggestions")
-                };
-                ui.label(RichText::new(said).color(ui.palette().weak));
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let palette = ui.palette();
-                    let close =
-                        symbol::button(ui, Symbol::Cross, "Close the review panel", palette.weak);
-                    let key = panel.app.settings.keys.shown(Command::ReviewPanel);
-                    if close
-                        .on_hover_text(format!("Back to the frame. ({key})"))
-                        .clicked()
-                    {
-                        panel.actions.push(Action::Command(Command::ReviewPanel));
-                    }
-                });
-            });
-        });
+    let heading = Heading {
+        title: "Review",
+        command: Command::ReviewPanel,
+        closes: "review panel",
+        behind: "frame",
+    };
+    heading.show(panel, ui, count, |_, _| {});
+}
+
+/// Shows the number of suggestions.
+fn count(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let count = panel.app.review().count();
+    let said = if count == 1 {
+        "1 suggestion".to_owned()
+    } else {
+        format!("{count} suggestions")
+    };
+    ui.label(RichText::new(said).color(ui.palette().weak));
 }
 
 /// Shows the choice of the order, and whether only one suggestion of each shot is listed.

@@ -33,8 +33,8 @@ const PURPOSE: &str = "Calibrates a sports camera from two clicks in a frame, an
                        camera of every other frame.";
 
 /// What one needs.
-const NEEDED: &str = "All you need is a video, or frames, of a camera that stands still and turns, \
-                      over a field with painted lines.";
+const NEEDED: &str = "All you need is a video, or frames, of a camera that pans and zooms from a \
+                      fixed position, over a field with painted lines.";
 
 /// What may be dropped on the window.
 const INVITATION: &str = "Or drop on this window a video, frames, a project, or cameras of another \

@@ -273,7 +273,7 @@ const fn described(kind: ShotKind) -> &'static str {
     match kind {
         ShotKind::Cut => "A cut. Drag its handle to move it.",
         ShotKind::Fade => "A fade: its position is uncertain. Drag its handle to move it.",
-        ShotKind::ByHand => "A cut that somebody marked. Drag its handle to move it.",
+        ShotKind::ByHand => "A cut that was marked by hand. Drag its handle to move it.",
     }
 }
 

@@ -4,6 +4,7 @@
 mod accuracy;
 mod map;
 
+use super::heading::Heading;
 use super::menu::file_name;
 use super::symbol::{self, Symbol};
 use super::{
@@ -11,8 +12,7 @@ use super::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText,
-    ScrollArea, Ui,
+    Button, Checkbox, Color32, Frame, Grid, Label, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };
 use touchline_application::app::{
     Action, Command, Doing, EditAction, ForestFacts, Navigation, TrainerStatus, UnusableReference,
@@ -69,29 +69,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Shows the title and the close button.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new()
-        .inner_margin(Margin::symmetric(8, 6))
-        .show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.label(
-                    RichText::new("Trainer")
-                        .heading()
-                        .color(ui.palette().strong),
-                );
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let palette = ui.palette();
-                    let close =
-                        symbol::button(ui, Symbol::Cross, "Close the trainer panel", palette.weak);
-                    let key = panel.app.settings.keys.shown(Command::TrainerPanel);
-                    if close
-                        .on_hover_text(format!("Back to the frame. ({key})"))
-                        .clicked()
-                    {
-                        panel.actions.push(Action::Command(Command::TrainerPanel));
-                    }
-                });
-            });
-        });
+    let heading = Heading {
+        title: "Trainer",
+        command: Command::TrainerPanel,
+        closes: "trainer panel",
+        behind: "frame",
+    };
+    heading.show(panel, ui, |_, _| {}, |_, _| {});
 }
 
 /// Shows the present work with its progress, the pause button, and problems.
@@ -285,7 +269,8 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
         });
 }
 
-/// Shows how many proposals there are, whether they are snapped, and where to label next.
+/// Shows how many proposals there are, whether they are aligned to the paint, and where to label
+/// next.
 fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "PROPOSALS");
     let cameras = if status.answered == 1 {
@@ -299,7 +284,7 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         ui.label(match tracked {
             0 => format!("{cameras} proposed."),
             tracked => format!(
-                "{cameras} proposed, {} carried from frame to frame.",
+                "{cameras} proposed, {} tracked from frame to frame.",
                 thousands(tracked)
             ),
         });

@@ -182,7 +182,7 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
     }
 }
 
-/// Notes above each point that it was just snapped to the paint.
+/// Draws a note above each point that was just aligned to the paint.
 fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     let session = &panel.app.session;
     let clicks = panel

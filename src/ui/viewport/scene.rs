@@ -9,7 +9,6 @@ use touchline_application::scene::OverlayStyle;
 use touchline_application::scene::overlay::{
     OverlayScene, Standing, click_overlay, field_overlay, mask_overlay,
 };
-use touchline_documents::document::FrameStatus;
 
 /// Opacity of a camera that is only previewed.
 const PREVIEW_OPACITY: f32 = 0.75;
@@ -70,11 +69,7 @@ impl Overlay {
             let scene = OverlayScene {
                 field,
                 camera: camera.as_ref(),
-                standing: if frame.status == FrameStatus::Suggested {
-                    Standing::Proposed
-                } else {
-                    Standing::Solved
-                },
+                standing: Standing::from_frame(frame),
                 image_size: frame.image_size,
                 clicks: &frame.clicks,
                 selected: app.session.points.selected,

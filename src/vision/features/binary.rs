@@ -1,5 +1,7 @@
 //! ORB and AKAZE, used only for comparison with SIFT, and the boundary to OpenCV's detectors.
 
+#[cfg(feature = "opencv")]
+use super::spread::spread_unmasked;
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureError, Keypoint};
 use crate::media::Picture;
 use touchline_core::geometry::{ImageSize, PixelBox};
@@ -103,25 +105,12 @@ pub fn extract_binary(
     let image_size = picture.size();
     // A surplus, so that masks and spreading can choose.
     let found = opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count)
-        .map_err(|error| FeatureError::OpenCv {
-            width: image_size.width,
-            height: image_size.height,
-            reason: error
-                .to_string()
-                .split_whitespace()
-                .collect::<Vec<_>>()
-                .join(" "),
-        })?;
-    let open = found
-        .into_iter()
-        .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)));
-    let (keypoints, descriptors): (Vec<Keypoint>, Vec<BinaryDescriptor>) = open.unzip();
-    // Masked features are dropped before spreading, so that they take no other feature's share.
-    let kept = super::spread::spread(&keypoints, image_size, max_count);
+        .map_err(|error| FeatureError::of_opencv(&error, image_size))?;
+    let (keypoints, descriptors) = spread_unmasked(found, masks, image_size, max_count);
     Ok(BinaryFeatures {
         image_size,
-        keypoints: kept.iter().map(|&index| keypoints[index]).collect(),
-        descriptors: kept.iter().map(|&index| descriptors[index]).collect(),
+        keypoints,
+        descriptors,
     })
 }
 

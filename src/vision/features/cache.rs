@@ -44,18 +44,7 @@ impl FeatureKey {
         let mut digest = Sha256::new();
         digest.update(VERSION.to_le_bytes());
         digest.update(picture_sha256.as_bytes());
-        let FeatureOptions {
-            max_count,
-            max_width_px,
-            root_sift,
-            detector,
-        } = *options;
-        for number in [
-            max_count,
-            max_width_px,
-            u32::from(root_sift),
-            detector.code(),
-        ] {
+        for number in options.numbers() {
             digest.update(number.to_le_bytes());
         }
         for mask in masks {

@@ -1,6 +1,10 @@
 //! Errors of feature detection.
 
+#[cfg(feature = "opencv")]
+use crate::media::one_line;
 use thiserror::Error;
+#[cfg(feature = "opencv")]
+use touchline_core::geometry::ImageSize;
 
 /// Why the features of a picture could not be computed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -21,4 +25,16 @@ pub enum FeatureError {
         /// OpenCV's message, on one line.
         reason: String,
     },
+}
+
+#[cfg(feature = "opencv")]
+impl FeatureError {
+    /// OpenCV's error in a picture of this size.
+    pub(super) fn of_opencv(error: &opencv::Error, picture: ImageSize) -> Self {
+        Self::OpenCv {
+            width: picture.width,
+            height: picture.height,
+            reason: one_line(&error.to_string()),
+        }
+    }
 }

@@ -2,6 +2,8 @@
 
 use super::keypoint::Features;
 #[cfg(feature = "opencv")]
+use super::spread::spread_unmasked;
+#[cfg(feature = "opencv")]
 use super::{BinaryKind, Descriptor, Detector, keypoint::Keypoint};
 use super::{FeatureError, FeatureOptions};
 use crate::media::Picture;
@@ -31,39 +33,27 @@ pub fn extract(
     // Features under masks are dropped, so more are requested in proportion.
     let limit =
         f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
-    let found = found(&grey, limit.min(f64::from(i32::MAX)) as u32, options).map_err(|error| {
-        FeatureError::OpenCv {
-            width: image_size.width,
-            height: image_size.height,
-            reason: error
-                .to_string()
-                .split_whitespace()
-                .collect::<Vec<_>>()
-                .join(" "),
-        }
-    })?;
+    let found = found(&grey, limit.min(f64::from(i32::MAX)) as u32, options)
+        .map_err(|error| FeatureError::of_opencv(&error, image_size))?;
     // In the corner convention a reduced picture differs from the full one by a factor alone.
     let full_px = f64::from(factor);
-    let (keypoints, descriptors): (Vec<_>, Vec<_>) = found
-        .into_iter()
-        .map(|(reduced, descriptor)| {
-            let point = ImagePoint::new(reduced.point.x * full_px, reduced.point.y * full_px);
-            (
-                Keypoint {
-                    point,
-                    size_px: reduced.size_px * factor as f32,
-                    ..reduced
-                },
-                descriptor,
-            )
-        })
-        .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)))
-        .unzip();
-    let kept = super::spread::spread(&keypoints, image_size, options.max_count as usize);
+    let in_full = found.into_iter().map(|(reduced, descriptor)| {
+        let point = ImagePoint::new(reduced.point.x * full_px, reduced.point.y * full_px);
+        (
+            Keypoint {
+                point,
+                size_px: reduced.size_px * factor as f32,
+                ..reduced
+            },
+            descriptor,
+        )
+    });
+    let max_count = options.max_count as usize;
+    let (keypoints, descriptors) = spread_unmasked(in_full, masks, image_size, max_count);
     Ok(Features {
         image_size,
-        keypoints: kept.iter().map(|&index| keypoints[index]).collect(),
-        descriptors: kept.iter().map(|&index| descriptors[index]).collect(),
+        keypoints,
+        descriptors,
     })
 }
 

@@ -63,6 +63,22 @@ impl Default for FeatureOptions {
 const MIN_COARSE_WIDTH_PX: u32 = 400;
 
 impl FeatureOptions {
+    /// All settings, as files store them.
+    pub(crate) fn numbers(self) -> [u32; 4] {
+        let Self {
+            max_count,
+            max_width_px,
+            root_sift,
+            detector,
+        } = self;
+        [
+            max_count,
+            max_width_px,
+            u32::from(root_sift),
+            detector.code(),
+        ]
+    }
+
     /// The whole factor by which a picture of this width is reduced.
     pub(super) fn reduction(&self, width_px: u32) -> u32 {
         width_px.div_ceil(self.max_width_px.max(1)).max(1)

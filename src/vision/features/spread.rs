@@ -2,6 +2,8 @@
 
 use super::Keypoint;
 use touchline_core::geometry::ImageSize;
+#[cfg(feature = "opencv")]
+use touchline_core::geometry::PixelBox;
 
 /// Columns and rows of the grid over the picture.
 const GRID: (usize, usize) = (8, 5);
@@ -41,6 +43,25 @@ pub fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) -> Vec<
     kept.extend(surplus);
     kept.truncate(max_count);
     kept
+}
+
+/// At most `max_count` features that lie in none of the masks, as [`spread`] chooses them.
+#[cfg(feature = "opencv")]
+pub(super) fn spread_unmasked<D: Copy>(
+    found: impl IntoIterator<Item = (Keypoint, D)>,
+    masks: &[PixelBox],
+    size: ImageSize,
+    max_count: usize,
+) -> (Vec<Keypoint>, Vec<D>) {
+    // Masked features are dropped before spreading, so that they take no other feature's share.
+    let (keypoints, descriptors): (Vec<Keypoint>, Vec<D>) = found
+        .into_iter()
+        .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)))
+        .unzip();
+    spread(&keypoints, size, max_count)
+        .into_iter()
+        .map(|index| (keypoints[index], descriptors[index]))
+        .unzip()
 }
 
 fn cell_of(keypoint: &Keypoint, size: ImageSize) -> usize {

@@ -188,6 +188,11 @@ impl MediaError {
     }
 }
 
+/// A text on one line, with single spaces between its words.
+pub(crate) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Opens a regular file with at least one byte.
 pub(super) fn open_file(path: &Path) -> Result<std::fs::File, MediaError> {
     let metadata = std::fs::metadata(path).map_err(|error| MediaError::from_io(path, &error))?;

@@ -3,7 +3,7 @@
 
 use super::error::open_file;
 use super::jpeg_end::is_cut_off;
-use super::{MediaError, Picture};
+use super::{MediaError, Picture, one_line};
 use image::error::{ImageError, ImageFormatHint, UnsupportedErrorKind};
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -245,11 +245,7 @@ fn reason(error: &dyn Error) -> String {
     let innermost = std::iter::successors(Some(error), |&error| error.source())
         .last()
         .unwrap_or(error);
-    let words = innermost
-        .to_string()
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ");
+    let words = one_line(&innermost.to_string());
     let words = words
         .split(" while decoding ChunkType")
         .next()

@@ -37,6 +37,7 @@ pub use cache::FrameCache;
 pub use cached_reader::{CachedReader, KEPT_BYTES};
 pub use digest::{sha256_of_bytes, sha256_of_file};
 pub use error::MediaError;
+pub(crate) use error::one_line;
 pub use folder::{FolderListing, list_images};
 pub(crate) use grey::{GreyPicture, grey_reduced};
 pub use image_file::{ImageLimits, image_size, load_image, load_image_within};

@@ -86,9 +86,23 @@ impl Across {
     }
 }
 
+/// Whether a ridge looks like the paint of the line: within reach, as wide as the camera predicts
+/// it, within generous limits, and with ground on the inner sides.
+pub(super) fn is_like_paint(
+    ground: &GroundPicture,
+    across: &Across,
+    ridge: &Ridge,
+    reach_px: f64,
+) -> bool {
+    let expected_px = across.expected_px();
+    (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px)
+        && ridge.offset_px.abs() <= reach_px
+        && is_on_ground(ground, across, ridge)
+}
+
 /// Whether most of the points beside a ridge have the ground's colours, on every side within the
 /// playing area.
-pub(super) fn is_on_ground(ground: &GroundPicture, across: &Across, ridge: &Ridge) -> bool {
+fn is_on_ground(ground: &GroundPicture, across: &Across, ridge: &Ridge) -> bool {
     let mut sides = [-1.0, 1.0]
         .into_iter()
         .filter(|sign| sign * across.outward <= 0.0);

@@ -1,8 +1,9 @@
 //! Colours in a space in which Euclidean distances measure visible difference: brightness, and the
 //! scaled differences of red and of blue from it, as in Y′CbCr.
 
+use super::profile::{Profile, ProfileSource};
 use crate::media::Picture;
-use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
+use touchline_core::geometry::{ImagePoint, Vec3};
 
 /// Brightness, and [`HUE`] times red − brightness and blue − brightness, grey levels.
 pub(super) type Colour = Vec3;
@@ -13,76 +14,15 @@ const HUE: f64 = 0.6;
 /// Weights of red, green and blue in the brightness (ITU-R BT.601).
 const BRIGHTNESS: Vec3 = Vec3::new(0.299, 0.587, 0.114);
 
-/// Each sample is the mean of points at these distances along the line, px, against noise.
-const ALONG_PX: [f64; 3] = [-3.0, 0.0, 3.0];
+/// Colours at equal distances along a normal.
+pub(super) type ColourProfile = Profile<Colour>;
 
-/// Colours at equal distances along a normal. The buffers are reused from profile to profile.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ColourProfile {
-    colours: Vec<Colour>,
-    /// Prefix sums of the colours, so that a mean over any range costs two look-ups.
-    sums: Vec<Colour>,
-    step_px: f64,
-}
+impl ProfileSource for Picture {
+    type Value = Colour;
 
-impl ColourProfile {
-    /// Reads the colours every `step_px`, to at least `reach_px` on both sides of a point.
-    pub fn read(
-        &mut self,
-        picture: &Picture,
-        middle: ImagePoint,
-        normal: Vec2,
-        reach_px: f64,
-        step_px: f64,
-    ) {
-        // An odd number of samples, so that one lies on the middle.
-        let half = (reach_px / step_px).ceil() as usize;
-        self.step_px = step_px;
-        let along = Vec2::new(-normal.y, normal.x);
-        self.colours.clear();
-        self.sums.clear();
-        self.sums.push(Colour::zeros());
-        let mut sum = Colour::zeros();
-        for index in 0..=2 * half {
-            let at = middle.moved(normal * ((index as f64 - half as f64) * step_px));
-            let here: Vec3 = ALONG_PX
-                .iter()
-                .map(|by| rgb_at(picture, at.moved(along * *by)))
-                .sum();
-            let here = colour_of(here / ALONG_PX.len() as f64);
-            sum += here;
-            self.colours.push(here);
-            self.sums.push(sum);
-        }
-    }
-
-    /// Number of samples.
-    pub fn len(&self) -> usize {
-        self.colours.len()
-    }
-
-    /// Signed distance of a sample from the middle, px. The index may be fractional.
-    pub fn offset_px(&self, index: f64) -> f64 {
-        (index - (self.colours.len() / 2) as f64) * self.step_px
-    }
-
-    /// Number of samples that a distance spans.
-    pub fn places(&self, distance_px: f64) -> isize {
-        (distance_px / self.step_px).round() as isize
-    }
-
-    /// The colour of a sample.
-    pub fn colour(&self, index: usize) -> Colour {
-        self.colours[index]
-    }
-
-    /// Mean colour of the samples `index + from` to `index + to`, both included, clipped to the
-    /// profile.
-    pub fn mean(&self, index: usize, from: isize, to: isize) -> Colour {
-        let last = self.colours.len() - 1;
-        let from = index.saturating_add_signed(from).min(last);
-        let to = index.saturating_add_signed(to).min(last);
-        (self.sums[to + 1] - self.sums[from]) / (to + 1 - from) as f64
+    fn mean_at(&self, points: [ImagePoint; 3]) -> Colour {
+        let sum: Vec3 = points.iter().map(|point| rgb_at(self, *point)).sum();
+        colour_of(sum / points.len() as f64)
     }
 }
 

@@ -422,7 +422,7 @@ impl Search<'_> {
         let others = others
             .filter(|(_, ptz)| apart_px(*ptz) > SAME_PX * self.scale)
             .chain(nodes);
-        let rival = others.max_by(|a, b| a.0.total_cmp(&b.0));
+        let runner_up = others.max_by(|a, b| a.0.total_cmp(&b.0));
         let score = snapped.check.score;
         let both = agreement.both();
         // Written so that a score that is not a number is rejected.
@@ -432,18 +432,17 @@ impl Search<'_> {
                 agreement: both,
             });
         }
-        if let Some((rival, ptz)) = rival
-            && rival > self.options.max_rival * both
+        if let Some((runner_up, ptz)) = runner_up
+            && runner_up > self.options.max_rival * both
         {
             return Err(FindError::Ambiguous {
                 apart_px: apart_px(ptz),
             });
         }
-        let rival = rival.map_or(0.0, |(rival, _)| rival);
         Ok(Found {
             snapped: snapped.clone(),
             agreement: *agreement,
-            rival,
+            rival: runner_up.map_or(0.0, |(agreement, _)| agreement),
         })
     }
 }

@@ -13,8 +13,9 @@
 //! differ in that direction, a blurred stripe of known width is fitted instead.
 
 use super::GroundPicture;
-use super::across::{Across, Ridge, is_on_ground};
+use super::across::{Across, Ridge, is_like_paint};
 use super::colours::{Colour, ColourProfile};
+use super::profile::is_local_maximum;
 
 /// Minimum distance of a line's colour from all mixtures of its sides' colours, grey levels.
 const MIN_CONTRAST: f64 = 9.0;
@@ -80,31 +81,20 @@ impl FloorRidgeFinder {
                 f64::NEG_INFINITY
             }
         }));
-        let expected_px = across.expected_px();
-        let reach = profile.places(0.5 * expected_px).max(1) as usize;
-        // Non-maximum suppression within half the expected width; of equal values the first wins.
+        // Non-maximum suppression within half the expected width.
+        let reach = profile.places(0.5 * across.expected_px()).max(1) as usize;
         for index in searched {
             let contrast = self.contrast[index];
             if !(contrast >= MIN_CONTRAST) {
                 continue;
             }
-            let around = index.saturating_sub(reach)..=(index + reach).min(self.contrast.len() - 1);
-            let mut others = around.map(|other| (other, self.contrast[other]));
-            if others.any(|(other, value)| value > contrast || (value == contrast && other < index))
-            {
+            if !is_local_maximum(&self.contrast, index, reach) {
                 continue;
             }
             let Some(ridge) = ridge(profile, across, index) else {
                 continue;
             };
-            // Width as the camera predicts it, within generous limits, and floor on the inner
-            // sides.
-            let as_wide_as_paint =
-                (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px);
-            if as_wide_as_paint
-                && ridge.offset_px.abs() <= reach_px
-                && is_on_ground(ground, across, &ridge)
-            {
+            if is_like_paint(ground, across, &ridge, reach_px) {
                 found.push(ridge);
             }
         }
@@ -159,7 +149,7 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
     // One-dimensional levels: projections onto the direction of greatest contrast.
     let contrast = excess.norm();
     let direction = excess / contrast;
-    let level = |place: usize| direction.dot(&profile.colour(place));
+    let level = |place: usize| direction.dot(&profile.value(place));
     let core = profile.places(0.3 * across.width_px);
     let top = level(index).max(direction.dot(&profile.mean(index, -core, core)));
     let (left, right) = (direction.dot(&left), direction.dot(&right));

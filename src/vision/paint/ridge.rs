@@ -5,9 +5,9 @@
 //! floors are searched by colour (`floor_ridge.rs`).
 
 use super::GroundPicture;
-use super::across::{Across, Ridge, is_on_ground};
+use super::across::{Across, Ridge, is_like_paint};
 use super::floor_ridge::FloorRidgeFinder;
-use super::profile::Profile;
+use super::profile::{Profile, is_local_maximum};
 
 /// Minimum contrast of paint against the brighter of its sides, grey levels.
 const MIN_CONTRAST: f64 = 4.5;
@@ -18,7 +18,7 @@ const MIN_CONTRAST_SHARE: f64 = 0.05;
 /// Finds ridges. Its buffers are reused from line to line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RidgeFinder {
-    profile: Profile,
+    profile: Profile<f64>,
     contrast: Vec<f64>,
     on_floors: FloorRidgeFinder,
 }
@@ -80,16 +80,12 @@ impl RidgeFinder {
             if !(contrast >= MIN_CONTRAST && contrast >= MIN_CONTRAST_SHARE * left.max(right)) {
                 continue;
             }
-            // Non-maximum suppression within half the expected width; of equal values the first
-            // wins.
-            let around = index.saturating_sub(reach)..=(index + reach).min(self.contrast.len() - 1);
-            let mut others = around.map(|other| (other, self.contrast[other]));
-            if others.any(|(other, value)| value > contrast || (value == contrast && other < index))
-            {
+            // Non-maximum suppression within half the expected width.
+            if !is_local_maximum(&self.contrast, index, reach) {
                 continue;
             }
             // Edges at half the contrast, each against its own side, interpolated between samples.
-            let top = profile.grey(index).max(profile.mean(index, -core, core));
+            let top = profile.value(index).max(profile.mean(index, -core, core));
             let within_px = 0.9 * expected_px + 1.0;
             let (Some(from), Some(to)) = (
                 profile.falls_below(index, -1, f64::midpoint(top, left), within_px),
@@ -103,14 +99,7 @@ impl RidgeFinder {
                 width_px: to_px - from_px,
                 contrast,
             };
-            // Width as the camera predicts it, within generous limits, and ground on the inner
-            // sides.
-            let as_wide_as_paint =
-                (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px);
-            if as_wide_as_paint
-                && ridge.offset_px.abs() <= reach_px
-                && is_on_ground(ground, across, &ridge)
-            {
+            if is_like_paint(ground, across, &ridge, reach_px) {
                 found.push(ridge);
             }
         }

@@ -4,7 +4,7 @@
 use super::alignment::{ClickAlignment, RidgeAlignment, StepPx};
 
 /// Grid steps on each side, in pan and in tilt.
-const TURNS: i32 = 6;
+const ANGLE_STEPS: i32 = 6;
 
 /// Grid steps on each side, in focal length.
 const ZOOMS: i32 = 2;
@@ -33,12 +33,12 @@ pub(super) fn likely_steps(
     clicks: &ClickAlignment,
     reach_px: f64,
 ) -> Vec<StepPx> {
-    let grid_px = reach_px / f64::from(TURNS);
+    let grid_px = reach_px / f64::from(ANGLE_STEPS);
     let zoom_px = reach_px * ZOOM_SHARE / f64::from(ZOOMS);
     let mut votes = Vec::new();
     // All 13 × 13 × 5 steps that the clicks allow.
-    for pan in -TURNS..=TURNS {
-        for tilt in -TURNS..=TURNS {
+    for pan in -ANGLE_STEPS..=ANGLE_STEPS {
+        for tilt in -ANGLE_STEPS..=ANGLE_STEPS {
             for zoom in -ZOOMS..=ZOOMS {
                 let step = StepPx::new(
                     f64::from(pan) * grid_px,

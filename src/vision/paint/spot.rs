@@ -32,7 +32,7 @@ const BESIDE_PX: f64 = 3.0;
 const MUCH_WORSE: f64 = 1.6;
 
 /// Another marking within reach explains at most this share of what the best one does.
-const RIVAL: f64 = 0.6;
+const RUNNER_UP: f64 = 0.6;
 
 /// Two offsets are different markings if they are this many diameters apart on the ground.
 const ANOTHER: f64 = 1.2;
@@ -85,7 +85,8 @@ pub(super) fn snap_spot(
         (look.shape.metres_a_px * (fit.shift - best.shift)).norm() > ANOTHER * diameter_m
     };
     let is_alone = lines_through(field, landmark).is_empty();
-    if is_alone && all().any(|(_, fit)| another(fit) && fit.explained > RIVAL * best.explained) {
+    if is_alone && all().any(|(_, fit)| another(fit) && fit.explained > RUNNER_UP * best.explained)
+    {
         return None;
     }
     // Refine, then test contrast, fit, surroundings and precision.

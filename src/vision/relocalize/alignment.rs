@@ -99,7 +99,7 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
         .collect();
     let mut scatter = Scatter {
         clicks: 1.0,
-        ties: 1.0,
+        relative_poses: 1.0,
     };
     // Alternate: adjust with the current variance factors, then estimate these over all groups from
     // χ² and redundancy. The prior term keeps them finite where little is redundant.
@@ -108,15 +108,15 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
             chi_squared: SUPPOSED,
             expected: SUPPOSED,
         };
-        let (mut of_clicks, mut of_ties) = (supposed, supposed);
+        let (mut of_clicks, mut of_poses) = (supposed, supposed);
         for group in &mut groups {
             group.adjust(labels, scatter);
             of_clicks = of_clicks + group.misfit_of_clicks(labels, scatter);
-            of_ties = of_ties + group.misfit_of_ties(labels, scatter);
+            of_poses = of_poses + group.misfit_of_relative_poses(labels, scatter);
         }
         scatter = Scatter {
             clicks: of_clicks.chi_squared / of_clicks.expected,
-            ties: of_ties.chi_squared / of_ties.expected,
+            relative_poses: of_poses.chi_squared / of_poses.expected,
         };
     }
     let mut found: Vec<(Ptz, Mat3)> = references
@@ -148,7 +148,7 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
 #[derive(Clone, Copy)]
 struct Scatter {
     clicks: f64,
-    ties: f64,
+    relative_poses: f64,
 }
 
 impl std::ops::Add for Misfit {
@@ -163,7 +163,7 @@ impl std::ops::Add for Misfit {
 }
 
 /// The pose of a reference relative to another one; both are indices into a group.
-struct Tie {
+struct RelativePose {
     places: [usize; 2],
     /// `r`: (pan rad, tilt rad, focal px).
     off: Vec3,
@@ -179,7 +179,7 @@ struct Group {
     members: Vec<usize>,
     /// Their focal lengths by their labels, px.
     focal_px: Vec<f64>,
-    ties: Vec<Tie>,
+    relative_poses: Vec<RelativePose>,
     /// Their corrections, stacked (pan rad, tilt rad, focal px), and the covariance of these.
     corrections: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -187,7 +187,7 @@ struct Group {
     is_adjusted: bool,
 }
 
-impl Tie {
+impl RelativePose {
     /// The pose of the second relative to the first; `None` if their pictures do not determine it.
     fn of(places: [usize; 2], references: &[Reference]) -> Option<Self> {
         let [first, second] = places.map(|place| &references[place]);
@@ -235,9 +235,9 @@ impl Tie {
 impl Group {
     fn of(members: &[usize], references: &[Reference]) -> Self {
         let together: Vec<Reference> = members.iter().map(|&member| references[member]).collect();
-        let ties = pairs(&together, NEIGHBOURS)
+        let relative_poses = pairs(&together, NEIGHBOURS)
             .par_iter()
-            .filter_map(|pair| Tie::of(*pair, &together))
+            .filter_map(|pair| RelativePose::of(*pair, &together))
             .collect();
         let size = 3 * members.len();
         Self {
@@ -246,7 +246,7 @@ impl Group {
                 .iter()
                 .map(|reference| reference.camera.ptz().focal_px)
                 .collect(),
-            ties,
+            relative_poses,
             corrections: DVector::zeros(size),
             covariance: DMatrix::zeros(size, size),
             is_adjusted: false,
@@ -255,18 +255,19 @@ impl Group {
 
     /// The relative poses whose offset is within [`MOST_SIGMAS`] of its covariance, that of both
     /// labels included.
-    fn believed(&self, labels: &[Label], scatter: Scatter) -> Vec<&Tie> {
+    fn believed(&self, labels: &[Label], scatter: Scatter) -> Vec<&RelativePose> {
         let known = |place: usize| labels[self.members[place]].scattered(scatter);
         // Mahalanobis distance of the offset under C + T Λᵢ Tᵀ + Λⱼ, with both variance factors.
-        let is_believed = |tie: &&Tie| {
-            let [one, other] = tie.places.map(known);
-            let all =
-                tie.covariance * scatter.ties + tie.moved * one * tie.moved.transpose() + other;
+        let is_believed = |pose: &&RelativePose| {
+            let [one, other] = pose.places.map(known);
+            let all = pose.covariance * scatter.relative_poses
+                + pose.moved * one * pose.moved.transpose()
+                + other;
             all.try_inverse().is_some_and(|inverse| {
-                tie.off.dot(&(inverse * tie.off)) <= MOST_SIGMAS * MOST_SIGMAS
+                pose.off.dot(&(inverse * pose.off)) <= MOST_SIGMAS * MOST_SIGMAS
             })
         };
-        self.ties.iter().filter(is_believed).collect()
+        self.relative_poses.iter().filter(is_believed).collect()
     }
 
     /// Solves the least squares problem for given variance factors.
@@ -292,9 +293,9 @@ impl Group {
         }
         // The normal equations of each relative pose: the residual has the derivative −I by δⱼ and
         // T by δᵢ.
-        for tie in self.believed(labels, scatter) {
-            let ([one, other], moved) = (tie.places, tie.moved);
-            let Some(weight) = (tie.covariance * scatter.ties).try_inverse() else {
+        for pose in self.believed(labels, scatter) {
+            let ([one, other], moved) = (pose.places, pose.moved);
+            let Some(weight) = (pose.covariance * scatter.relative_poses).try_inverse() else {
                 continue;
             };
             add([other, other], weight);
@@ -302,9 +303,9 @@ impl Group {
             add([other, one], -weight * moved);
             add([one, other], -moved.transpose() * weight);
             let mut of_other = right.fixed_rows_mut::<3>(3 * other);
-            of_other += weight * tie.off;
+            of_other += weight * pose.off;
             let mut of_one = right.fixed_rows_mut::<3>(3 * one);
-            of_one -= moved.transpose() * weight * tie.off;
+            of_one -= moved.transpose() * weight * pose.off;
         }
         // Scale the unknowns by their own σ, so that radians and px do not spoil the condition of
         // the factorisation.
@@ -350,17 +351,18 @@ impl Group {
     }
 
     /// The same of the relative poses: three observations each, less what the corrections use up.
-    fn misfit_of_ties(&self, labels: &[Label], scatter: Scatter) -> Misfit {
-        let of_tie = |tie: &Tie| {
-            let ([one, other], information) = (tie.places, tie.covariance.try_inverse()?);
+    fn misfit_of_relative_poses(&self, labels: &[Label], scatter: Scatter) -> Misfit {
+        let of_pose = |pose: &RelativePose| {
+            let ([one, other], information) = (pose.places, pose.covariance.try_inverse()?);
             // The covariance of the adjusted observation δⱼ − T δᵢ.
-            let crossed = tie.moved * self.covariance(one, other);
-            let explained = tie.moved * self.covariance(one, one) * tie.moved.transpose()
+            let crossed = pose.moved * self.covariance(one, other);
+            let explained = pose.moved * self.covariance(one, one) * pose.moved.transpose()
                 + self.covariance(other, other)
                 - crossed
                 - crossed.transpose();
-            let left = tie.left(self);
-            let expected = (3.0 - (explained * information).trace() / scatter.ties).max(0.0);
+            let left = pose.left(self);
+            let expected =
+                (3.0 - (explained * information).trace() / scatter.relative_poses).max(0.0);
             Some(Misfit {
                 chi_squared: left.dot(&(information * left)),
                 expected,
@@ -368,7 +370,7 @@ impl Group {
         };
         self.believed(labels, scatter)
             .into_iter()
-            .filter_map(of_tie)
+            .filter_map(of_pose)
             .fold(Misfit::default(), |sum, one| sum + one)
     }
 

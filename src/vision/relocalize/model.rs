@@ -121,18 +121,7 @@ impl ForestModel {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut body = Vec::new();
         text(&mut body, &self.document);
-        let FeatureOptions {
-            max_count,
-            max_width_px,
-            root_sift,
-            detector,
-        } = self.features;
-        for number in [
-            max_count,
-            max_width_px,
-            u32::from(root_sift),
-            detector.code(),
-        ] {
+        for number in self.features.numbers() {
             body.extend(number.to_le_bytes());
         }
         body.extend((self.cameras.len() as u32).to_le_bytes());

@@ -84,7 +84,7 @@ impl Bowl {
             }
         };
         for side in 0..4 {
-            // Far, right, near, left: quarter turns clockwise seen from above.
+            // Far, right, near, left: clockwise seen from above, 90° apart.
             let (out, along) = side_axes(side);
             let (edge, half_run) = if side % 2 == 0 {
                 (self.half_width, corner[0])

@@ -74,7 +74,7 @@ impl Exposure {
         }
     }
 
-    /// Motion blur. A camera that only turns and zooms moves the whole picture by a mapping that
+    /// Motion blur. A camera that only rotates and zooms moves the whole picture by a mapping that
     /// does not depend on the depth, so smearing the picture along it is exact for everything that
     /// stands still.
     pub fn moved(&self, camera: &PtzCamera, options: &FrameOptions) -> Self {

@@ -54,7 +54,7 @@ pub enum Daylight {
 pub struct FrameOptions {
     /// The time since kick-off, s: it places the players and sets the clock.
     pub time_s: f64,
-    /// How the camera turns and zooms while the shutter is open; the frame's camera is that of
+    /// How the camera rotates and zooms while the shutter is open; the frame's camera is that of
     /// mid-exposure.
     pub motion: CameraMotion,
     /// How long the shutter is open, s. Zero, the default: no motion blur.
@@ -92,7 +92,7 @@ impl Default for FrameOptions {
     }
 }
 
-/// How fast a camera turns and zooms.
+/// How fast a camera rotates and zooms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraMotion {
     /// Change of pan per second.

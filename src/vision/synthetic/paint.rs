@@ -13,15 +13,15 @@ const MARGIN_M: f64 = 3.0;
 /// The painted lines of a field, ready to be looked up at any place.
 #[derive(Clone, Debug)]
 pub(super) struct Paint {
-    strokes: Vec<Stroke>,
+    markings: Vec<Stroke>,
     columns: usize,
     rows: usize,
     corner: [f64; 2],
-    /// Per cell the strokes that come near it.
+    /// Per cell the markings that come near it.
     cells: Vec<Vec<u16>>,
 }
 
-/// A stroke of the brush, seen from above.
+/// A painted marking, seen from above.
 #[derive(Clone, Copy, Debug)]
 enum Stroke {
     Straight {
@@ -53,7 +53,7 @@ impl Paint {
                 radius_m,
             })
         });
-        let strokes: Vec<Stroke> = field
+        let markings: Vec<Stroke> = field
             .lines
             .iter()
             .filter(|line| line.painted)
@@ -75,14 +75,14 @@ impl Paint {
             // A pixel at the cell's rim may reach half a metre out of it.
             let reach = CELL_M * std::f64::consts::FRAC_1_SQRT_2 + 0.5;
             let is_near = |stroke: &Stroke| stroke.distance_m(centre) < reach;
-            (0..strokes.len())
-                .filter(|index| is_near(&strokes[*index]))
+            (0..markings.len())
+                .filter(|index| is_near(&markings[*index]))
                 .map(|index| index as u16)
                 .collect()
         };
         let cells = (0..columns * rows).map(near).collect();
         Self {
-            strokes,
+            markings,
             columns,
             rows,
             corner,
@@ -102,7 +102,7 @@ impl Paint {
         let cell = row as usize * self.columns + column as usize;
         self.cells[cell]
             .iter()
-            .map(|index| self.strokes[*index as usize].share(hit))
+            .map(|index| self.markings[*index as usize].share(hit))
             .fold(0.0, f64::max)
     }
 }
@@ -143,7 +143,7 @@ impl Stroke {
         }
     }
 
-    /// From a place to the stroke's rim, m; negative on the paint.
+    /// From a place to the marking's rim, m; negative on the paint.
     fn distance_m(&self, place: Vec3) -> f64 {
         match *self {
             Self::Straight {
@@ -157,8 +157,8 @@ impl Stroke {
                 let nearest = along * offset.dot(&along).clamp(0.0, length_m);
                 (offset - nearest).xy().norm() - half_width_m
             }
-            // For an arc the whole circle is searched: cells hold a stroke too many, never one too
-            // few.
+            // For an arc the whole circle is searched: a cell may hold a marking too many,
+            // never one too few.
             Self::Round {
                 centre,
                 radius_m,

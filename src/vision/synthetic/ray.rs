@@ -3,7 +3,7 @@
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 
-/// A line of sight with its differentials. `direction` has depth 1, so that a parameter along the
+/// A viewing ray with its differentials. `direction` has depth 1, so that a parameter along the
 /// ray is a depth in m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ray {

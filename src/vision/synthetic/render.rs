@@ -89,20 +89,17 @@ impl Stadium {
             depth: 0.0,
             surface: 0,
         };
-        let mut sights = vec![blank; width * image_size.height as usize];
-        sights
-            .par_chunks_mut(width)
-            .enumerate()
-            .for_each(|(y, row)| {
-                for (x, sight) in row.iter_mut().enumerate() {
-                    if let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) {
-                        *sight = self.look(&ray);
-                    }
+        let mut hits = vec![blank; width * image_size.height as usize];
+        hits.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            for (x, hit) in row.iter_mut().enumerate() {
+                if let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) {
+                    *hit = self.look(&ray);
                 }
-            });
+            }
+        });
         let mut exposure = Exposure {
             size: image_size,
-            pixels: vec![Pixel::zeros(); sights.len()],
+            pixels: vec![Pixel::zeros(); hits.len()],
         };
         exposure
             .pixels
@@ -110,24 +107,24 @@ impl Stadium {
             .enumerate()
             .for_each(|(y, row)| {
                 for (x, pixel) in row.iter_mut().enumerate() {
-                    let sight = sights[y * width + x];
-                    let light = if on_edge(&sights, width, x, y) {
+                    let hit = hits[y * width + x];
+                    let light = if on_edge(&hits, width, x, y) {
                         self.fine(&caster, x, y)
                     } else {
-                        sight.light
+                        hit.light
                     };
                     *pixel = still(light);
                 }
                 for shadow in shadows.iter().filter(|shadow| shadow.rows.contains(&y)) {
-                    self.darken(shadow, &caster, &sights[y * width..(y + 1) * width], row, y);
+                    self.darken(shadow, &caster, &hits[y * width..(y + 1) * width], row, y);
                 }
                 for prop in props.iter().filter(|prop| prop.rows.contains(&y)) {
-                    self.cover(prop, &caster, &sights[y * width..(y + 1) * width], row, y);
+                    self.cover(prop, &caster, &hits[y * width..(y + 1) * width], row, y);
                 }
             });
         let movers = props
             .par_iter()
-            .filter_map(|prop| prop.seen(&caster, &sights, width, self))
+            .filter_map(|prop| prop.seen(&caster, &hits, width, self))
             .collect();
 
         let moves = options.shutter_s > 0.0;
@@ -183,7 +180,7 @@ impl Stadium {
         &self,
         prop: &Placed,
         caster: &RayCaster<'_>,
-        sights: &[RayHit],
+        hits: &[RayHit],
         row: &mut [Pixel],
         y: usize,
     ) {
@@ -192,7 +189,7 @@ impl Stadium {
             let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
                 continue;
             };
-            prop.touches(&ray, sights[x].depth, self, &mut touches);
+            prop.touches(&ray, hits[x].depth, self, &mut touches);
             if touches.is_empty() {
                 continue;
             }
@@ -250,13 +247,13 @@ impl Stadium {
         &self,
         shadow: &Shadow<'_>,
         caster: &RayCaster<'_>,
-        sights: &[RayHit],
+        hits: &[RayHit],
         row: &mut [Pixel],
         y: usize,
     ) {
         let lamp = &self.lighting.lamps[shadow.lamp];
         for x in shadow.columns.clone() {
-            if sights[x].surface != GRASS {
+            if hits[x].surface != GRASS {
                 continue;
             }
             let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
@@ -290,12 +287,12 @@ impl Stadium {
 }
 
 /// Whether a pixel sees another surface than one of its neighbours.
-fn on_edge(sights: &[RayHit], width: usize, x: usize, y: usize) -> bool {
-    let height = sights.len() / width;
-    let here = sights[y * width + x].surface;
+fn on_edge(hits: &[RayHit], width: usize, x: usize, y: usize) -> bool {
+    let height = hits.len() / width;
+    let here = hits[y * width + x].surface;
     let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
     (y.saturating_sub(1)..=(y + 1).min(height - 1))
-        .any(|row| (left..=right).any(|column| sights[row * width + column].surface != here))
+        .any(|row| (left..=right).any(|column| hits[row * width + column].surface != here))
 }
 
 /// The pixels that may see something near these points: columns and rows.
@@ -366,7 +363,7 @@ impl Placed {
     fn seen(
         &self,
         caster: &RayCaster<'_>,
-        sights: &[RayHit],
+        hits: &[RayHit],
         width: usize,
         stadium: &Stadium,
     ) -> Option<SeenMover> {
@@ -378,7 +375,7 @@ impl Placed {
                 let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
                     continue;
                 };
-                self.touches(&ray, sights[y * width + x].depth, stadium, &mut touches);
+                self.touches(&ray, hits[y * width + x].depth, stadium, &mut touches);
                 let left: f32 = touches.iter().map(|touch| 1.0 - touch.share).product();
                 if 1.0 - left >= MASK_FROM {
                     low = [low[0].min(x), low[1].min(y)];

@@ -8,6 +8,9 @@
 )]
 
 #[allow(dead_code, reason = "shared by several crates")]
+#[path = "../../../tests/shared/described_scene.rs"]
+mod described_scene;
+#[allow(dead_code, reason = "shared by several crates")]
 #[path = "../../../tests/shared/files.rs"]
 mod files;
 #[allow(dead_code, reason = "shared by several crates")]
@@ -17,7 +20,6 @@ mod seeded;
 mod alignment;
 mod bad_images;
 mod contradictions;
-mod described_scene;
 mod features;
 mod forest;
 mod pose;

@@ -1,5 +1,7 @@
 //! Why frames could not be matched or adjusted.
 
+#[cfg(feature = "opencv")]
+use crate::media::one_line;
 use thiserror::Error;
 
 /// Why frames could not be matched or adjusted.
@@ -8,7 +10,8 @@ use thiserror::Error;
 pub enum TrackError {
     /// The program was built without the feature `opencv`.
     #[error(
-        "this touchline was built without OpenCV and cannot tie frames; build it with the feature `opencv`"
+        "this touchline was built without OpenCV and cannot match frames; build it with the feature \
+         `opencv`"
     )]
     WithoutOpenCv,
     /// OpenCV returned an error.
@@ -30,8 +33,8 @@ pub enum TrackError {
     },
     /// No rotation and zoom explains the pairwise matches.
     #[error(
-        "the {edges} pairwise matches of {frames} frames fit no camera that only turns and zooms: \
-         they lie {residual_px:.1} px off"
+        "the {edges} pairwise matches of {frames} frames fit no camera that only rotates and \
+         zooms: they lie {residual_px:.1} px off"
     )]
     NotTurning {
         /// Number of frames to adjust.
@@ -48,11 +51,7 @@ impl TrackError {
     /// OpenCV's message, with line breaks and runs of spaces collapsed.
     pub(super) fn of_opencv(error: &opencv::Error) -> Self {
         Self::OpenCv {
-            reason: error
-                .to_string()
-                .split_whitespace()
-                .collect::<Vec<_>>()
-                .join(" "),
+            reason: one_line(&error.to_string()),
         }
     }
 }

@@ -92,7 +92,7 @@ pub fn adjust_matched_frames(
 }
 
 /// Pan, tilt and focal length of all frames in `base`, given some known cameras and the relative
-/// rotations of all (`turns`, in a common frame); `None` if no camera is known.
+/// `rotations` of all, in a common frame; `None` if no camera is known.
 ///
 /// A frame without a known camera is placed relative to the known frame with which it has the most
 /// inliers, or else relative to the first known frame.

@@ -317,7 +317,7 @@ mod tests {
         assert_eq!(
             names(&kept),
             names(&edges)[1..],
-            "the wrong tie goes, and no right one with it"
+            "only the wrong match is removed"
         );
         let found = adjust_rotations(6, &kept, SIZE, &TurnOptions::default()).unwrap();
         for (found, exact) in found.ptz.iter().zip(&truth.ptz) {

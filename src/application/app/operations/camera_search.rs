@@ -446,7 +446,7 @@ impl TwoCameras {
 /// The result in two sentences: position, its 1-σ, and how many frames agree with their own paint.
 pub fn describe_found(found: &AutocalibratedCamera) -> String {
     let sigma = found.base.sigma.position_m;
-    let (snapped, frames) = (found.snapped_count(), found.frames.len());
+    let (aligned, frames) = (found.snapped_count(), found.frames.len());
     let assumed: String = found
         .sizes
         .iter()
@@ -454,7 +454,7 @@ pub fn describe_found(found: &AutocalibratedCamera) -> String {
         .map(describe_assumed)
         .collect();
     format!(
-        "Camera found: {}, known to ±{:.1} m. {snapped} of {frames} frames agree with their own painted \
+        "Camera found: {}, known to ±{:.1} m. {aligned} of {frames} frames agree with their own painted \
          lines; look at some before you accept them.{assumed}",
         place(found),
         sigma.norm()
@@ -506,10 +506,13 @@ fn why_not(why: &Abstention) -> String {
 fn missing_view(why: &Abstention) -> String {
     match why {
         Abstention::NotConnected { .. } => {
-            "Add frames in which the camera turns from one view to the next, all of one camera that does not move"
+            "Add frames in which the camera pans from one view to the next, all of one camera that \
+             does not move"
                 .to_owned()
         }
-        Abstention::LittlePaint { .. } => "Add wide frames: the centre circle and both penalty areas".to_owned(),
+        Abstention::LittlePaint { .. } => {
+            "Add wide frames: the centre circle and both penalty areas".to_owned()
+        }
         Abstention::Uncertain { doubts, .. } => view_missing(doubts),
         _ => "Check that the field's sport is the one in the pictures".to_owned(),
     }

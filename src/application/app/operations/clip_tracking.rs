@@ -97,7 +97,7 @@ impl Operation for ClipTracking {
     type Output = TrackingOutcome;
     type Error = ClipTrackingError;
 
-    const NAME: &'static str = "carry cameras";
+    const NAME: &'static str = "track cameras";
 
     fn run(
         &self,
@@ -154,7 +154,7 @@ impl Operation for ClipTracking {
             Err(Failure::Failed(ClipTrackingError::NothingDoubtful)) => {}
             Err(failure) => app.session.notify(
                 failure.level(),
-                format!("No cameras were carried: {failure}."),
+                format!("No cameras were tracked: {failure}."),
             ),
         }
     }
@@ -216,10 +216,10 @@ impl App {
             Command::TakeLength if last.as_ref().is_none_or(|last| last.length.is_none()) => {
                 Some("No other length of the field was measured.")
             }
-            Command::DiscardTracked if last.is_none() => Some("No cameras were carried."),
+            Command::DiscardTracked if last.is_none() => Some("No cameras were tracked."),
             Command::RefineBaseOnShot => self.why_not_refine_base(),
             Command::StopTracking if !slot.is_running() && !self.is_refining_base() => {
-                Some("No cameras are being carried.")
+                Some("No cameras are being tracked.")
             }
             _ => None,
         }
@@ -247,7 +247,7 @@ impl App {
             .filter(|other| other.camera == frame.camera);
         others
             .all(|other| other.ptz.is_none())
-            .then_some("No frame has a camera to carry on: click one first.")
+            .then_some("No frame has a camera to track from: click one first.")
     }
 
     /// Why points cannot be followed through the shown clip. None if they can.
@@ -259,7 +259,7 @@ impl App {
             return Some("This program was built without OpenCV and cannot follow points.");
         }
         let is_running = self.operations.clip_tracking.slot.is_running() || self.is_refining_base();
-        is_running.then_some("Cameras are being carried already.")
+        is_running.then_some("Cameras are being tracked already.")
     }
 
     /// Carries out a command of the tracking.
@@ -272,10 +272,8 @@ impl App {
             Command::RefineBaseOnShot => self.refine_base_on_shot(),
             Command::StopTracking if self.stop_refining_base() => {}
             Command::StopTracking if self.operations.clip_tracking.slot.cancel() => {
-                self.session.notify(
-                    Level::Info,
-                    "Carrying cameras was stopped; nothing was changed.",
-                );
+                self.session
+                    .notify(Level::Info, "Tracking was stopped; nothing was changed.");
             }
             Command::DiscardTracked => self.discard_tracked(),
             Command::TakeLength => self.take_measured_length(),
@@ -374,7 +372,7 @@ impl App {
         if base_now.as_ref() != Some(&tracked.base) {
             self.session.notify(
                 Level::Info,
-                "The base changed in the meantime; the carried cameras were discarded.",
+                "The base changed in the meantime; the tracked cameras were discarded.",
             );
             return;
         }
@@ -474,9 +472,9 @@ impl App {
                 }
                 app.session.retract(Command::TakeLength);
                 let text =
-                    "The measured length was taken. Carry the cameras through the shot again.";
+                    "The measured length was taken. Track the cameras through the shot again.";
                 app.session
-                    .notify_with(Level::Info, text, [("Carry again", Command::Track)]);
+                    .notify_with(Level::Info, text, [("Track again", Command::Track)]);
             },
         );
     }
@@ -511,7 +509,7 @@ impl ClipTrackingState {
     /// The running tracking with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let text = match self.slot.running()?.progress() {
-            None => "Carrying cameras through the shot…".to_owned(),
+            None => "Tracking cameras through the shot…".to_owned(),
             Some(progress) => describe_progress(progress),
         };
         Some(UnderWay {
@@ -548,7 +546,8 @@ fn describe_length(
         "m was assumed"
     };
     format!(
-        "The painted lines of {frames} frames ask for a length of {:.2} ± {:.2} m, where {} {assumed}.",
+        "The painted lines of {frames} frames indicate a length of {:.2} ± {:.2} m, where {} \
+         {assumed}.",
         size.value_m, size.sigma_m, size.assumed_m
     )
 }
@@ -588,7 +587,7 @@ fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Opened, Settings};
+    use crate::app::Action;
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_core::solve::base::FittedSize;
@@ -609,11 +608,7 @@ mod tests {
         document
             .frames
             .push(Frame::from_image("a.jpg", "main".into(), size).into());
-        let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(
-            document,
-            "/match/project.json",
-        ))));
+        let mut app = App::with_document(document);
         let finder = Finder::Command {
             name: Command::Track.name().to_owned(),
         };
@@ -688,7 +683,7 @@ mod tests {
             .collect();
         assert!(
             texts[0].ends_with(
-                "ask for a length of 101.00 ± 0.30 m, where 105 m is stated, and stays."
+                "indicate a length of 101.00 ± 0.30 m, where 105 m is stated, and stays."
             ),
             "{texts:?}"
         );

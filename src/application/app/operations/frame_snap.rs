@@ -251,11 +251,7 @@ impl App {
         if !self.begin_step(self.step_at(step, position)) {
             return;
         }
-        if let Some(frame) = self
-            .open
-            .as_mut()
-            .and_then(|open| open.document.frames.get_mut(position))
-        {
+        if let Some(frame) = self.frame_mut_at(position) {
             let record = if request.from_scratch {
                 record_found_by_paint
             } else {

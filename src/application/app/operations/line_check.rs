@@ -159,8 +159,8 @@ impl App {
         frames.any(|frame| frame.accepted_off_paint().is_some())
     }
 
-    /// Remembers a frame that is accepted before its paint was looked at: if the paint turns out to
-    /// contradict it, that is said then.
+    /// Remembers a frame that is accepted before its paint was checked. If the paint contradicts
+    /// it, the user is informed later.
     pub(in crate::app) fn accept_before_check(&mut self, frame: usize) {
         if self.own_paint_says(frame).is_some() {
             return;
@@ -457,7 +457,7 @@ impl LineChecks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Command, Navigation, Opened, Settings};
+    use crate::app::{Action, Command, Navigation};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
     use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution, SolutionSource};
@@ -513,10 +513,7 @@ mod tests {
             });
             document.frames.push(frame.into());
         }
-        let mut app = App::new(Settings::default());
-        let opened = Opened::new(document, "/match/project.json");
-        app.update(Action::Opened(Box::new(opened)));
-        app
+        App::with_document(document)
     }
 
     /// The background check comes back with what the paint says about some frames.

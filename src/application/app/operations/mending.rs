@@ -316,7 +316,7 @@ fn describe_mended(mended: &Mended, tally: &Tally) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Navigation, Opened, Settings};
+    use crate::app::{Action, Navigation};
     use touchline_calibration::pipelines::{GivenCamera, MendedFrame, Outcome};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
@@ -348,9 +348,7 @@ mod tests {
             });
             document.frames.push(frame.into());
         }
-        let mut app = App::new(Settings::default());
-        let opened = Opened::new(document.clone(), "/match/project.json");
-        app.update(Action::Opened(Box::new(opened)));
+        let app = App::with_document(document.clone());
         let mut mended = document;
         mended.cameras.truncate(1);
         let mut base = mended.cameras[0].base().unwrap();

@@ -51,11 +51,7 @@ impl App {
             "Leave frame out"
         };
         if self.begin_step(self.step_at(name, index)) {
-            if let Some(frame) = self
-                .open
-                .as_mut()
-                .and_then(|open| open.document.frames.get_mut(index))
-            {
+            if let Some(frame) = self.frame_mut_at(index) {
                 frame.use_for_base = used;
             }
             self.commit();

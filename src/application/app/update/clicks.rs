@@ -259,7 +259,7 @@ impl App {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Command, EditAction, Effect, Navigation, Opened, Settings};
+    use crate::app::{Action, Command, EditAction, Effect, Navigation};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 
@@ -277,11 +277,7 @@ mod tests {
         };
         frame.clicks.push(Click::landmark("centre_mark".into(), at));
         document.frames.push(frame.into());
-        let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(
-            document,
-            "/match/project.json",
-        ))));
+        let mut app = App::with_document(document);
         app.update(Action::Navigate(Navigation::Select(Some(0))));
         let image = |app: &App| app.frame().unwrap().clicks[0].image;
         let nudge = |app: &mut App, dx_px: f64, held: bool| {

@@ -469,8 +469,7 @@ impl App {
         };
         let Some(step) = next.cloned() else { return };
         let word = if back { "undo" } else { "redo" };
-        // On another frame, the first press only goes there, so that no change happens out of
-        // sight.
+        // On another frame, the first press only goes there, so that no change happens unseen.
         let position = step
             .frame
             .and_then(|id| open.document.frames.position_of(&id));

@@ -364,11 +364,7 @@ mod tests {
             }
             document.frames.push(frame.into());
         }
-        let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(
-            document,
-            "/match/project.json",
-        ))));
+        let mut app = App::with_document(document);
         assert_eq!(app.session.frame, 2, "the first that is to do");
         app.update(Action::Navigate(Navigation::GoTo(4)));
         app.update(Action::Pointer(PointerAction::Press {

@@ -189,11 +189,7 @@ impl App {
             return;
         }
         let time = self.clock.map(|clock| format!("{:.0}", clock()));
-        if let Some(frame) = self
-            .open
-            .as_mut()
-            .and_then(|open| open.document.frames.get_mut(target.frame))
-        {
+        if let Some(frame) = self.frame_mut_at(target.frame) {
             frame.repeats.push(Repeat {
                 at: time,
                 ..Repeat::new(target.landmark, at, number)
@@ -249,11 +245,7 @@ impl App {
         if !self.begin_step(self.step_at(name, target.frame)) {
             return;
         }
-        if let Some(frame) = self
-            .open
-            .as_mut()
-            .and_then(|open| open.document.frames.get_mut(target.frame))
-        {
+        if let Some(frame) = self.frame_mut_at(target.frame) {
             let is_it =
                 |repeat: &Repeat| repeat.landmark == target.landmark && repeat.round == round;
             if let Some(last) = frame.repeats.iter().rposition(is_it) {

@@ -295,12 +295,16 @@ impl App {
 
     /// The shown frame, to be changed within an open step.
     pub(in crate::app) fn frame_mut(&mut self) -> Option<&mut Frame> {
-        let index = self.session.frame;
+        self.frame_mut_at(self.session.frame)
+    }
+
+    /// The frame at a position, to be changed within an open step.
+    pub(in crate::app) fn frame_mut_at(&mut self, position: usize) -> Option<&mut Frame> {
         self.open
             .as_mut()?
             .document
             .frames
-            .get_mut(index)
+            .get_mut(position)
             .map(|frame| &mut **frame)
     }
 

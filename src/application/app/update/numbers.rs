@@ -255,7 +255,7 @@ mod tests {
     use super::*;
     use crate::app::operation::Report;
     use crate::app::operations::transfer::TransferWrite;
-    use crate::app::{Action, EditAction, Effect, Opened, Question, Settings};
+    use crate::app::{Action, EditAction, Effect, Question};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Document, Frame};
 
@@ -268,12 +268,7 @@ mod tests {
         document
             .frames
             .push(Frame::from_image("a.jpg", "main".into(), size).into());
-        let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(
-            document,
-            "/match/project.json",
-        ))));
-        app
+        App::with_document(document)
     }
 
     #[test]

@@ -116,7 +116,8 @@ impl App {
     }
 
     /// Within an open step that may have moved a camera: withdraws the proposals for its former
-    /// base, and turns and zooms other cameras from pictures so that their lines stay in place.
+    /// base, and refits pan, tilt and zoom of other cameras from pictures so that their lines stay
+    /// in place.
     pub(super) fn follow_base(&mut self) {
         let Some(open) = &mut self.open else { return };
         if !open.history.is_open() {

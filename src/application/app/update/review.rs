@@ -146,11 +146,7 @@ impl App {
             return;
         }
         for index in frames {
-            if let Some(frame) = self
-                .open
-                .as_mut()
-                .and_then(|open| open.document.frames.get_mut(index))
-            {
+            if let Some(frame) = self.frame_mut_at(index) {
                 frame.status = FrameStatus::Reference;
                 frame.reason = None;
             }
@@ -200,11 +196,7 @@ impl App {
             "Do not use for training"
         };
         if self.begin_step(self.step_at(name, index)) {
-            if let Some(frame) = self
-                .open
-                .as_mut()
-                .and_then(|open| open.document.frames.get_mut(index))
-            {
+            if let Some(frame) = self.frame_mut_at(index) {
                 frame.set_use_for_training(used);
             }
             self.commit();

@@ -1,4 +1,4 @@
-//! The runner carries out the application's effects and turns what happens into actions.
+//! The runner carries out the application's effects and reports what happens as actions.
 //!
 //! The application (`app`) changes its state only in response to actions, and returns effects: what
 //! is to happen outside it. Each effect goes to one of these:

@@ -29,7 +29,7 @@ pub(super) struct AnswerCache {
 pub(super) struct Asking {
     /// The forest: a later one has a greater number.
     pub(super) generation: u64,
-    /// Whether answers are snapped to the painted lines.
+    /// Whether answers are aligned to the painted lines.
     pub(super) snapping: bool,
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Orders {
     pub(super) features: bool,
     /// Whether the trainer rests.
     pub(super) paused: bool,
-    /// Whether proposals are snapped to the painted lines.
+    /// Whether proposals are aligned to the painted lines.
     pub(super) snapping: bool,
     /// Number of orders received so far.
     pub(super) number: u64,

@@ -25,7 +25,7 @@ pub enum TrackClipError {
     },
     /// No frame has a camera to begin with.
     #[error(
-        "none of its {frames} frames has a camera to carry on: solve or accept one of them first"
+        "none of its {frames} frames has a camera to track from: solve or accept one of them first"
     )]
     NothingKnown {
         /// Number of frames of the clip.

@@ -11,7 +11,7 @@ pub struct TrackClipOptions {
     pub propagate: PropagateOptions,
     /// Options of the joint adjustment.
     pub adjust: AdjustOptions,
-    /// Every n-th frame is aligned to its painted lines; 0 turns this off. Default: 5.
+    /// Every n-th frame is aligned to its painted lines; 0 disables this. Default: 5.
     pub paint_every: usize,
     /// Whether the motion is smoothed. Default: false.
     pub smooth: bool,

@@ -29,7 +29,7 @@ pub enum CommonError {
         /// By how much, px at 1920 px width: the median over the frames.
         corner_px: f64,
     },
-    /// The painted lines ask for another size of the field.
+    /// The painted lines indicate another size of the field.
     FieldSize(FittedSize),
 }
 
@@ -49,7 +49,7 @@ impl fmt::Display for CommonError {
             ),
             Self::FieldSize(size) => write!(
                 f,
-                "the painted lines ask for another field: {}",
+                "the painted lines indicate another field: {}",
                 describe_size(size)
             ),
         }

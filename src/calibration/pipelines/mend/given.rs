@@ -74,7 +74,7 @@ pub(super) fn given_cameras(document: &Document, fields: &Fields) -> Vec<GivenCa
 /// and pan change their sign along x.
 ///
 /// With `D = diag(−1, 1, 1)` the reflected camera has `cam_from_world = D R D`. `D` commutes with
-/// the tilt and turns the pan round, so that the base rotation becomes `D B D`.
+/// the tilt and reverses the pan, so that the base rotation becomes `D B D`.
 pub(super) fn mirror(camera: &PtzCamera) -> PtzCamera {
     let reflection: Mat3 = Matrix3::from_diagonal(&Vec3::new(-1.0, 1.0, 1.0));
     let base = camera.base();

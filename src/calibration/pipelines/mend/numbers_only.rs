@@ -24,7 +24,7 @@ use touchline_documents::document::{
 /// scatter by 10 px.
 const OUT_OF_LINE_PX: f64 = 20.0;
 
-/// The longest gap that is interpolated, frames. In one second a camera turns to somewhere else.
+/// The longest gap that is interpolated, frames. Within a second a camera may look elsewhere.
 const LONGEST_GAP: usize = 12;
 
 /// What became of given cameras without pictures.

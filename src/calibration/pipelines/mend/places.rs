@@ -73,9 +73,9 @@ impl Shots {
         self.places.get(self.of_shot[shot]?)
     }
 
-    /// Gives each place that a shot has one camera of the document, and turns and zooms the frames
-    /// of its shots on it. Frames that people decided on are not changed. Cameras that no frame
-    /// uses any more are removed. Returns the cameras of the places.
+    /// Gives each place that a shot has one camera of the document, and computes pan, tilt and
+    /// focal length of the frames of its shots there. Frames that people decided on are not
+    /// changed. Cameras that no frame uses any more are removed. Returns the cameras of the places.
     pub fn place_cameras(
         &self,
         document: &mut Document,

@@ -218,14 +218,8 @@ pub fn estimate_base(
     let fit = chosen_fit(clicks, &models, (&base, &ptz), &adjust, &adjustments)?;
 
     // Summarise on the fitted crown: each frame is solved once more with the final base and lens.
-    let crowned = FieldModel {
-        crown_m: fit.adjusted.crown_m,
-        ..field.clone()
-    };
-    let frames: Vec<FrameClicks> = frames
-        .iter()
-        .map(|frame| on_field(frame, field, &crowned))
-        .collect();
+    let crowned = field.with_crown_m(fit.adjusted.crown_m);
+    let frames = on_field(frames, field, &crowned);
     let solved_frames = ptz.iter().flatten().count();
     let (model, adjusted_ptz) = (fit.model, fit.adjusted.ptz.clone());
     let ptz = solve_all(&fit.adjusted.base, &frames, image_size);
@@ -278,20 +272,11 @@ pub fn estimate_base_on_paint(
         ..*clicks
     };
     let fit = chosen_fit(&painted, &models, start, &options.adjusting(), &adjustments)?;
-    let crowned = FieldModel {
-        crown_m: fit.adjusted.crown_m,
-        ..field.clone()
-    };
+    let crowned = field.with_crown_m(fit.adjusted.crown_m);
 
     // The summary is about the clicks; the fits of the frames are about clicks and paint together.
-    let recrowned = |frames: &[FrameClicks]| {
-        frames
-            .iter()
-            .map(|frame| on_field(frame, field, &crowned))
-            .collect()
-    };
-    let (frames, painted): (Vec<FrameClicks>, Vec<FrameClicks>) =
-        (recrowned(frames), recrowned(painted.frames));
+    let frames = on_field(frames, field, &crowned);
+    let painted = on_field(painted.frames, field, &crowned);
     let ptz = fit.adjusted.ptz.clone();
     let mut estimate = summary(fit, &crowned, &frames, &ptz, image_size)?;
     let fits = painted
@@ -313,10 +298,7 @@ pub fn held_out_on_paint(
     crown_m: f64,
     ptz: &[Option<Ptz>],
 ) -> (Option<HeldOutErrors>, Option<HeldOutErrors>) {
-    let crowned = FieldModel {
-        crown_m,
-        ..painted.field.clone()
-    };
+    let crowned = painted.field.with_crown_m(crown_m);
     let mut errors = Errors::default();
     for (frame, ptz) in painted.frames.iter().zip(ptz) {
         if let Some(start) = ptz {
@@ -497,16 +479,19 @@ fn models(
     crowns.into_iter().flat_map(of_crown).collect()
 }
 
-fn on_field(frame: &FrameClicks, from: &FieldModel, to: &FieldModel) -> FrameClicks {
-    let observations = frame
-        .observations
+/// The same clicks on the same field with another crown.
+fn on_field(frames: &[FrameClicks], from: &FieldModel, to: &FieldModel) -> Vec<FrameClicks> {
+    frames
         .iter()
-        .map(|click| click.recrowned(from, to))
-        .collect();
-    FrameClicks {
-        observations,
-        start: frame.start,
-    }
+        .map(|frame| FrameClicks {
+            observations: frame
+                .observations
+                .iter()
+                .map(|click| click.recrowned(from, to))
+                .collect(),
+            start: frame.start,
+        })
+        .collect()
 }
 
 fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFit> {

@@ -254,10 +254,7 @@ impl CrossValidation<'_> {
             ..*self.clicks
         };
         let adjusted = adjust_base(&clicks, self.start, ptz, model, self.options);
-        let field = FieldModel {
-            crown_m: adjusted.crown_m,
-            ..clicks.field.clone()
-        };
+        let field = clicks.field.with_crown_m(adjusted.crown_m);
         (adjusted, field)
     }
 }

@@ -55,7 +55,7 @@ const CONVENTIONS: &str = "\n## Conventions\n
 - Pixels: (0, 0) is the top-left corner of the picture, pixel centres at +0.5. OpenCV and COCO count from the first pixel's centre: take 0.5 off.
 - x_cam = R (X - C); camera x right, y down, z forward. R = R_tilt R_pan base_from_world; pan positive right, tilt positive up, degrees.
 - Distortion: x_d = x (1 + k1 r^2 + k2 r^4) on normalised coordinates.
-- `label` in `frames.csv`: `clicked` (a person's clicks), `snapped` (pulled onto the painted lines), `tracked`, `suggested` (neither looked at by a person), \
+- `label` in `frames.csv`: `clicked` (a person's clicks), `snapped` (aligned to the painted lines), `tracked`, `suggested` (neither looked at by a person), \
 `tracked_and_accepted`, `suggested_and_accepted` (proposed by the program, accepted by a person), `imported`, `set_by_hand`, `interpolated`, \
 `clicks_only` (no camera). A click with `snapped_sigma_px` was moved to the paint; one with `check` was held out of the solve.
 ";
@@ -113,7 +113,7 @@ fn counts(card: &Card<'_>, text: &mut String) {
         of(&|click| click.snapped_sigma_px.is_some()).to_string(),
     ));
     rows.push((
-        "asked for and left out".to_owned(),
+        "requested and left out".to_owned(),
         card.done.left_out.len().to_string(),
     ));
     text.push_str("\n## Counts\n");
@@ -166,7 +166,7 @@ fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
         let (spec, model) = (document.field_of(frame), fields.of_frame(document, frame));
         let size = match spec.size() {
             FieldSize::Assumed if spec.assumed_size().is_some() => {
-                "**assumed**: nobody has confirmed it; a wrong size looks like a wrong camera"
+                "**assumed**: not confirmed by a person; a wrong size looks like a wrong camera"
             }
             FieldSize::Assumed => "fixed by the rules, or by the template",
             FieldSize::Confirmed => "confirmed by a person",

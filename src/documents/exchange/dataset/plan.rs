@@ -159,8 +159,7 @@ pub fn plan_dataset(
         }
     }
     if frames.is_empty() {
-        let none_chosen =
-            || "none has the status, camera and confidence that were asked for".to_owned();
+        let none_chosen = || "none has the requested status, camera and confidence".to_owned();
         let why = left_out
             .first()
             .map(|(frame, why)| format!("{frame}: {why} ({} frames in all)", left_out.len()));
@@ -367,7 +366,7 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
         .count();
     if count > 0 {
         notes.push(format!(
-            "{count} frames have a camera that nobody has looked at"
+            "{count} frames have a camera that has not been reviewed"
         ));
     }
     let left_distorted = plan

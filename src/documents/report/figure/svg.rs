@@ -12,6 +12,7 @@ use super::typeface::{Stroke, TextLine, Typeface};
 use ab_glyph::GlyphId;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
+use touchline_core::geometry::{decimal, xml_text};
 
 /// The SVG document of a drawing. `title` names it for screen readers.
 pub fn write(drawing: &Drawing, title: &str) -> Result<String, FigureError> {
@@ -23,7 +24,7 @@ pub fn write(drawing: &Drawing, title: &str) -> Result<String, FigureError> {
     }
 
     let (width, height) = (number(drawing.width), number(drawing.height));
-    let title = escaped(title);
+    let title = xml_text(title);
     // `xlink:href` is what viewers that do not know SVG 2 understand.
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
@@ -109,7 +110,7 @@ fn write_shape(
             let [x, y] = at.map(number);
             let turn = if *upright { " rotate(-90)" } else { "" };
             let scale = decimal(line.px_per_unit, 6);
-            let (text, uses) = (escaped(text), uses(&line, typeface, glyphs));
+            let (text, uses) = (xml_text(text), uses(&line, typeface, glyphs));
             writeln!(
                 out,
                 "<g role=\"img\" aria-label=\"{text}\" fill=\"#000\" transform=\"translate({x} {y}){turn} scale({scale})\">{uses}</g>"
@@ -183,25 +184,6 @@ fn hex([r, g, b]: Rgb) -> String {
 /// Formats px or font units with at most two decimals.
 fn number(value: f64) -> String {
     decimal(value, 2)
-}
-
-/// Formats a number with at most this many decimals, at least one, without trailing zeros.
-fn decimal(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.to_owned()
-    }
-}
-
-/// Escapes text for use in an element and in an attribute.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 #[cfg(test)]

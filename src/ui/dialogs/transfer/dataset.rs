@@ -97,7 +97,8 @@ fn pictures(ui: &mut Ui, options: &mut DatasetOptions) {
     ui.horizontal(|ui| {
         ui.checkbox(&mut options.undistorted, "undistorted pictures as well").on_hover_text(tip);
         let tip =
-            "A project from somebody else may name any file of yours; look at the list before you pass the dataset on.";
+            "Another person's project may refer to any of your files: check the list before you \
+             share the dataset.";
         ui.checkbox(&mut options.outside, "pictures from outside of the project").on_hover_text(tip);
     });
 }

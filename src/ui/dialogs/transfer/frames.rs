@@ -81,12 +81,12 @@ fn statuses(ui: &mut Ui, choice: &mut FrameChoice) {
         (
             FrameStatus::Suggested,
             "suggestions",
-            "Frames whose camera nobody has looked at.",
+            "Frames whose camera has not been reviewed.",
         ),
         (
             FrameStatus::Draft,
             "drafts",
-            "Frames with points that nobody has accepted.",
+            "Frames with points that have not been accepted.",
         ),
     ] {
         let is_all = choice.statuses.is_empty();

@@ -7,9 +7,9 @@
 //! and starts one at another position. `ffmpeg` runs only as fast as its pipes are read; they are
 //! the buffer.
 //!
-//! `ffmpeg` applies edit lists, turns frames upright and drops the frames before the seek position;
-//! `-copyts` and passing every frame through keep the container's times. `ffprobe`, of the same
-//! package, reports what the container states (`ffprobe.rs`).
+//! `ffmpeg` applies edit lists, rotates frames upright and drops the frames before the seek
+//! position; `-copyts` and passing every frame through keep the container's times. `ffprobe`, of
+//! the same package, reports what the container states (`ffprobe.rs`).
 
 use super::capture::{Capture, StatedProperties};
 use super::ffprobe::Stream;

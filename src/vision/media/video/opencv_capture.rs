@@ -12,7 +12,7 @@
 
 use super::capture::{Capture, StatedProperties};
 use crate::media::picture::byte_count;
-use crate::media::{MediaError, Picture};
+use crate::media::{MediaError, Picture, one_line};
 use opencv::core::{Mat, Vec4b, Vector};
 use opencv::imgproc::{COLOR_BGR2RGBA, COLOR_GRAY2RGBA};
 use opencv::prelude::*;
@@ -117,11 +117,10 @@ impl OpenCvCapture {
     }
 
     fn damaged(&self, index: usize, reason: &str) -> MediaError {
-        let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
         MediaError::DamagedFrame {
             path: self.path.clone(),
             index,
-            reason,
+            reason: one_line(reason),
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! One pixel says too little: its colour is noisy, and the grain of the turf can look like paint.
 //! A component has a length, and its pixels together have a colour and a brightness that can be
-//! judged.
+//! tested.
 
 use super::super::ground_area::parts;
 use super::super::turf_levels::TurfExcess;

@@ -183,7 +183,7 @@ fn brightest(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> ImagePoint {
 /// to the brighter side, by 1.5 px for paint 1 px wide. The edges are not: each is taken halfway
 /// between the brightness of the paint and that of its own side.
 fn between_edges(
-    profile: &mut Profile,
+    profile: &mut Profile<f64>,
     grey: &GreyPicture,
     at: ImagePoint,
     normal: Vec2,
@@ -201,7 +201,7 @@ fn between_edges(
     // Peak of the unblurred profile.
     let near = middle.saturating_sub(beside)..=(middle + beside).min(profile.len() - 1);
     let Some(brightest) =
-        near.max_by(|one, other| profile.grey(*one).total_cmp(&profile.grey(*other)))
+        near.max_by(|one, other| profile.value(*one).total_cmp(&profile.value(*other)))
     else {
         return at;
     };
@@ -215,7 +215,7 @@ fn between_edges(
         profile.falls_below(
             brightest,
             direction,
-            f64::midpoint(profile.grey(brightest), ground),
+            f64::midpoint(profile.value(brightest), ground),
             2.0 * side_px,
         )
     };

@@ -16,8 +16,8 @@ pub(super) fn means(
     merge_within: Angle,
 ) -> Vec<(Descriptor, MeanRay)> {
     // Sorted by the x coordinate of the rays, clusters whose x lies farther back than the radius
-    // can no longer match. The radius is a chord of the unit sphere. Ties are broken by index, so
-    // the result is deterministic.
+    // can no longer match. The radius is a chord of the unit sphere. Equal values are ordered by
+    // index, so the result is deterministic.
     let mut order = at.to_vec();
     let ray = |sample: u32| samples.rays[sample as usize];
     order.sort_unstable_by(|&a, &b| ray(a).x.total_cmp(&ray(b).x).then(a.cmp(&b)));

@@ -115,8 +115,8 @@ fn most_varying(samples: &Samples, at: &[u32]) -> [u8; VARYING] {
         }
     }
     let mut order: [(u32, u8); DESCRIPTOR_BYTES] = std::array::from_fn(|byte| {
-        // n² times the variance. Inverted, so that ascending order puts the largest first; the
-        // index breaks ties.
+        // n² times the variance. Inverted, so that ascending order puts the largest first; equal
+        // values are ordered by index.
         let variance = count * squares[byte] - sums[byte] * sums[byte];
         (u32::MAX - variance, byte as u8)
     });

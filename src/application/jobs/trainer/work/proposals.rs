@@ -120,13 +120,13 @@ impl<C: Backend> Work<C> {
         } = request;
         let backend = &mut self.backend;
         let proposed = catch_unwind(AssertUnwindSafe(|| {
-            let asking = Progress::new(|more| {
+            let progress = Progress::new(|more| {
                 watch.tell(Doing::Proposing(Share {
                     done: done + more,
                     of,
                 }))
             });
-            backend.propose(document, frames, (&model, generation), snapping, &asking)
+            backend.propose(document, frames, (&model, generation), snapping, &progress)
         }));
         let proposals = proposed.unwrap_or_else(|panic| {
             self.status.trouble = Some(broke_down("proposing", panic.as_ref()));
@@ -201,16 +201,16 @@ impl<C: Backend> Work<C> {
             done: before + done.min(window.between.len()),
             of: before + waiting,
         };
-        let carrying = Progress::new(|done| watch.tell(Doing::Carrying(share(done))));
+        let progress = Progress::new(|done| watch.tell(Doing::Carrying(share(done))));
         let tracked = catch_unwind(AssertUnwindSafe(|| {
-            backend.carry(document, window, generation, &carrying)
+            backend.carry(document, window, generation, &progress)
         }));
         let tracked = match tracked {
             // Ended early: the window stays due.
             Ok(None) => return,
             Ok(Some(tracked)) => tracked,
             Err(panic) => {
-                self.status.trouble = Some(broke_down("carrying cameras", panic.as_ref()));
+                self.status.trouble = Some(broke_down("tracking cameras", panic.as_ref()));
                 Vec::new()
             }
         };

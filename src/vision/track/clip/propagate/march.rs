@@ -344,7 +344,7 @@ impl<'a> March<'a> {
         let [one, other] = [one, other].map(|ptz| self.camera.at_origin(frame, ptz));
         let size = self.tracks.image_size;
         let points = size.corners().into_iter().chain([size.centre()]);
-        // A wide turn may take a corner out of the other camera's sight: the rest says enough.
+        // After a large rotation the other camera may not see a corner; the other points suffice.
         let seen: Vec<f64> = image_space_distances_px(&one, &other, points)
             .filter(|px| px.is_finite())
             .collect();

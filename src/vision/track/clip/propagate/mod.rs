@@ -217,7 +217,7 @@ mod tests {
         corner.map(still).collect()
     }
 
-    /// How far the carried cameras are off at most, degrees of pan; every frame has to be reached.
+    /// How far the tracked cameras are off at most, degrees of pan; every frame has to be reached.
     fn carry_off_deg(tracks: Vec<PointTrack>, pan_deg: f64) -> f64 {
         let tracks = PointTracks {
             image_size: SIZE,

@@ -1,0 +1,128 @@
+//! A trainer is paused, shows features, meets panics and ends, at every stage of its work.
+
+use super::stand_in::{Begun, Let, no_features};
+use super::{Controller, document};
+use crate::app::{Doing, TrainerOrder};
+use touchline_calibration::proposals::NoProposal;
+
+#[test]
+fn every_stage_can_be_paused_and_taken_up_again() {
+    let mut controller = Controller::start(0.95);
+    controller.document(&document(1, 1));
+    controller.expect(&Begun::Recall, Let::Stopped);
+    for stage in [
+        Begun::Learn(vec![0]),
+        Begun::Propose(vec![1]),
+        Begun::Measure,
+    ] {
+        controller.expect(&stage, Let::Stopped);
+        controller.until(|status| status.doing != Doing::Paused);
+        controller.tell(TrainerOrder::Pause(true));
+        controller.until(|status| status.doing == Doing::Paused);
+        controller.nothing_begun();
+        controller.tell(TrainerOrder::Pause(false));
+        controller.expect(&stage, Let::Well);
+    }
+    controller.until_idle();
+}
+
+#[test]
+fn every_stage_ends_when_the_trainer_is_dropped() {
+    for stages in 0..3 {
+        let mut controller = Controller::start(0.95);
+        controller.document(&document(1, 1));
+        controller.expect(&Begun::Recall, Let::Stopped);
+        let all = [
+            Begun::Learn(vec![0]),
+            Begun::Propose(vec![1]),
+            Begun::Measure,
+        ];
+        for (number, stage) in all.into_iter().take(stages + 1).enumerate() {
+            controller.expect(
+                &stage,
+                if number == stages {
+                    Let::Stopped
+                } else {
+                    Let::Well
+                },
+            );
+        }
+        drop(controller.trainer.take());
+    }
+}
+
+#[test]
+fn a_panic_is_shown_and_work_goes_on() {
+    let mut controller = Controller::start(0.95);
+    let mut all = document(1, 1);
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Stopped);
+    controller.expect(&Begun::Learn(vec![0]), Let::Panic);
+    controller.until(|status| status.trouble.is_some());
+    assert!(
+        controller
+            .status
+            .trouble
+            .as_ref()
+            .unwrap()
+            .contains("while learning (please report it): the saw broke"),
+        "{:?}",
+        controller.status
+    );
+    // Training is not repeated with the same references unless the user pauses and resumes.
+    all.frames[1].comment = Some("rain".to_owned());
+    controller.document(&all);
+    controller.until(|status| status.doing == Doing::Nothing);
+    controller.nothing_begun();
+    controller.tell(TrainerOrder::Pause(true));
+    controller.until(|status| status.doing == Doing::Paused);
+    controller.tell(TrainerOrder::Pause(false));
+    controller.expect(&Begun::Learn(vec![0]), Let::Fail);
+    controller.until(|status| status.trouble == Some(no_features().to_string()));
+    all.frames.push(document(2, 0).frames[1].clone());
+    controller.document(&all);
+    controller.expect(&Begun::Learn(vec![0, 2]), Let::Well);
+    controller.expect(&Begun::Propose(vec![1]), Let::Panic);
+    controller.expect(&Begun::Measure, Let::Panic);
+    controller.until(|status| {
+        status
+            .trouble
+            .as_ref()
+            .is_some_and(|trouble| trouble.contains("the check failed"))
+    });
+    controller.until_idle();
+    let [failed] = &controller.proposals[..] else {
+        panic!("{:?}", controller.proposals)
+    };
+    assert_eq!(
+        failed.outcome,
+        Err(NoProposal::Panicked {
+            message: "the forest burns".to_owned()
+        })
+    );
+}
+
+#[test]
+fn features_are_shown_while_they_are_wanted_and_follow_the_shown_frame() {
+    let mut controller = Controller::start(0.95);
+    let all = document(1, 1);
+    let [first, second] = [0, 1].map(|position| all.frames[position].id.clone());
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Well);
+    controller.expect(&Begun::Propose(vec![1]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
+    controller.tell(TrainerOrder::Features(true));
+    controller.woken.recv().unwrap();
+    controller.tell(TrainerOrder::Frame(second.clone()));
+    while controller.features.last() != Some(&second) {
+        controller.woken.recv().unwrap();
+        controller.poll();
+    }
+    assert!(
+        controller.features == [first, second.clone()] || controller.features == [second],
+        "{:?}",
+        controller.features
+    );
+    controller.nothing_begun();
+}

@@ -1,0 +1,141 @@
+//! The trainer with a backend that the test controls: it reports each piece of work that it begins
+//! and continues when the test lets it.
+
+mod answers;
+mod control;
+mod stand_in;
+mod training;
+mod videos;
+
+use super::{Trainer, TrainerOptions, TrainerReport};
+use crate::app::{Doing, TrainerOrder, TrainerStatus};
+use stand_in::{Begun, Let, StandIn};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Duration;
+use touchline_calibration::proposals::{Proposal, TrackedProposal};
+use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_documents::document::{
+    Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus,
+};
+
+const SIZE: ImageSize = ImageSize::new(64, 36);
+
+/// The test's control over the backend.
+struct Controller {
+    trainer: Option<Trainer>,
+    begun: Receiver<Begun>,
+    go: Sender<Let>,
+    woken: Receiver<()>,
+    status: TrainerStatus,
+    proposals: Vec<Proposal>,
+    tracked: Vec<TrackedProposal>,
+    features: Vec<FrameId>,
+}
+
+impl Controller {
+    fn start(confidence: f64) -> Self {
+        let (begin, begun) = channel();
+        let (go, orders) = channel();
+        let (wake, woken) = channel();
+        let options = TrainerOptions {
+            settle: Duration::ZERO,
+            gather: Duration::ZERO,
+            threads: Some(1),
+        };
+        let make = move |_| StandIn {
+            begun: begin,
+            orders,
+            confidence,
+        };
+        let trainer = Trainer::start_with(
+            options,
+            Arc::new(move || wake.send(()).unwrap_or_default()),
+            make,
+        )
+        .unwrap();
+        let (status, proposals) = (TrainerStatus::default(), Vec::new());
+        let (tracked, features) = (Vec::new(), Vec::new());
+        Self {
+            trainer: Some(trainer),
+            begun,
+            go,
+            woken,
+            status,
+            proposals,
+            tracked,
+            features,
+        }
+    }
+
+    fn tell(&self, order: TrainerOrder) {
+        self.trainer.as_ref().unwrap().tell(order);
+    }
+
+    fn document(&self, document: &Document) {
+        self.tell(TrainerOrder::Document(Box::new(document.clone())));
+    }
+
+    /// Waits for the next piece of work, checks it, and lets it end.
+    fn expect(&self, begun: &Begun, answer: Let) {
+        assert_eq!(self.begun.recv().unwrap(), *begun);
+        self.go.send(answer).unwrap();
+    }
+
+    fn poll(&mut self) {
+        for report in self.trainer.as_ref().unwrap().poll() {
+            match report {
+                TrainerReport::Status(status) => self.status = *status,
+                TrainerReport::Proposals(proposals) => self.proposals.extend(proposals),
+                TrainerReport::Tracked(tracked) => self.tracked.extend(tracked),
+                TrainerReport::Features(used) => self.features.push(used.frame),
+                TrainerReport::Broken { message } => panic!("{message}"),
+            }
+        }
+    }
+
+    /// Polls after each wake until the status is as wanted.
+    fn until(&mut self, wanted: impl Fn(&TrainerStatus) -> bool) {
+        self.poll();
+        while !wanted(&self.status) {
+            self.woken.recv().unwrap();
+            self.poll();
+        }
+    }
+
+    fn until_idle(&mut self) {
+        self.until(|status| status.doing == Doing::Nothing && status.forest.is_some());
+    }
+
+    /// Checks that no other work has begun.
+    fn nothing_begun(&self) {
+        assert_eq!(self.begun.try_recv().ok(), None);
+    }
+}
+
+/// A document of which the first few frames are references.
+fn document(references: usize, others: usize) -> Document {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut main = Camera::new("main".into(), SIZE);
+    let level = BaseAngles::default().base_from_world();
+    main.set_base(&CameraBase::new(
+        Vec3::new(0.0, -66.0, 18.0),
+        level,
+        SIZE.centre(),
+    ));
+    document.cameras.push(main.into());
+    for index in 0..references + others {
+        let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
+        if index < references {
+            accept(&mut frame, index as f64);
+        }
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+fn accept(frame: &mut Frame, pan_deg: f64) {
+    frame.status = FrameStatus::Reference;
+    frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None));
+}

@@ -1,0 +1,146 @@
+//! The table: the numbers of packets, with times.
+
+use super::sample::{CAMERA, Sample};
+use super::{Reading, hold, samples, second_camera_note, zoom_note};
+use crate::exchange::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::files::Files;
+use crate::exchange::format::Format;
+use crate::exchange::frame_camera::{FrameCamera, Shown};
+use crate::exchange::options::ImportOptions;
+use crate::exchange::table::{Row, Table, push_row};
+use std::collections::BTreeSet;
+use touchline_core::geometry::Vec3;
+
+/// The table.
+pub struct FreeDCsv;
+
+/// The columns of the table.
+const COLUMNS: [&str; 12] = [
+    "frame_index",
+    "pts_s",
+    "timecode",
+    "camera_id",
+    "pan_deg",
+    "tilt_deg",
+    "roll_deg",
+    "x_mm",
+    "y_mm",
+    "height_mm",
+    "zoom_raw",
+    "focus_raw",
+];
+
+impl CameraFormat for FreeDCsv {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        index: usize,
+        context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        hold(frame, index, context)
+    }
+
+    fn notes(&self, _frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+        vec![zoom_note(context)]
+    }
+
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        let mut text = String::new();
+        push_row(&COLUMNS.map(ToOwned::to_owned), &mut text);
+        for (sample, frame) in samples(held, context, Format::FreeDCsv)?
+            .into_iter()
+            .zip(held)
+        {
+            let timecode = context.timecode(frame).map(|timecode| timecode.to_string());
+            let numbers = sample
+                .angles_deg
+                .into_iter()
+                .chain(sample.position_m.iter().map(|metres| metres * 1000.0));
+            let mut row = vec![
+                frame
+                    .frame_index
+                    .map(|index| index.to_string())
+                    .unwrap_or_default(),
+                frame.pts_s.map(|pts| pts.to_string()).unwrap_or_default(),
+                timecode.unwrap_or_default(),
+                CAMERA.to_string(),
+            ];
+            row.extend(
+                numbers
+                    .chain([sample.zoom_raw, 0.0])
+                    .map(|number| number.to_string()),
+            );
+            push_row(&row, &mut text);
+        }
+        Ok(Files::one("camera.csv", text.into_bytes()))
+    }
+
+    fn wanted(&self) -> &'static str {
+        "table (.csv)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        has_ending(name, "csv")
+    }
+
+    fn unread(&self, files: &Files) -> Vec<String> {
+        let mut ids = BTreeSet::new();
+        for table in files
+            .sorted()
+            .into_iter()
+            .filter_map(|(_, bytes)| Table::read(bytes).ok())
+        {
+            ids.extend(
+                table
+                    .rows()
+                    .filter_map(|row| row.text("camera_id").map(ToOwned::to_owned)),
+            );
+        }
+        second_camera_note(&ids).into_iter().collect()
+    }
+
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+        let reading = Reading::of(options, Format::FreeDCsv)?;
+        let mut count = 0;
+        files.read_all(|_, bytes| {
+            let table = Table::read(bytes)?;
+            table.needs(&COLUMNS[4..11])?;
+            let frame = |row| {
+                count += 1;
+                read_row(row, reading, &format!("{:06}", count - 1))
+            };
+            table.rows().map(frame).collect::<Result<Vec<_>, _>>()
+        })
+    }
+}
+
+fn read_row(row: Row<'_>, reading: Reading<'_>, name: &str) -> Result<FrameCamera, Problem> {
+    let place = |column| row.number(column).map(|mm| mm / 1000.0);
+    let sample = Sample {
+        angles_deg: [
+            row.number("pan_deg")?,
+            row.number("tilt_deg")?,
+            row.number("roll_deg")?,
+        ],
+        position_m: Vec3::new(place("x_mm")?, place("y_mm")?, place("height_mm")?),
+        zoom_raw: row.number("zoom_raw")?,
+    };
+    let pinhole = sample
+        .pinhole(reading)
+        .map_err(|problem| problem.at_line(row.line()))?;
+    let frame = FrameCamera::new(name, Some(reading.size), Shown::Camera(pinhole));
+    Ok(FrameCamera {
+        frame_index: row.frame_index()?,
+        pts_s: row.find("pts_s")?,
+        ..frame
+    })
+}

@@ -1,0 +1,133 @@
+//! `FreeD` D1: packets of 29 bytes, back to back, and the same as a table with times.
+//!
+//! Pan 0 looks along +y, positive to the right; tilt up; roll clockwise seen from behind; steps of
+//! 1/32768° and 1/64 mm. The zoom is a raw number, here the focal length in px, in mm × 100 by the
+//! sensor's width, or by a table. There is no size of picture, principal point, lens or time in it.
+//! Source: Vinten Radamec manual V1.4.4, appendices A and B.
+
+mod csv;
+mod packets;
+mod sample;
+mod zoom;
+
+pub use csv::FreeDCsv;
+pub use packets::FreeD;
+
+use super::camera_format::WriteContext;
+use super::error::ExchangeError;
+use super::format::Format;
+use super::frame_camera::{FrameCamera, Pinhole};
+use super::held::{parts, plain, with};
+use super::options::{ImportOptions, Zoom};
+use sample::Sample;
+use std::collections::BTreeSet;
+use touchline_core::geometry::ImageSize;
+
+/// What the user must state, because neither packets nor the table contain it.
+#[derive(Clone, Copy)]
+struct Reading<'a> {
+    size: ImageSize,
+    zoom: &'a Zoom,
+    sensor_mm: Option<f64>,
+}
+
+impl<'a> Reading<'a> {
+    fn of(options: &'a ImportOptions, format: Format) -> Result<Self, ExchangeError> {
+        let needed = |what, option| ExchangeError::OptionNeeded {
+            format,
+            what,
+            option,
+        };
+        let size = options
+            .size
+            .ok_or_else(|| needed("the size of its pictures", "--size WIDTHxHEIGHT"))?;
+        let zoom = options
+            .zoom
+            .as_ref()
+            .ok_or_else(|| needed("what its zoom value means", "--zoom"))?;
+        if *zoom == Zoom::FocalMmX100 && options.sensor_width_mm.is_none() {
+            return Err(needed("how wide the sensor is", "--sensor-mm"));
+        }
+        Ok(Self {
+            size,
+            zoom,
+            sensor_mm: options.sensor_width_mm,
+        })
+    }
+}
+
+/// What both formats keep: a pinhole whose focal length corresponds to a whole zoom value.
+fn hold(
+    frame: &FrameCamera,
+    index: usize,
+    context: &WriteContext<'_>,
+) -> Result<FrameCamera, String> {
+    let (pinhole, size) = parts(frame)?;
+    let (zoom, sensor) = (&context.options.zoom, context.options.sensor_width_mm);
+    let raw = zoom.raw(pinhole.focal_px, size, sensor)?;
+    let focal_px = zoom
+        .focal_px(raw, size, sensor)
+        .map_err(|problem| problem.to_string())?;
+    Ok(with(
+        frame,
+        format!("{index:06}"),
+        Pinhole {
+            focal_px,
+            ..plain(&pinhole, size)
+        },
+    ))
+}
+
+fn samples(
+    held: &[FrameCamera],
+    context: &WriteContext<'_>,
+    format: Format,
+) -> Result<Vec<Sample>, ExchangeError> {
+    let one = |frame: &FrameCamera| {
+        let sample = parts(frame).and_then(|(pinhole, size)| {
+            if Some(size) != held.first().and_then(|first| first.size) {
+                return Err(
+                    "its picture size differs from the first one's; export one camera at a time"
+                        .to_owned(),
+                );
+            }
+            Sample::of(
+                &pinhole,
+                size,
+                &context.options.zoom,
+                context.options.sensor_width_mm,
+            )
+        });
+        sample.map_err(|why| ExchangeError::CannotHold {
+            frame: frame.name.clone(),
+            format,
+            why,
+        })
+    };
+    held.iter().map(one).collect()
+}
+
+fn zoom_note(context: &WriteContext<'_>) -> String {
+    let meaning = match context.options.zoom {
+        Zoom::FocalPx => "the focal length in whole px",
+        Zoom::FocalMmX100 => "the focal length in mm × 100",
+        Zoom::Table(_) => "by the given table",
+    };
+    format!("the zoom value is {meaning}; tell whoever reads it")
+}
+
+/// A note if a stream contains several cameras: the frames of all of them are numbered in one
+/// sequence.
+fn second_camera_note(ids: &BTreeSet<String>) -> Option<String> {
+    (ids.len() > 1).then(|| {
+        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+        format!(
+            "camera ids {} are in one stream and cannot be distinguished; import one camera at a \
+             time",
+            ids.join(", ")
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests;

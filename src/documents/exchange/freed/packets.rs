@@ -1,0 +1,112 @@
+//! The stream: packets, back to back.
+
+use super::sample::{PACKET, Sample};
+use super::{Reading, hold, samples, second_camera_note, zoom_note};
+use crate::exchange::camera_format::{CameraFormat, EXACT_PX, WriteContext, has_ending};
+use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::files::{Files, refuse_archive};
+use crate::exchange::format::Format;
+use crate::exchange::frame_camera::{FrameCamera, Shown};
+use crate::exchange::into_document::Exactness;
+use crate::exchange::options::ImportOptions;
+
+/// Packets.
+pub struct FreeD;
+
+/// The rounding of three angles and of a position seen from tens of metres, half a step each, rad.
+const STEP_RAD: f64 = 1.5e-6;
+
+impl CameraFormat for FreeD {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        index: usize,
+        context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        hold(frame, index, context)
+    }
+
+    fn resolution_px(&self, held: &FrameCamera) -> f64 {
+        EXACT_PX
+            + held
+                .pinhole()
+                .map_or(0.0, |pinhole| STEP_RAD * pinhole.focal_px)
+    }
+
+    fn exactness(&self) -> Exactness {
+        Exactness {
+            angle_rad: 6e-7,
+            place_m: 1e-6,
+        }
+    }
+
+    fn notes(&self, _frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+        vec![zoom_note(context)]
+    }
+
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        let mut bytes = Vec::with_capacity(PACKET * held.len());
+        for (sample, frame) in samples(held, context, Format::FreeD)?.into_iter().zip(held) {
+            let cannot = |why| ExchangeError::CannotHold {
+                frame: frame.name.clone(),
+                format: Format::FreeD,
+                why,
+            };
+            bytes.extend(sample.packet().map_err(cannot)?);
+        }
+        Ok(Files::one("camera.freed", bytes))
+    }
+
+    fn wanted(&self) -> &'static str {
+        "packets (.freed)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        has_ending(name, "freed") || has_ending(name, "bin")
+    }
+
+    fn unread(&self, files: &Files) -> Vec<String> {
+        let sorted = files.sorted();
+        let packets = sorted
+            .iter()
+            .flat_map(|(_, bytes)| bytes.chunks_exact(PACKET));
+        second_camera_note(&packets.map(|packet| packet[1].to_string()).collect())
+            .into_iter()
+            .collect()
+    }
+
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+        let reading = Reading::of(options, Format::FreeD)?;
+        let mut count = 0;
+        files.read_all(|_, bytes| {
+            if bytes.is_empty() {
+                return Err(Problem::Empty);
+            }
+            refuse_archive(bytes)?;
+            let frame = |(index, packet): (usize, &[u8])| {
+                let pinhole =
+                    Sample::from_packet(packet).and_then(|sample| sample.pinhole(reading));
+                let pinhole = pinhole.map_err(|problem| problem.at_packet(index + 1))?;
+                count += 1;
+                Ok(FrameCamera::new(
+                    &format!("{:06}", count - 1),
+                    Some(reading.size),
+                    Shown::Camera(pinhole),
+                ))
+            };
+            bytes
+                .chunks(PACKET)
+                .enumerate()
+                .map(frame)
+                .collect::<Result<Vec<_>, _>>()
+        })
+    }
+}

@@ -1,0 +1,91 @@
+//! [`Store`] as a [`DocumentStore`]: journaling of edits, and versions of other programs.
+
+use super::Store;
+use super::contents::{Steps, read_contents, read_document};
+use crate::document::{Document, Edit, History, common_base};
+use crate::store::own_version::OwnVersion;
+use crate::store::{DocumentStore, Orphan, Others, Outside, StoreError};
+use std::path::PathBuf;
+
+impl DocumentStore for Store {
+    fn load(&self) -> Result<Document, StoreError> {
+        Ok(read_contents(&self.location, Steps::Ignored)?.document)
+    }
+
+    fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError> {
+        if self.needs_whole {
+            return Err(StoreError::Gone {
+                path: self.location.journal(),
+            });
+        }
+        self.journal
+            .append(edits)
+            .map_err(|source| self.journal_error(source))?;
+        self.behind = true;
+        if let Some(own) = &mut self.own {
+            own.is_whole = false;
+        }
+        Ok(())
+    }
+
+    fn since(&self) -> Result<Option<Outside>, StoreError> {
+        if !self.changed_outside()? {
+            return Ok(None);
+        }
+        let (theirs, _) = read_document(&self.location)?;
+        let base = match (&self.opened, &self.written) {
+            (Some(opened), Some((written, _))) => common_base(opened, written, &theirs),
+            _ => theirs.clone(),
+        };
+        Ok(Some(Outside { base, theirs }))
+    }
+
+    fn keep_own(&mut self, own: &Document) -> Result<Option<Orphan>, StoreError> {
+        let base = match self.since() {
+            Ok(None) => return Ok(None),
+            Ok(Some(Outside { mut base, theirs })) => {
+                // A revision counts edits, so it cannot tell a later state from a fork of an
+                // earlier one with as many edits. The base leaves out frames in which theirs lacks
+                // work of the user; the merge then keeps ours.
+                base.frames = base
+                    .frames
+                    .iter()
+                    .filter(|frame| !frame.gives_way_in(&theirs))
+                    .cloned()
+                    .collect();
+                base
+            }
+            // Their file is not a document, so there is nothing to merge with: the base is the
+            // document as it was opened.
+            Err(error) => self.opened.clone().ok_or(error)?,
+        };
+        let version = OwnVersion::write(self.own.take(), &self.location, &base, own)?;
+        let Some(version) = version else {
+            return Ok(None);
+        };
+        // Edits from here on start from the own version. If this journal is set aside, too, its
+        // edits find their base there.
+        self.journal
+            .announce(version.hash())
+            .map_err(|source| self.journal_error(source))?;
+        let orphan = version.as_orphan();
+        self.own = Some(version);
+        Ok(Some(orphan))
+    }
+
+    fn keep(
+        &mut self,
+        document: &Document,
+        history: &History<Document>,
+        others: Others,
+    ) -> Result<Option<PathBuf>, StoreError> {
+        match others {
+            Others::Stay => self.save(document, history).map(|()| None),
+            Others::SetAside => self.save_over(document, history),
+        }
+    }
+
+    fn is_behind(&self) -> bool {
+        self.behind
+    }
+}

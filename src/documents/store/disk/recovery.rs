@@ -1,0 +1,87 @@
+//! What opening a document recovered from its journal, and the report of it to the user.
+
+use crate::store::history_file::HistoryLeftOut;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// What was recovered from a journal when a document was opened.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Recovery {
+    /// The names of the recovered edits, oldest first. The opened document contains them; its file
+    /// does not.
+    pub edits: Vec<String>,
+    /// Number of unreadable bytes at the journal's end.
+    pub lost_bytes: u64,
+    /// The name of the first edit that does not apply to the document, and the number of edits from
+    /// it to the journal's end. None of them is in the document.
+    pub misfit: Option<(String, usize)>,
+    /// The path under which a journal was kept because it is damaged or belongs to another
+    /// document.
+    pub set_aside: Option<PathBuf>,
+    /// Number of edits in a journal that starts from another document. They are not in the
+    /// document.
+    pub foreign_edits: usize,
+    /// Why the steps of earlier sessions cannot be undone, if they cannot.
+    pub history: Option<HistoryLeftOut>,
+}
+
+impl Recovery {
+    /// Whether there is nothing to report.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The report to the user, in a few sentences; none if there is nothing to report.
+    #[must_use]
+    pub fn message(&self) -> Option<String> {
+        let mut text = match &self.edits[..] {
+            [] => String::new(),
+            [one] => format!("Recovered 1 edit: {one}."),
+            [.., last] => format!(
+                "Recovered {} edits, the last one: {last}.",
+                self.edits.len()
+            ),
+        };
+        let mut say = |sentence: std::fmt::Arguments| {
+            text.push_str(if text.is_empty() { "" } else { " " });
+            let _ = text.write_fmt(sentence);
+        };
+        if self.lost_bytes > 0 {
+            say(format_args!(
+                "The journal is incomplete: its last {} bytes are unreadable.",
+                self.lost_bytes
+            ));
+        }
+        if let Some((name, left_out)) = &self.misfit {
+            let others = match left_out - 1 {
+                0 => "it is".to_owned(),
+                1 => "it and 1 edit after it are".to_owned(),
+                others => format!("it and {others} edits after it are"),
+            };
+            say(format_args!(
+                "The edit {name:?} does not apply to the document: {others} left out."
+            ));
+        }
+        if self.foreign_edits > 0 {
+            let edits = if self.foreign_edits == 1 {
+                "edit is"
+            } else {
+                "edits are"
+            };
+            say(format_args!(
+                "Another program changed the document: {} {edits} not in it.",
+                self.foreign_edits
+            ));
+        }
+        if let Some(path) = &self.set_aside {
+            say(format_args!("The journal is kept as {}.", path.display()));
+        }
+        if let Some(left_out) = &self.history {
+            say(format_args!(
+                "Steps of earlier sessions cannot be undone: {left_out}."
+            ));
+        }
+        (!text.is_empty()).then_some(text)
+    }
+}
