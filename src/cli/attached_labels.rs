@@ -4,7 +4,7 @@ use super::messages::Messages;
 use anyhow::{bail, ensure};
 use std::num::NonZeroUsize;
 use std::path::Path;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::exchange::{Format, Imported, join, recognize_format};
@@ -71,13 +71,13 @@ pub fn attach_to_video(
     if joined.other_size > 0 {
         joined.notes.push(format!(
             "{} left out: their pictures have other proportions than the video",
-            counted(joined.other_size, "frame")
+            pluralise(joined.other_size, "frame")
         ));
     }
     ensure!(
         joined.matched > 0,
         "{name} gets no label from {}{}",
-        counted(imported.document.frames.len(), "frame"),
+        pluralise(imported.document.frames.len(), "frame"),
         joined
             .notes
             .last()

@@ -134,7 +134,9 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         location.file().display(),
         document.frames.len(),
         all.iter().map(|found| found.frames.len()).sum::<usize>(),
-        all.iter().map(|found| found.snapped_count()).sum::<usize>(),
+        all.iter()
+            .map(|found| found.aligned_frame_count())
+            .sum::<usize>(),
     ));
     let LabelledMatch {
         answered,
@@ -149,7 +151,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     if let Some(panorama) = &args.panorama {
         for (number, found) in all.iter().enumerate() {
             write_file(
-                &numbered(panorama, number),
+                &panorama_path(panorama, number),
                 &panorama_png(&document, found)?,
                 args.force,
             )?;
@@ -195,7 +197,7 @@ fn read_document(
         "{}: its frames are of {cameras} cameras; give a document with one",
         args.frames.display()
     );
-    Ok(document.relocated(location.folder(), folder))
+    Ok(document.relocate(location.folder(), folder))
 }
 
 /// A new document of a video or of the images in a folder, and whether all images could be read.
@@ -240,7 +242,7 @@ fn say_no_answer(args: &CalibrateArgs, why: &str, messages: Messages) -> Outcome
 }
 
 /// The file for the panorama of a camera: as named for the first one, with a number for others.
-fn numbered(panorama: &Path, number: usize) -> PathBuf {
+fn panorama_path(panorama: &Path, number: usize) -> PathBuf {
     if number == 0 {
         return panorama.to_path_buf();
     }
@@ -261,7 +263,8 @@ fn panorama_png(document: &Document, found: &AutocalibratedCamera) -> anyhow::Re
         frames: &frames,
         paint: &found.paint,
     };
-    let picture = PaintMapFrame::of(&scene).and_then(|frame| paint_map_picture(&scene, &frame));
+    let picture =
+        PaintMapFrame::from_scene(&scene).and_then(|frame| paint_map_picture(&scene, &frame));
     let picture = picture.context("there is no frame for a panorama")?;
     let size = picture.size();
     let image = image::RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec());

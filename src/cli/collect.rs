@@ -5,7 +5,7 @@ use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::relocalize::probability;
 use std::path::PathBuf;
-use touchline_core::geometry::{counted, thousands};
+use touchline_core::geometry::{pluralise, thousands};
 use touchline_core::progress::Progress;
 use touchline_season::collect::{
     CollectError, CollectEvent, CollectOptions, QUEUE_FILE, collect as collect_parts,
@@ -81,11 +81,11 @@ pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome
     messages.note(&format!(
         "{}: {} with {}, {} of them with a camera; {} in {QUEUE_FILE}, {} without a whole part",
         args.output.display(),
-        counted(collected.projects, "project"),
-        counted(collected.frames, "frame"),
+        pluralise(collected.projects, "project"),
+        pluralise(collected.frames, "frame"),
         thousands(collected.with_camera),
-        counted(collected.queued, "frame"),
-        counted(collected.gaps, "shard"),
+        pluralise(collected.queued, "frame"),
+        pluralise(collected.gaps, "shard"),
     ));
     Ok(if collected.gaps + collected.left_alone > 0 {
         Outcome::SomeFailed

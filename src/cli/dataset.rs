@@ -5,7 +5,7 @@ use super::interrupt::Interrupt;
 use super::messages::Messages;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::PathBuf;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{DocumentAt, FrameStatus};
 use touchline_documents::exchange::{
@@ -24,7 +24,7 @@ pub struct DatasetArgs {
     dataset: Option<PathBuf>,
     /// Where its pictures come from: copies of the image files, hard links to them, frames decoded
     /// from the video, or none.
-    #[arg(long, default_value = "copy", value_parser = named(&Pictures::ALL.map(Pictures::name)), requires = "dataset")]
+    #[arg(long, default_value = "copy", value_parser = name_parser(&Pictures::ALL.map(Pictures::name)), requires = "dataset")]
     images: String,
     /// How decoded pictures are written.
     #[arg(long, default_value = "png", value_parser = picture_format(), requires = "dataset")]
@@ -37,7 +37,7 @@ pub struct DatasetArgs {
     #[arg(long, value_name = "SHARES", value_parser = parse_shares, requires = "dataset")]
     split: Option<[u32; 3]>,
     /// What a split never divides.
-    #[arg(long, default_value = "clip", value_parser = named(&SplitBy::ALL.map(SplitBy::name)), requires = "split")]
+    #[arg(long, default_value = "clip", value_parser = name_parser(&SplitBy::ALL.map(SplitBy::name)), requires = "split")]
     split_by: String,
     /// Another seed gives another split.
     #[arg(long, default_value_t = 0, requires = "split")]
@@ -48,7 +48,9 @@ pub struct DatasetArgs {
 }
 
 /// A parser for one of some names.
-fn named(names: &[&'static str]) -> impl clap::builder::TypedValueParser<Value = String> + use<> {
+fn name_parser(
+    names: &[&'static str],
+) -> impl clap::builder::TypedValueParser<Value = String> + use<> {
     PossibleValuesParser::new(names.to_vec()).map(|name| name)
 }
 
@@ -164,8 +166,8 @@ pub fn write_dataset(
     };
     messages.note(&format!(
         "{}{counts} and {} in {}",
-        counted(done.frames, "frame"),
-        counted(done.pictures, "picture"),
+        pluralise(done.frames, "frame"),
+        pluralise(done.pictures, "picture"),
         folder.display()
     ));
     Ok(if done.left_out.is_empty() {

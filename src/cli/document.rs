@@ -99,7 +99,7 @@ impl DocumentOutput {
             .filter(|path| !is_pipe_or_device(path));
         let Some(path) = file else {
             let here = std::env::current_dir()?;
-            let document = document.relocated(folder, &here);
+            let document = document.relocate(folder, &here);
             refuse_unwritable(&document, &here)?;
             let text = touchline_documents::document::document_to_string(&document)?;
             return match &self.output {
@@ -109,7 +109,7 @@ impl DocumentOutput {
         };
         refuse_existing(path, self.force)?;
         let location = Location::for_new_document(path)?;
-        let document = document.relocated(folder, location.folder());
+        let document = document.relocate(folder, location.folder());
         refuse_unwritable(&document, location.folder())?;
         Ok(touchline_documents::store::write_document(
             &location, &document, self.force,

@@ -43,7 +43,7 @@ pub struct EvaluateArgs {
     estimate: PathBuf,
     /// The file to write; its ending chooses: .json everything, .csv a line for each frame, .md
     /// tables.
-    #[arg(short, long, value_name = "FILE", value_parser = known_ending)]
+    #[arg(short, long, value_name = "FILE", value_parser = parse_report_path)]
     output: Option<PathBuf>,
     /// A folder for a report: tables, and figures of the errors as SVG and PNG.
     #[arg(long, value_name = "DIR")]
@@ -64,7 +64,7 @@ pub struct EvaluateArgs {
     force: bool,
 }
 
-fn known_ending(text: &str) -> Result<PathBuf, String> {
+fn parse_report_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match ending(&path).as_str() {
         "json" | "csv" | "md" => Ok(path),
@@ -197,8 +197,8 @@ fn report(
     ground: &GroundComparison,
 ) -> Value {
     let mut report = json!({
-        "summary": groups.first().map(described_group),
-        "groups": groups.iter().skip(1).map(described_group).collect::<Vec<_>>(),
+        "summary": groups.first().map(group_json),
+        "groups": groups.iter().skip(1).map(group_json).collect::<Vec<_>>(),
         "frames": frame_scores(evaluation).to_json(),
         "without_truth": evaluation.without_truth,
         "ground": ground.to_json(),
@@ -209,7 +209,7 @@ fn report(
     report
 }
 
-fn described_group(group: &FrameGroup) -> Value {
+fn group_json(group: &FrameGroup) -> Value {
     let measures: Map<String, Value> = group
         .measures
         .iter()

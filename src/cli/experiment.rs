@@ -32,7 +32,7 @@ pub struct ExperimentArgs {
     /// Which one: synthetic, ransac, highlights, assumptions, worldcup, errors, threshold, trees,
     /// fov, baselines, descriptors; those that need --data: homographies, motion; all of these; or
     /// what the paper does not have: pose, annotator.
-    #[arg(value_name = "NAME", value_parser = named)]
+    #[arg(value_name = "NAME", value_parser = parse_experiments)]
     experiments: Chosen,
     /// The folder to write; an empty one counts as absent.
     #[arg(short, long, value_name = "DIR")]
@@ -67,7 +67,7 @@ pub struct ExperimentArgs {
 #[derive(Clone, Debug)]
 struct Chosen(Vec<Experiment>);
 
-fn named(name: &str) -> Result<Chosen, String> {
+fn parse_experiments(name: &str) -> Result<Chosen, String> {
     if name == "all" {
         let of_paper = Experiment::ALL.into_iter().filter(|one| one.is_of_paper());
         return Ok(Chosen(of_paper.collect()));
@@ -167,7 +167,7 @@ fn chosen(
             "this experiment does not use frames of your own; omit --train and --test"
         );
         if one.needs_data() || (args.data.is_some() && !has_own) {
-            inputs.given_for(one)?;
+            inputs.data_folder(one)?;
         }
         return Ok((vec![one], Vec::new()));
     }
@@ -178,8 +178,9 @@ fn chosen(
         experiment => !has_own || experiment.takes_frames(),
     };
     let all = args.experiments.0.iter().copied().filter(wanted);
-    Ok(all
-        .partition(|experiment| !experiment.needs_data() || inputs.given_for(*experiment).is_ok()))
+    Ok(all.partition(|experiment| {
+        !experiment.needs_data() || inputs.data_folder(*experiment).is_ok()
+    }))
 }
 
 /// Reads the documents of `--train` and `--test`; `None` without `--train`.

@@ -9,7 +9,7 @@ use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;
 use touchline_core::files::read_named_text;
-use touchline_core::geometry::{ImageSize, Vec3, counted};
+use touchline_core::geometry::{ImageSize, Vec3, pluralise};
 use touchline_documents::document::{FrameStatus, Stage};
 use touchline_documents::exchange::{
     ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording,
@@ -328,7 +328,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         (None, None) => {
             let bytes = exported
                 .files
-                .sorted()
+                .sorted_entries()
                 .first()
                 .map_or(&[][..], |(_, bytes)| bytes);
             print(
@@ -346,7 +346,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     };
     messages.note(&format!(
         "{} written as {}{proof}",
-        counted(exported.frames, "frame"),
+        pluralise(exported.frames, "frame"),
         exported.format
     ));
     Ok(if exported.left_out.is_empty() {

@@ -88,7 +88,7 @@ fn list(filled: &[(&Template, FieldModel)], messages: Messages) -> anyhow::Resul
         Messages::Json => {
             let templates: Vec<Value> = filled
                 .iter()
-                .map(|(template, field)| described(template, field))
+                .map(|(template, field)| template_json(template, field))
                 .collect();
             format!("{:#}\n", json!({ "templates": templates }))
         }
@@ -173,7 +173,7 @@ fn shape_name(curve: &Curve) -> &'static str {
 }
 
 /// A template as JSON, for programs.
-fn described(template: &Template, field: &FieldModel) -> Value {
+fn template_json(template: &Template, field: &FieldModel) -> Value {
     let params = template.params.iter().map(|param| {
         let value = json!({
             "label": param.label, "unit": param.unit, "value": field.params.get(&param.name),
@@ -206,11 +206,11 @@ fn described(template: &Template, field: &FieldModel) -> Value {
         "extent_m": [field.length_m, field.width_m],
         "symmetry": template.symmetry.iter().map(|symmetry| symmetry.name()).collect::<Vec<_>>(),
         "landmarks": landmarks,
-        "lines": field.lines.iter().map(described_line).collect::<Vec<_>>(),
+        "lines": field.lines.iter().map(line_json).collect::<Vec<_>>(),
     })
 }
 
-fn described_line(line: &FieldLine) -> Value {
+fn line_json(line: &FieldLine) -> Value {
     let mut value = json!({
         "id": line.id.as_str(), "label": line.label, "code": line.code, "shape": shape_name(&line.curve),
         "width_m": line.width_m, "edge": line.edge.name(), "painted": line.painted,

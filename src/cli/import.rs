@@ -10,7 +10,7 @@ use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::give_own_cameras;
 use touchline_core::files::read_named_text;
-use touchline_core::geometry::{ImageSize, counted};
+use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
     Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document,
@@ -86,11 +86,11 @@ fn find_own_cameras(
     }
     let others = found.failed.len().saturating_sub(MOST_NAMED);
     if others > 0 {
-        messages.note(&format!("and {} more", counted(others, "frame")));
+        messages.note(&format!("and {} more", pluralise(others, "frame")));
     }
     messages.note(&format!(
         "{} with a camera of their own, {} without one",
-        counted(found.solved.len(), "frame"),
+        pluralise(found.solved.len(), "frame"),
         found.failed.len()
     ));
     Ok(found.failed.len())
@@ -181,8 +181,8 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     args.output.write(document, &imported.folder)?;
     messages.note(&format!(
         "{} of {}",
-        counted(frames, "frame"),
-        counted(cameras, "camera")
+        pluralise(frames, "frame"),
+        pluralise(cameras, "camera")
     ));
     Ok(if failed > 0 {
         Outcome::SomeFailed

@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 use touchline_calibration::pipelines::{
     MendError, MendEvent, MendOptions, Mended, MendedNumbers, mend as mend_document, mend_numbers,
 };
-use touchline_core::geometry::{ImageSize, counted};
+use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_core::progress::{Progress, Share};
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::Document;
@@ -278,7 +278,7 @@ impl Drop for MendReport {
 
 /// Where the given cameras stand.
 fn describe_places(places: &[SharedPlace]) -> String {
-    let count = counted(places.len(), "place");
+    let count = pluralise(places.len(), "place");
     let places: Vec<String> = places.iter().map(ToString::to_string).collect();
     format!("the cameras agree on {count}: {}", places.join("; "))
 }

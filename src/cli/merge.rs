@@ -6,7 +6,7 @@ use super::messages::Messages;
 use anyhow::Context as _;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Document, Frames, Merged, merge as merge_documents};
 use touchline_documents::exchange::restore_version;
 use touchline_documents::store;
@@ -77,9 +77,9 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.write(merged, folder)?;
     messages.note(&format!(
         "{} of {} versions, {}",
-        counted(frames, "frame"),
+        pluralise(frames, "frame"),
         args.versions.len(),
-        counted(not_taken.names.len(), "conflict")
+        pluralise(not_taken.names.len(), "conflict")
     ));
     // Write what was not taken beside the result, so that nothing is lost.
     let Some(others) = not_taken.document else {
@@ -113,7 +113,7 @@ fn read_version(
     .load(messages)?;
     let moved = restore_version(base.at(folder), &document)?;
     // Frames of the base have the base's paths already; only new frames need relocation.
-    let mut relocated = moved.clone().relocated(location.folder(), folder);
+    let mut relocated = moved.clone().relocate(location.folder(), folder);
     for frame in &mut relocated.frames {
         if let Some(known) = base
             .frames

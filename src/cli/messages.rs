@@ -68,7 +68,7 @@ impl Messages {
 
     /// One message as a line without control characters.
     pub(super) fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
-        let (frame, message) = (frame.map(bounded), &bounded(message));
+        let (frame, message) = (frame.map(shorten_message), &shorten_message(message));
         match (self, frame) {
             (Self::Text, None) => plain(&one_line(&format!("touchline: {message}"))),
             (Self::Text, Some(frame)) => {
@@ -99,7 +99,7 @@ const LONGEST: usize = 1000;
 
 /// Shortens a message that is too long. Keeps the beginning, which says what is wrong, and the end,
 /// which says how to mend it.
-fn bounded(message: &str) -> String {
+fn shorten_message(message: &str) -> String {
     let length = message.chars().count();
     if length <= LONGEST {
         return message.to_owned();

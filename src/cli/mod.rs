@@ -172,7 +172,7 @@ pub fn run() -> Next {
 }
 
 /// The error and its causes in one text. A cause that the text already contains is not repeated.
-fn said_once(error: &anyhow::Error) -> String {
+fn describe_error(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !text.contains(&cause) {
@@ -189,7 +189,7 @@ fn exit_code(result: anyhow::Result<Outcome>, messages: Messages) -> ExitCode {
         Ok(Outcome::SomeFailed) => ExitCode::from(1),
         Ok(Outcome::Stopped) => ExitCode::from(interrupt::EXIT_CODE),
         Err(error) => {
-            messages.error(&said_once(&error));
+            messages.error(&describe_error(&error));
             ExitCode::from(2)
         }
     }
@@ -223,7 +223,7 @@ fn usage_line(error: &clap::Error) -> String {
 
 /// The message about wrong arguments, for `tests/fuzz`; runs nothing.
 #[cfg(fuzzing)]
-pub fn said_of<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Option<String> {
+pub fn usage_message<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let error = Cli::try_parse_from(std::iter::once("touchline").chain(arguments)).err()?;
     error
         .use_stderr()
@@ -232,7 +232,7 @@ pub fn said_of<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Option<Strin
 
 #[cfg(test)]
 mod tests {
-    use super::said_once;
+    use super::describe_error;
     use anyhow::Context as _;
 
     #[test]
@@ -243,12 +243,12 @@ mod tests {
             source: cause(),
         };
         assert_eq!(
-            said_once(&anyhow::Error::from(named)),
+            describe_error(&anyhow::Error::from(named)),
             "cannot write a: no space"
         );
         let wrapped = Err::<(), _>(cause())
             .context("cannot read the map")
             .unwrap_err();
-        assert_eq!(said_once(&wrapped), "cannot read the map: no space");
+        assert_eq!(describe_error(&wrapped), "cannot read the map: no space");
     }
 }

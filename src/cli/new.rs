@@ -6,7 +6,7 @@ use super::messages::{Messages, count_steps};
 use super::output::refuse_existing;
 use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::{FieldSpec, document_from_frames};
 use touchline_documents::store;
 use touchline_documents::store::Location;
@@ -89,7 +89,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     messages.note(&format!(
         "{}: {}",
         location.file().display(),
-        counted(made.document.frames.len(), "frame")
+        pluralise(made.document.frames.len(), "frame")
     ));
     Ok(if made.left_out.is_empty() {
         Outcome::Done

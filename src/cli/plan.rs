@@ -5,7 +5,7 @@ use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
 use std::path::{Path, PathBuf};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_season::plan::{MakePlanError, Plan, make_plan};
 use touchline_season::processor::{ANY, processor_class};
@@ -84,8 +84,8 @@ pub fn plan(args: &PlanArgs, messages: Messages) -> anyhow::Result<Outcome> {
     messages.note(&format!(
         "{}: {} that find cameras, {} that label frames",
         args.output.display(),
-        counted(finds, "shard"),
-        counted(labels, "shard"),
+        pluralise(finds, "shard"),
+        pluralise(labels, "shard"),
     ));
     Ok(Outcome::Done)
 }

@@ -14,7 +14,7 @@ use touchline_calibration::calibrate::{
 };
 use touchline_calibration::pipelines::{TrackingOptions, give_first_base};
 use touchline_calibration::proposals::read_picture;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
@@ -207,8 +207,8 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         .count();
     messages.note(&format!(
         "{} estimated, {} solved",
-        counted(estimates.len(), "camera"),
-        counted(solved, "frame")
+        pluralise(estimates.len(), "camera"),
+        pluralise(solved, "frame")
     ));
     Ok(if failed > 0 {
         Outcome::SomeFailed
@@ -246,7 +246,7 @@ fn carry_few(
         if give_first_base(document, folder, camera, options).is_err() {
             continue;
         }
-        let known = counted(known, "frame");
+        let known = pluralise(known, "frame");
         messages.note(&format!(
             "{}: only {known} known: tracking the clip first",
             camera.as_str()
@@ -274,7 +274,7 @@ fn estimate(
     options: &BaseOptions,
     size: bool,
 ) -> Result<EstimatedBase, BaseEstimationError> {
-    let problem = BaseProblem::of(document, camera)?;
+    let problem = BaseProblem::from_document(document, camera)?;
     if size {
         problem.estimate_with_size(document, options, &Progress::default())
     } else {

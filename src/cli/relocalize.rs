@@ -15,7 +15,7 @@ use touchline_calibration::proposals::{
     Coverage, KeyWindow, TrainingFrames, adopt_bases, label_advice,
 };
 use touchline_core::files::read_named;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
     Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
@@ -108,7 +108,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         .filter(|&index| is_wanted(&document.frames[index]))
         .collect();
     if args.key_frames {
-        let windows = KeyWindow::of(document.at(&folder));
+        let windows = KeyWindow::from_document(document.at(&folder));
         let between: BTreeSet<usize> = windows
             .into_iter()
             .flat_map(|window| window.between)
@@ -200,12 +200,12 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     if kept > 0 {
         messages.note(&format!(
             "{} keep the camera that they have: it comes from no forest, and the forest's is no better",
-            counted(kept, "frame")
+            pluralise(kept, "frame")
         ));
     }
     messages.note(&format!(
         "{} answered, {failed} not, {passed} left unchanged ({why_passed})",
-        counted(answered, "frame")
+        pluralise(answered, "frame")
     ));
     Ok(if failed > 0 {
         Outcome::SomeFailed
@@ -222,7 +222,10 @@ fn is_answered(frame: &Frame) -> bool {
 /// Reports which frame to label next. If a camera has no references in this document, the advice
 /// names no uncovered direction: the forest may have been trained on another document.
 fn tell_where_to_label(document: DocumentAt<'_>, messages: Messages) {
-    let coverage = Coverage::of_cameras(document, &TrainingFrames::of_solved(&document).frames);
+    let coverage = Coverage::measure_cameras(
+        document,
+        &TrainingFrames::from_solved_frames(&document).frames,
+    );
     let advice = label_advice(&document, &coverage);
     if let Some(said) = where_to_label(&advice, |frame| document.frames[frame].name()) {
         messages.note(&said);
@@ -342,7 +345,7 @@ fn write(output: &DocumentOutput, document: Document, folder: &Path) -> anyhow::
         .parent()
         .map(Path::to_path_buf)
         .unwrap_or_default();
-    let moved = document.relocated(folder, &parent.canonicalize().unwrap_or(parent));
+    let moved = document.relocate(folder, &parent.canonicalize().unwrap_or(parent));
     let mut lines = String::new();
     for frame in &moved.frames {
         lines.push_str(&serde_json::to_string(&**frame)?);

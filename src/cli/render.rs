@@ -72,7 +72,7 @@ pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> 
         .with_context(|| format!("{}: --frame {}", location.file().display(), args.frame))?;
     let field = document.field_of(frame).model(location.folder())?;
     let picture = read_picture(&mut FrameReader::new(), frame, location.folder())?;
-    let camera = document.pointed(frame);
+    let camera = document.ptz_camera(frame);
     let style = OverlayStyle::default();
     let mut offscreen = Offscreen::new()?;
     let disputed = frame
@@ -168,7 +168,7 @@ fn map_of(field: &FieldModel, camera: Option<&PtzCamera>) -> FieldMap {
         MAP_MARGIN_M,
         MAP_PX_PER_M.min(MAP_LONGEST_PX / longest_m),
     );
-    camera.map_or(map, |camera| map.turned_to(camera))
+    camera.map_or(map, |camera| map.with_camera_below(camera))
 }
 
 /// Scale of lines and labels: on frames wider than 1920 px they keep their share of the picture.
@@ -180,7 +180,7 @@ fn layer(pixels: media::Picture, brightness: f32) -> Layer {
     Layer::Picture(PictureLayer {
         key: PictureKey(0),
         pixels,
-        look: PictureLook::of_brightness(brightness),
+        look: PictureLook::from_brightness(brightness),
     })
 }
 

@@ -5,7 +5,7 @@ use super::interrupt::Interrupt;
 use super::match_report::MatchReport;
 use super::messages::Messages;
 use std::path::PathBuf;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_season::parent::die_with_parent;
 use touchline_season::plan::Plan;
@@ -65,7 +65,7 @@ pub fn shard(args: &ShardArgs, messages: Messages) -> anyhow::Result<Outcome> {
             let reason = reason.map_or_else(String::new, |reason| format!("; {reason}"));
             messages.note(&format!(
                 "{what}: {}, {with_camera} with a camera{reason}",
-                counted(frames, "frame")
+                pluralise(frames, "frame")
             ));
         }
         Err(ShardError::Stopped) => {

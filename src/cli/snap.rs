@@ -47,7 +47,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         mut document,
     } = args.document.load(messages)?;
     let before = document.clone();
-    let fields = Fields::of(document.at(location.folder()))?;
+    let fields = Fields::from_document(document.at(location.folder()))?;
     let snap = SnapOptions {
         reach_px: args.reach,
         own_k1: args.k1,
@@ -83,7 +83,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
                 continue;
             }
         };
-        let field = fields.of_frame(&document, frame);
+        let field = fields.for_frame(&document, frame);
         let found = camera_on_paint(
             &document,
             frame,

@@ -8,7 +8,7 @@ use touchline_calibration::calibrate::{
     SolveOutcome, check_cameras, check_frame, record_line_check, solve_document,
 };
 use touchline_calibration::proposals::{FramePicture, PictureStream};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Document, DocumentAt, Fields, Frame, FrameStatus};
 
 /// Solves every frame with enough clicks; statuses stay as they are.
@@ -62,7 +62,7 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let failed = outcomes.len() - solved - passed;
     messages.note(&format!(
         "{} solved, {failed} failed, {passed} with too few clicks",
-        counted(solved, "frame")
+        pluralise(solved, "frame")
     ));
     Ok(if failed > 0 {
         Outcome::SomeFailed
@@ -74,7 +74,7 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
 /// Compares every solved frame with the painted lines in its picture and records the result in it.
 /// Reports pictures that cannot be read.
 fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> anyhow::Result<()> {
-    let fields = Fields::of(document.at(folder))?;
+    let fields = Fields::from_document(document.at(folder))?;
     let bar = messages.progress(document.frames.len(), "Checking the lines");
     let solved = document.clone();
     let is_checked = |frame: &Frame| frame.ptz.is_some() && frame.status != FrameStatus::Rejected;
@@ -88,7 +88,7 @@ fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> an
         bar.set_position(index as u64 + 1);
         match picture {
             Ok(picture) => {
-                let field = fields.of_frame(document, frame);
+                let field = fields.for_frame(document, frame);
                 if let Some(check) = check_frame(document, frame, field, &picture) {
                     record_line_check(&mut document.frames[index], &check);
                 }

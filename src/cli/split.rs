@@ -5,7 +5,7 @@ use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::write_packages;
 
 /// Splits a document into work packages: projects with copies of their pictures that
@@ -42,8 +42,8 @@ pub fn split(args: &SplitArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let frames: usize = counts.iter().sum();
     messages.note(&format!(
         "{} in {} in {}",
-        counted(frames, "frame"),
-        counted(counts.len(), "package"),
+        pluralise(frames, "frame"),
+        pluralise(counts.len(), "package"),
         args.output.display()
     ));
     Ok(Outcome::Done)

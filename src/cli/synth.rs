@@ -7,7 +7,7 @@ use anyhow::{Context as _, bail, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
 use touchline_application::jobs::{DrawnPicture, MatchOrder, draw_match};
-use touchline_core::geometry::{ImageSize, counted};
+use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_documents::document::document_to_string;
 use touchline_documents::store::{Location, PROJECT_FILE, write_document};
 use touchline_vision::synthetic::{Graphics, Preset, ShootOptions};
@@ -166,7 +166,7 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     messages.note(&format!(
         "{}: {}, the truth in {TRUTH_FILE}",
         location.file().display(),
-        counted(order.frames, "frame")
+        pluralise(order.frames, "frame")
     ));
     Ok(Outcome::Done)
 }

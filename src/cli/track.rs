@@ -15,7 +15,7 @@ use touchline_calibration::calibrate::{
 use touchline_calibration::pipelines::{
     TrackedFrames, TrackingEvent, TrackingOptions, track_clips,
 };
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document};
@@ -116,7 +116,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     messages.note(&format!(
         "{} tracked, {} not",
-        counted(found.tracked, "frame"),
+        pluralise(found.tracked, "frame"),
         found.missed
     ));
     Ok(if found.missed > 0 {

@@ -90,7 +90,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     let Loaded { location, document } = args.document.load(messages)?;
     let options = args.options();
-    let training_frames = TrainingFrames::of(&document, args.all_references);
+    let training_frames = TrainingFrames::from_document(&document, args.all_references);
     ensure!(
         !training_frames.frames.is_empty(),
         "{}: there are no references to train with; accept solved frames first",
@@ -157,7 +157,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         messages.note(&format!(
             "{} references left out and tested: {} found, {} of them off by over {WRONG_PX} px",
             quality.tested.len(),
-            quality.found(),
+            quality.found_count(),
             quality.wrong().count()
         ));
     }
@@ -189,7 +189,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
 impl TrainArgs {
     fn options(&self) -> LearnOptions {
         let usual = if self.published {
-            TrainOptions::published()
+            TrainOptions::from_paper()
         } else {
             TrainOptions::default()
         };

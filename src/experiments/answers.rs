@@ -47,7 +47,7 @@ pub struct FoundCamera {
 
 impl FoundCamera {
     /// Measures the errors of an estimate.
-    pub fn of(set: &FrameSet, frame: usize, estimate: &PtzCamera) -> Self {
+    pub fn measure(set: &FrameSet, frame: usize, estimate: &PtzCamera) -> Self {
         let known = &set.frames[frame];
         Self {
             camera: *estimate,
@@ -83,7 +83,7 @@ impl FrameAnswer {
 
     /// The result with a camera that was found, and whether it passes the method's test.
     pub fn with_camera(self, set: &FrameSet, camera: &PtzCamera, passes: bool) -> Self {
-        let untested = FoundCamera::of(set, self.frame, camera);
+        let untested = FoundCamera::measure(set, self.frame, camera);
         Self {
             found: passes.then_some(untested),
             untested: Some(untested),
@@ -196,7 +196,7 @@ const TALLY_COLUMNS: [(&str, &str); 11] = [
 
 impl Tally {
     /// Computes the statistics of test frames.
-    pub fn of<'a>(answers: impl Iterator<Item = &'a FrameAnswer>) -> Self {
+    pub fn from_answers<'a>(answers: impl Iterator<Item = &'a FrameAnswer>) -> Self {
         let all: Vec<&FrameAnswer> = answers.collect();
         let count = |outcome: Outcome| {
             all.iter()
@@ -273,7 +273,7 @@ fn interval_of_iou(all: &[&FrameAnswer]) -> [f64; 2] {
     }
     seeds.retain(|ious| !ious.is_empty());
     if let [one] = &seeds[..] {
-        return Summary::of(one, 0).map_or([f64::NAN; 2], |summary| summary.mean_interval);
+        return Summary::from_values(one, 0).map_or([f64::NAN; 2], |summary| summary.mean_interval);
     }
     let means: Vec<f64> = seeds.iter().map(|ious| mean_sd(ious)[0]).collect();
     // Adding 0 makes −0 a 0.
@@ -353,7 +353,7 @@ fn frame_row(way: &str, set: &FrameSet, answer: &FrameAnswer) -> Vec<Cell> {
         set.splits[answer.split].name.as_str().into(),
         set.frames[answer.frame].name.as_str().into(),
         to_file(answer.view_deg).into(),
-        ViewBin::of(answer.view_deg).key().into(),
+        ViewBin::from_view_deg(answer.view_deg).key().into(),
         usize::from(is_covered(set, answer)).into(),
         is(Outcome::Right),
         is(Outcome::Wrong),
@@ -412,7 +412,7 @@ mod tests {
             wrong,
             answer(0, Some(1.0)),
         ];
-        let tally = Tally::of(all.iter());
+        let tally = Tally::from_answers(all.iter());
         assert_eq!((tally.right, tally.wrong, tally.refused), (2, 1, 1));
         assert_eq!(tally.failed, 2);
         assert!((tally.iou_mean - 0.6).abs() < 1e-12 && (tally.iou_whole_mean - 0.6).abs() < 1e-12);
@@ -435,7 +435,7 @@ mod tests {
             answer(1, Some(0.7)),
             answer(1, Some(0.7)),
         ];
-        assert_eq!(Tally::of(all.iter()).iou_interval, [0.0, 1.0]);
-        assert!(Tally::of([].iter()).iou_mean.is_nan());
+        assert_eq!(Tally::from_answers(all.iter()).iou_interval, [0.0, 1.0]);
+        assert!(Tally::from_answers([].iter()).iou_mean.is_nan());
     }
 }

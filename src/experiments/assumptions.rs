@@ -7,7 +7,7 @@
 use super::answers::{FrameAnswer, Outcome, Tally, frame_table};
 use super::forests::{ForestKind, Trained};
 use super::paper::TABLE_2;
-use super::progress::{Progress, counted};
+use super::progress::{Progress, step_counter};
 use super::sequences::introduce;
 use super::sets::{FrameSet, KnownPicture, Scenery, frames_a_sequence, highlights_in};
 use super::{ExperimentError, SharedInputs};
@@ -92,21 +92,24 @@ struct Measured {
 /// The frames cannot be drawn.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let options = &inputs.options;
-    let stride = options.sized(STRIDE, QUICK_STRIDE);
+    let stride = options.full_or_quick(STRIDE, QUICK_STRIDE);
     let variations = variations(options.quick);
     let frames = TABLE_2.len() * frames_a_sequence(options).div_ceil(stride);
-    let step = counted(variations.len() * frames, progress);
+    let step = step_counter(variations.len() * frames, progress);
     let (mut sets, mut measured) = (Vec::new(), Vec::new());
     for variation in variations {
         let set = highlights_in(options, &variation.scenery, stride, options.seed, &step)?;
         // Each variation is a set of its own, to which its answers refer by index.
         let repeat = sets.len();
         let answers = FORESTS.map(|kind| {
-            Trained::of(&set, repeat, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed))
+            Trained::train(&set, repeat, &kind.training(set.seed))
+                .ask_plainly(&kind.asking(set.seed))
         });
         measured.push(Measured {
             variation,
-            tallies: answers.each_ref().map(|answers| Tally::of(answers.iter())),
+            tallies: answers
+                .each_ref()
+                .map(|answers| Tally::from_answers(answers.iter())),
             answers,
         });
         sets.push(without_pictures(set));

@@ -8,8 +8,8 @@
 
 use super::answers::FrameAnswer;
 use super::baselines::methods::{Matched, Reference};
-use super::forests::{ForestKind, trained_on, without_test};
-use super::progress::{Progress, counted};
+use super::forests::{ForestKind, train_forest, without_test};
+use super::progress::{Progress, step_counter};
 use super::sets::{FrameSet, Split};
 use rayon::prelude::*;
 use touchline_core::camera::PtzCamera;
@@ -30,7 +30,7 @@ pub struct Chosen {
 /// The answers of `CalibMe` with three, four and five references, and of both forests with the same
 /// five.
 pub fn measure(sets: &[FrameSet], progress: Progress) -> Vec<Chosen> {
-    let step = counted(sets.iter().map(|set| set.splits.len()).sum(), progress);
+    let step = step_counter(sets.iter().map(|set| set.splits.len()).sum(), progress);
     let names = COUNTS.map(|count| format!("calibme {count}"));
     let names = names
         .into_iter()
@@ -43,7 +43,7 @@ pub fn measure(sets: &[FrameSet], progress: Progress) -> Vec<Chosen> {
         .collect();
     for (repeat, set) in sets.iter().enumerate() {
         for number in 0..set.splits.len() {
-            for (way, answers) in ways.iter_mut().zip(of_split(set, repeat, number)) {
+            for (way, answers) in ways.iter_mut().zip(answer_split(set, repeat, number)) {
                 way.answers.extend(answers);
             }
             step();
@@ -58,16 +58,16 @@ pub fn with_most(method: &str) -> String {
 }
 
 /// The answers of all methods to the test frames of a split.
-fn of_split(set: &FrameSet, repeat: usize, number: usize) -> Vec<Vec<FrameAnswer>> {
+fn answer_split(set: &FrameSet, repeat: usize, number: usize) -> Vec<Vec<FrameAnswer>> {
     let split = &set.splits[number];
     let chosen = farthest_points(set, split, COUNTS[COUNTS.len() - 1]);
     let references: Vec<Reference<'_>> = chosen
         .iter()
-        .map(|&frame| Reference::of(&set.frames[frame]))
+        .map(|&frame| Reference::from_known_frame(&set.frames[frame]))
         .collect();
     let forests = ForestKind::BOTH.map(|kind| {
         let known = references.iter().map(|reference| reference.known);
-        let trained = trained_on(known, &kind.training(set.seed));
+        let trained = train_forest(known, &kind.training(set.seed));
         (trained, without_test(&kind.asking(set.seed)))
     });
     let one = |&frame: &usize| -> Vec<FrameAnswer> {

@@ -17,7 +17,7 @@ pub enum ViewBin {
 impl ViewBin {
     pub const ALL: [Self; 3] = [Self::Narrow, Self::Middle, Self::Wide];
 
-    pub fn of(view_deg: f64) -> Self {
+    pub fn from_view_deg(view_deg: f64) -> Self {
         if view_deg < FAILURES_BELOW_DEG {
             Self::Narrow
         } else if view_deg <= NO_FAILURE_ABOVE_DEG {

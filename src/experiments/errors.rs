@@ -78,14 +78,14 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
                 Line::Dashed
             };
             figure = figure
-                .with(Series::cumulative(name, number + 1, &values, answers.len()).lined(line));
+                .with(Series::cumulative(name, number + 1, &values, answers.len()).with_line(line));
         }
         if stem == "rotation" && one[0].kind != SetKind::Own {
             let (degrees, share) = ROTATION;
             figure = figure.with(
                 Series::new("paper", 0, vec![[degrees, share]])
-                    .lined(Line::None)
-                    .marked(Mark::Square),
+                    .with_line(Line::None)
+                    .with_mark(Mark::Square),
             );
         }
         report.figure(
@@ -96,7 +96,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     }
     let tallies: Vec<(Cell, Tally)> = by_set
         .iter()
-        .map(|(name, answers)| (name.as_str().into(), Tally::of(answers.iter())))
+        .map(|(name, answers)| (name.as_str().into(), Tally::from_answers(answers.iter())))
         .collect();
     report.table(
         "summary",

@@ -52,7 +52,7 @@ impl ForestKind {
             },
             Self::Published => TrainOptions {
                 seed,
-                ..TrainOptions::published()
+                ..TrainOptions::from_paper()
             },
         }
     }
@@ -81,9 +81,9 @@ pub struct Trained<'a> {
 
 impl<'a> Trained<'a> {
     /// Trains a forest for each split. `repeat` is the index of the set among those of other seeds.
-    pub fn of(set: &'a FrameSet, repeat: usize, training: &TrainOptions) -> Self {
+    pub fn train(set: &'a FrameSet, repeat: usize, training: &TrainOptions) -> Self {
         let forest = |split: &Split| {
-            trained_on(
+            train_forest(
                 split
                     .training_frames
                     .iter()
@@ -205,7 +205,7 @@ pub fn without_test(asking: &RelocalizeOptions) -> RelocalizeOptions {
 
 /// Trains a forest on these frames. Returns it with the range of their views; none if they have no
 /// features.
-pub fn trained_on<'a>(
+pub fn train_forest<'a>(
     frames: impl Iterator<Item = &'a KnownFrame>,
     training: &TrainOptions,
 ) -> Option<(Forest, SeenRange)> {
@@ -221,7 +221,7 @@ pub fn trained_on<'a>(
         samples.add_frame(pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))));
         looked.push(known.truth.ptz());
     }
-    let seen = SeenRange::of(&looked)?;
+    let seen = SeenRange::from_cameras(&looked)?;
     let forest = train(&samples, training, &Progress::default()).ok()?;
     Some((forest, seen))
 }
@@ -229,7 +229,7 @@ pub fn trained_on<'a>(
 /// For each set in turn, trains its forests and relocalizes its test frames.
 pub fn ask_all(sets: &[FrameSet], kind: ForestKind) -> Vec<FrameAnswer> {
     let of_set = |(repeat, set): (usize, &FrameSet)| {
-        Trained::of(set, repeat, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed))
+        Trained::train(set, repeat, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed))
     };
     sets.iter().enumerate().flat_map(of_set).collect()
 }

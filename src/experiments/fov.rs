@@ -110,7 +110,7 @@ impl TestFrames<'_> {
             let within: Vec<&FrameAnswer> = self
                 .answers
                 .iter()
-                .filter(|answer| ViewBin::of(answer.view_deg) == bin)
+                .filter(|answer| ViewBin::from_view_deg(answer.view_deg) == bin)
                 .filter(|answer| is_covered(&self.sets[answer.repeat], answer) == covered)
                 .collect();
             let coverage = if covered { "covered" } else { "not covered" };
@@ -120,7 +120,8 @@ impl TestFrames<'_> {
                 self.name,
                 bin.describe()
             );
-            (!within.is_empty()).then(|| (Cell::from(name), Tally::of(within.into_iter())))
+            (!within.is_empty())
+                .then(|| (Cell::from(name), Tally::from_answers(within.into_iter())))
         };
         parts.filter_map(row).collect()
     }
@@ -152,17 +153,19 @@ impl TestFrames<'_> {
         )
         .with(
             Series::new("covered", 1, points(true))
-                .lined(Line::None)
-                .marked(Mark::Dot),
+                .with_line(Line::None)
+                .with_mark(Mark::Dot),
         )
         .with(
             Series::new("not covered", 2, points(false))
-                .lined(Line::None)
-                .marked(Mark::Cross),
+                .with_line(Line::None)
+                .with_mark(Mark::Cross),
         );
         if with_paper {
             let line = |name: &str, points: Vec<[f64; 2]>, line| {
-                Series::new(name, 0, points).marked(Mark::None).lined(line)
+                Series::new(name, 0, points)
+                    .with_mark(Mark::None)
+                    .with_line(line)
             };
             let failure = 1.0 - FAILURE_IOU;
             let upright = |view: f64| vec![[view, lost_iou::ENDS[0]], [view, lost_iou::ENDS[1]]];

@@ -5,10 +5,10 @@ use super::calibme::{self, Chosen};
 use super::forests::{ForestKind, ask_all};
 use super::given::folder_with;
 use super::homographies::holds_homographies;
-use super::progress::{Progress, counted};
+use super::progress::{Progress, step_counter};
 use super::sets::{
     FrameSet, MOTION_FILE, OwnDocuments, PublishedKind, SetKind, frames_a_game, frames_a_sequence,
-    highlights, of_own, published, published_folder, worldcup,
+    highlights, published_folder, read_own_documents, read_published, worldcup,
 };
 use super::{Experiment, ExperimentError, ExperimentOptions};
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ impl SharedInputs {
     ///
     /// # Errors
     /// No data was given, or it contains nothing for this experiment.
-    pub fn given_for(&self, experiment: Experiment) -> Result<PathBuf, ExperimentError> {
+    pub fn data_folder(&self, experiment: Experiment) -> Result<PathBuf, ExperimentError> {
         let data = self.data.as_deref();
         let found = data.and_then(|data| match experiment {
             Experiment::Homographies => folder_with(data, holds_homographies),
@@ -92,14 +92,14 @@ impl SharedInputs {
     /// Synthetic sets are one for each seed.
     pub(super) fn highlights(&self, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
         once(&self.highlights, || {
-            match (&self.own, self.given_for(Experiment::Highlights)) {
+            match (&self.own, self.data_folder(Experiment::Highlights)) {
                 (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
-                (None, Ok(folder)) => Ok(vec![published(
+                (None, Ok(folder)) => Ok(vec![read_published(
                     &folder,
                     PublishedKind::Highlights,
                     progress,
                 )?]),
-                (None, Err(_)) => self.drawn(
+                (None, Err(_)) => self.draw_sets(
                     SEQUENCES * frames_a_sequence(&self.options),
                     progress,
                     &|seed, step| highlights(&self.options, Preset::Paper, seed, step),
@@ -110,12 +110,12 @@ impl SharedInputs {
 
     /// The user's own frames, or a synthetic set like the highlights, seen through a lens with
     /// strong distortion.
-    pub(super) fn distorted(&self, progress: Progress) -> Result<&FrameSet, ExperimentError> {
+    pub(super) fn distorted_set(&self, progress: Progress) -> Result<&FrameSet, ExperimentError> {
         let sets = once(&self.distorted, || {
             if let Some(own) = &self.own {
                 return Ok(vec![self.own_frames(own, progress)?]);
             }
-            let step = counted(SEQUENCES * frames_a_sequence(&self.options), progress);
+            let step = step_counter(SEQUENCES * frames_a_sequence(&self.options), progress);
             Ok(vec![highlights(
                 &self.options,
                 Preset::Hard,
@@ -130,12 +130,14 @@ impl SharedInputs {
     /// them.
     pub(super) fn worldcup(&self, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
         once(&self.worldcup, || {
-            match (&self.own, self.given_for(Experiment::Worldcup)) {
+            match (&self.own, self.data_folder(Experiment::Worldcup)) {
                 (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
-                (None, Ok(folder)) => {
-                    Ok(vec![published(&folder, PublishedKind::WorldCup, progress)?])
-                }
-                (None, Err(_)) => self.drawn(
+                (None, Ok(folder)) => Ok(vec![read_published(
+                    &folder,
+                    PublishedKind::WorldCup,
+                    progress,
+                )?]),
+                (None, Err(_)) => self.draw_sets(
                     frames_a_game(&self.options).iter().sum(),
                     progress,
                     &|seed, step| worldcup(&self.options, seed, step),
@@ -174,7 +176,7 @@ impl SharedInputs {
             Masks::Masked => ask_all(
                 &sets_of_frames
                     .iter()
-                    .map(FrameSet::masked)
+                    .map(FrameSet::without_masked_features)
                     .collect::<Vec<_>>(),
                 kind,
             ),
@@ -193,14 +195,14 @@ impl SharedInputs {
     }
 
     /// Draws a set of this number of frames for each seed.
-    fn drawn(
+    fn draw_sets(
         &self,
         frames: usize,
         progress: Progress,
         set: &Drawing<'_>,
     ) -> Result<Vec<FrameSet>, ExperimentError> {
         let seeds = self.options.seeds();
-        let step = counted(seeds.len() * frames, progress);
+        let step = step_counter(seeds.len() * frames, progress);
         seeds.into_iter().map(|seed| set(seed, &step)).collect()
     }
 
@@ -218,7 +220,7 @@ impl SharedInputs {
         }
         Ok(FrameSet {
             seed: self.options.seed,
-            ..of_own(own, &counted(own.frame_count(), progress))?
+            ..read_own_documents(own, &step_counter(own.frame_count(), progress))?
         })
     }
 

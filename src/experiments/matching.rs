@@ -18,7 +18,7 @@ pub struct DescriptorRows {
 impl DescriptorRows {
     /// Converts descriptors.
     #[must_use]
-    pub fn of(descriptors: &[Descriptor]) -> Self {
+    pub fn from_descriptors(descriptors: &[Descriptor]) -> Self {
         let values = descriptors
             .iter()
             .flat_map(|descriptor| descriptor.0.map(f32::from));
@@ -123,7 +123,10 @@ mod tests {
             (0..count).map(one).collect()
         };
         let (query, reference) = (descriptors(40), descriptors(90));
-        let found = nearest(&DescriptorRows::of(&query), &DescriptorRows::of(&reference));
+        let found = nearest(
+            &DescriptorRows::from_descriptors(&query),
+            &DescriptorRows::from_descriptors(&reference),
+        );
         assert_eq!(found.len(), query.len());
         for (descriptor, found) in query.iter().zip(found) {
             let mut distances: Vec<(f32, usize)> = reference
@@ -136,7 +139,10 @@ mod tests {
             assert_eq!(found.second, distances[1].0);
         }
         assert_eq!(
-            nearest(&DescriptorRows::of(&query), &DescriptorRows::of(&[])),
+            nearest(
+                &DescriptorRows::from_descriptors(&query),
+                &DescriptorRows::from_descriptors(&[])
+            ),
             []
         );
     }

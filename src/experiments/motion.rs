@@ -3,7 +3,7 @@
 
 use super::answers::{FoundCamera, FrameAnswer, Tally, frame_table, tally_table};
 use super::forests::{ForestKind, Trained};
-use super::progress::{Progress, counted};
+use super::progress::{Progress, step_counter};
 use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
 use super::{ExperimentError, ExperimentOptions};
 use std::path::Path;
@@ -25,13 +25,18 @@ pub fn run(
     progress: Progress,
 ) -> Result<Report, ExperimentError> {
     let real = RealMotion::read(&folder.join(MOTION_FILE))?;
-    let stride = options.sized(1, 22);
-    let every = options.sized(30, 3);
+    let stride = options.full_or_quick(1, 22);
+    let every = options.full_or_quick(30, 3);
     let drawn = real.ptz.len().div_ceil(stride);
-    let set = motion(&real, [stride, every], options, &counted(drawn, progress))?;
+    let set = motion(
+        &real,
+        [stride, every],
+        options,
+        &step_counter(drawn, progress),
+    )?;
     let kind = ForestKind::Default;
     let mut answers =
-        Trained::of(&set, 0, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed));
+        Trained::train(&set, 0, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed));
     answers.sort_by_key(|answer| answer.frame);
 
     let mut report = Report::new("motion", "Motion: a real broadcast camera's path, drawn");
@@ -49,14 +54,14 @@ pub fn run(
         place.z
     ));
     let pans = AngleRange::smallest(real.ptz.iter().map(|ptz| ptz.pan)).unwrap_or(AngleRange::FULL);
-    let pan_deg = |ptz: &Ptz| pans.unwrapped(ptz.pan).degrees();
+    let pan_deg = |ptz: &Ptz| pans.unwrap_angle(ptz.pan).degrees();
     report.table("path", "The motion.", path_table(&real.ptz, &pan_deg));
     report.table(
         "all",
         "All tested frames.",
         tally_table(
             ("set", "set"),
-            &[("drawn".into(), Tally::of(answers.iter()))],
+            &[("drawn".into(), Tally::from_answers(answers.iter()))],
         ),
     );
     report.data(
@@ -64,7 +69,7 @@ pub fn run(
         "Every tested frame.",
         frame_table(std::slice::from_ref(&set), [("default", &answers[..])]),
     );
-    report.text(&evaluated(&set, &answers)?);
+    report.text(&evaluation_text(&set, &answers)?);
     let number = |frame: usize| (frame * stride) as f64;
     for (stem, label, of) in [
         ("pan", "pan (°)", &pan_deg as &dyn Fn(&Ptz) -> f64),
@@ -84,18 +89,18 @@ pub fn run(
             .iter()
             .filter_map(|answer| Some([number(answer.frame), of(&answer.found?.camera.ptz())]));
         // In a full run, one answer in ten: more marks would hide the curve.
-        let answers = answers.step_by(options.sized(10, 1));
+        let answers = answers.step_by(options.full_or_quick(10, 1));
         let figure = Figure::new("", Axis::linear("frame"), Axis::linear(label))
-            .with(Series::new("truth", 0, truth.collect()).marked(Mark::None))
+            .with(Series::new("truth", 0, truth.collect()).with_mark(Mark::None))
             .with(
                 Series::new("training", 3, taught.collect())
-                    .lined(Line::None)
-                    .marked(Mark::Square),
+                    .with_line(Line::None)
+                    .with_mark(Mark::Square),
             )
             .with(
                 Series::new("answer", 2, answers.collect())
-                    .lined(Line::None)
-                    .marked(Mark::Cross),
+                    .with_line(Line::None)
+                    .with_mark(Mark::Cross),
             );
         let caption = format!(
             "The {label} of the drawn frames, and the answers (of many, one in ten is shown)."
@@ -117,7 +122,7 @@ pub fn run(
             .iter()
             .filter_map(|answer| Some([number(answer.frame), of(&answer.found?)?]));
         let figure = Figure::new("", Axis::linear("frame"), Axis::log(label))
-            .with(Series::new("", 1, points.collect()).marked(Mark::None));
+            .with(Series::new("", 1, points.collect()).with_mark(Mark::None));
         report.figure(stem, &format!("Drawn frames: {label} over time."), figure);
     }
     Ok(report)
@@ -155,7 +160,7 @@ fn path_table(ptz: &[Ptz], pan_deg: &dyn Fn(&Ptz) -> f64) -> Table {
 }
 
 /// The results as `touchline evaluate` measures them.
-fn evaluated(set: &FrameSet, answers: &[FrameAnswer]) -> Result<String, ExperimentError> {
+fn evaluation_text(set: &FrameSet, answers: &[FrameAnswer]) -> Result<String, ExperimentError> {
     let Some(known) = set.frames.first() else {
         return Ok(String::new());
     };

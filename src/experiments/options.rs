@@ -160,14 +160,16 @@ pub struct ExperimentOptions {
 impl ExperimentOptions {
     /// The first number, or the second in a quick run.
     #[must_use]
-    pub const fn sized(&self, full: usize, quick: usize) -> usize {
+    pub const fn full_or_quick(&self, full: usize, quick: usize) -> usize {
         if self.quick { quick } else { full }
     }
 
     /// The seeds of the synthetic sets.
     #[must_use]
     pub fn seeds(&self) -> Vec<u64> {
-        let count = self.seeds.map_or(self.sized(5, 2) as u64, u64::from);
+        let count = self
+            .seeds
+            .map_or(self.full_or_quick(5, 2) as u64, u64::from);
         (0..count)
             .map(|number| self.seed.wrapping_add(number))
             .collect()

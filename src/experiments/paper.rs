@@ -8,7 +8,7 @@ pub struct Stated {
     pub sd: f64,
 }
 
-const fn stated(mean: f64, sd: f64) -> Stated {
+const fn mean_and_sd(mean: f64, sd: f64) -> Stated {
     Stated { mean, sd }
 }
 
@@ -38,34 +38,34 @@ pub const TABLE_2: [Sequence; 4] = [
         pan_deg: [49.0, 68.0],
         tilt_deg: [-13.0, -9.0],
         focal_px: [1586.0, 4346.0],
-        calib_me: stated(0.75, 0.22),
-        theirs: stated(0.88, 0.06),
+        calib_me: mean_and_sd(0.75, 0.22),
+        theirs: mean_and_sd(0.88, 0.06),
     },
     Sequence {
         pan_deg: [49.0, 68.0],
         tilt_deg: [-11.0, -8.0],
         focal_px: [3330.0, 4947.0],
-        calib_me: stated(0.73, 0.27),
-        theirs: stated(0.81, 0.21),
+        calib_me: mean_and_sd(0.73, 0.27),
+        theirs: mean_and_sd(0.81, 0.21),
     },
     Sequence {
         pan_deg: [17.0, 67.0],
         tilt_deg: [-9.0, -5.0],
         focal_px: [1938.0, 4225.0],
-        calib_me: stated(0.61, 0.37),
-        theirs: stated(0.69, 0.36),
+        calib_me: mean_and_sd(0.61, 0.37),
+        theirs: mean_and_sd(0.69, 0.36),
     },
     Sequence {
         pan_deg: [54.0, 69.0],
         tilt_deg: [-8.0, -7.0],
         focal_px: [2642.0, 4074.0],
-        calib_me: stated(0.62, 0.33),
-        theirs: stated(0.94, 0.04),
+        calib_me: mean_and_sd(0.62, 0.33),
+        theirs: mean_and_sd(0.94, 0.04),
     },
 ];
 /// The last rows of table 2 for `CalibMe` and the paper's method: the average, and the time of a
 /// frame, seconds.
-pub const TABLE_2_AVERAGE: [Stated; 2] = [stated(0.68, 0.30), stated(0.83, 0.16)];
+pub const TABLE_2_AVERAGE: [Stated; 2] = [mean_and_sd(0.68, 0.30), mean_and_sd(0.83, 0.16)];
 pub const TABLE_2_SECONDS: [f64; 2] = [3.0, 0.3];
 /// Number of frames of a sequence.
 pub const SEQUENCE_FRAMES: usize = 29;
@@ -73,8 +73,16 @@ pub const SEQUENCE_FRAMES: usize = 29;
 /// Table 3: the games of the World Cup, their numbers of frames, and the `IoU` of `CalibMe` and of
 /// the paper's method.
 pub const TABLE_3: [(&str, usize, [Stated; 2]); 2] = [
-    ("BRA–MEX", 42, [stated(0.84, 0.24), stated(0.99, 0.01)]),
-    ("BRA–NED", 33, [stated(0.69, 0.37), stated(0.98, 0.01)]),
+    (
+        "BRA–MEX",
+        42,
+        [mean_and_sd(0.84, 0.24), mean_and_sd(0.99, 0.01)],
+    ),
+    (
+        "BRA–NED",
+        33,
+        [mean_and_sd(0.69, 0.37), mean_and_sd(0.98, 0.01)],
+    ),
 ];
 
 /// Table 4, without and with the threshold on distances of descriptors: the share of rays within

@@ -13,7 +13,7 @@ use touchline_documents::report::{Cell, Report};
 /// # Errors
 /// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = inputs.distorted(progress)?;
+    let set = inputs.distorted_set(progress)?;
     let mut report = Report::new("pose", &set.heading("Pose: with and without k1"));
     let lens = match set.kind {
         SetKind::Drawn => {
@@ -30,7 +30,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     ));
     let kind = ForestKind::Default;
     let (trained, asking) = (
-        Trained::of(set, 0, &kind.training(set.seed)),
+        Trained::train(set, 0, &kind.training(set.seed)),
         kind.asking(set.seed),
     );
     let without = |truth: &PtzCamera| CameraBase {
@@ -42,7 +42,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let tallies: Vec<(Cell, Tally)> = names
         .iter()
         .zip(&answers)
-        .map(|(name, answers)| ((*name).into(), Tally::of(answers.iter())))
+        .map(|(name, answers)| ((*name).into(), Tally::from_answers(answers.iter())))
         .collect();
     report.table(
         "k1",

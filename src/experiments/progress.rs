@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Counts steps: each call of the result reports one more of `total`.
-pub(super) fn counted(total: usize, progress: Progress<'_>) -> impl Fn() + Sync {
+pub(super) fn step_counter(total: usize, progress: Progress<'_>) -> impl Fn() + Sync {
     let done = AtomicUsize::new(0);
     move || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total)
 }

@@ -3,7 +3,7 @@
 
 use super::ExperimentOptions;
 use super::contrast::{Contrast, Statement};
-use super::progress::{Progress, counted};
+use super::progress::{Progress, step_counter};
 use super::setting::{SIZE, normal, rng};
 use rand::RngExt;
 use rand::seq::index::sample;
@@ -58,8 +58,8 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
         Statement::new(&words, Stated::Level(rounds as f64, 0.5), &reason)
             .test(&mut report, &[("by formula", needed)]);
     }
-    let trials = options.sized(200, 12);
-    let step = counted(trials * OUTLIERS.len(), progress);
+    let trials = options.full_or_quick(200, 12);
+    let step = step_counter(trials * OUTLIERS.len(), progress);
     let mut every = Table::new(&[
         ("outliers", "outliers"),
         ("trial", "picture"),
@@ -95,7 +95,7 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
                 }
             }
             let outcome = |method: usize| {
-                Outcome::of(&found.iter().map(|runs| runs[method]).collect::<Vec<_>>())
+                Outcome::from_runs(&found.iter().map(|runs| runs[method]).collect::<Vec<_>>())
             };
             (outliers, [outcome(0), outcome(1)])
         })
@@ -195,7 +195,7 @@ fn table_1(options: &ExperimentOptions) -> Table {
         ("paper", "paper"),
         ("simulated", "success after as many, simulated"),
     ]);
-    let draws = options.sized(100_000, 4000);
+    let draws = options.full_or_quick(100_000, 4000);
     for (points, paper) in TABLE_1 {
         let whole = whole_rounds(points);
         let mut rng = rng(options.seed, [30, points as u64]);
@@ -243,7 +243,7 @@ struct Outcome {
 }
 
 impl Outcome {
-    fn of(runs: &[Run]) -> Self {
+    fn from_runs(runs: &[Run]) -> Self {
         let median = |of: fn(&Run) -> f64| {
             let mut values: Vec<f64> = runs.iter().map(of).collect();
             values.sort_by(f64::total_cmp);
@@ -286,7 +286,7 @@ fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
             pixel(rng)
         } else {
             seen.image
-                .moved(Vec2::new(normal(rng), normal(rng)) * NOISE_PX)
+                .translate(Vec2::new(normal(rng), normal(rng)) * NOISE_PX)
         };
     }
     let right = |image_of: &dyn Fn(Vec3) -> Option<ImagePoint>| {
@@ -294,8 +294,8 @@ fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
             image_of(seen.ground).is_some_and(|image| image.distance_px(seen.image) <= RIGHT_PX)
         })
     };
-    let (two, two_rounds, two_ms) = timed(|| by_two_points(&base, &matches, rng));
-    let (four, four_rounds, four_ms) = timed(|| by_four_points(&matches, rng));
+    let (two, two_rounds, two_ms) = measure_time(|| by_two_points(&base, &matches, rng));
+    let (four, four_rounds, four_ms) = measure_time(|| by_four_points(&matches, rng));
     let two_right = two.is_some_and(|ptz| {
         let found = PtzCamera::new(base, ptz);
         right(&|ground| found.image_from_world(ground).ok())
@@ -322,7 +322,7 @@ fn pixel(rng: &mut Pcg64Mcg) -> ImagePoint {
     )
 }
 
-fn timed<T>(work: impl FnOnce() -> (Option<T>, usize)) -> (Option<T>, usize, f64) {
+fn measure_time<T>(work: impl FnOnce() -> (Option<T>, usize)) -> (Option<T>, usize, f64) {
     let start = Instant::now();
     let (found, rounds) = work();
     (found, rounds, start.elapsed().as_secs_f64() * 1e3)
@@ -384,7 +384,7 @@ fn by_two_points(base: &CameraBase, matches: &[Match], rng: &mut Pcg64Mcg) -> (O
         let observations: Vec<Observation> = agreeing
             .iter()
             .enumerate()
-            .map(|(click, seen)| Observation::of_point(seen.ground, seen.image, NOISE_PX, click))
+            .map(|(click, seen)| Observation::from_point(seen.ground, seen.image, NOISE_PX, click))
             .collect();
         refine(base, camera.ptz(), &observations, Loss::default(), None).ptz
     });
@@ -461,7 +461,7 @@ fn success_figure(shares: &[(f64, [Outcome; 2])]) -> Figure {
         Axis::linear("share of pictures right").within(0.0, 1.05),
     )
     .with(Series::new("two points", 1, points(0)))
-    .with(Series::new("four points (homography)", 2, points(1)).marked(Mark::Square))
+    .with(Series::new("four points (homography)", 2, points(1)).with_mark(Mark::Square))
 }
 
 #[cfg(test)]

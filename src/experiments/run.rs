@@ -27,14 +27,14 @@ impl Experiment {
             Self::Descriptors => descriptors::run(inputs, progress),
             Self::Pose => pose::run(inputs, progress),
             Self::Homographies => {
-                homographies::run(&inputs.options, &inputs.given_for(self)?, progress)
+                homographies::run(&inputs.options, &inputs.data_folder(self)?, progress)
             }
             Self::Annotator => annotator::run(
                 &inputs.options,
-                inputs.given_for(self).ok().as_deref(),
+                inputs.data_folder(self).ok().as_deref(),
                 progress,
             ),
-            Self::Motion => motion::run(&inputs.options, &inputs.given_for(self)?, progress),
+            Self::Motion => motion::run(&inputs.options, &inputs.data_folder(self)?, progress),
         }
     }
 }

@@ -254,7 +254,7 @@ fn summary(
             let method = usize::from(!way.starts_with("calibme"));
             let beside = paper.get(number).filter(|_| by_part || method == 0);
             stated.push(beside.map_or(Cell::Empty, |stated| stated[method].describe().into()));
-            let tally = Tally::of(answers.iter().copied());
+            let tally = Tally::from_answers(answers.iter().copied());
             tallies.push((Cell::from(format!("{way}, {part}")), tally));
         }
     }

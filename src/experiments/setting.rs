@@ -51,7 +51,7 @@ pub fn base() -> CameraBase {
 }
 
 /// A camera pose drawn uniformly from the ranges.
-pub fn drawn_ptz(rng: &mut Pcg64Mcg) -> Ptz {
+pub fn random_ptz(rng: &mut Pcg64Mcg) -> Ptz {
     let mut within = |[from, to]: [f64; 2]| rng.random_range(from..to);
     Ptz::from_degrees(within(PAN_DEG), within(TILT_DEG), within(FOCAL_PX))
 }
@@ -80,7 +80,7 @@ impl Correspondence {
     pub fn noisy(&self, sigma_px: f64, rng: &mut Pcg64Mcg) -> Self {
         let offset = Vec2::new(normal(rng), normal(rng)) * sigma_px;
         Self {
-            image: self.image.moved(offset),
+            image: self.image.translate(offset),
             ..*self
         }
     }

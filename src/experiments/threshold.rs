@@ -88,9 +88,9 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
                 Series::new(
                     &format!("IoU, {}", kind.key()),
                     1,
-                    points(&|at| Tally::of(at.answers.iter()).iou_mean),
+                    points(&|at| Tally::from_answers(at.answers.iter()).iou_mean),
                 )
-                .lined(line),
+                .with_line(line),
             )
             .with(
                 Series::new(
@@ -98,12 +98,12 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
                     2,
                     points(&|at| inliers(at.all_rays())),
                 )
-                .lined(line)
-                .marked(Mark::Square),
+                .with_line(line)
+                .with_mark(Mark::Square),
             );
         for at in measured {
             let way = way(kind.key(), at.gate);
-            let tally = Tally::of(at.answers.iter());
+            let tally = Tally::from_answers(at.answers.iter());
             rows.push((Cell::from(way.as_str()), tally, at.all_rays(), at.gate));
             rays.extend(
                 at.rays
@@ -171,7 +171,7 @@ fn with_paper(mut axes: Figure) -> Figure {
             .zip(TABLE_4)
             .map(|(place, stated)| [*place, stated[column]]);
         let series = Series::new(name, 0, points.collect());
-        axes = axes.with(series.lined(Line::None).marked(mark));
+        axes = axes.with(series.with_line(Line::None).with_mark(mark));
     }
     axes
 }
@@ -196,7 +196,7 @@ fn measure(sets: &[FrameSet], kind: ForestKind, gates: &[f32], progress: Progres
     let mut answers = vec![Vec::new(); gates.len()];
     let mut rays = vec![Vec::new(); gates.len()];
     for (repeat, set) in sets.iter().enumerate() {
-        let trained = Trained::of(set, repeat, &kind.training(set.seed));
+        let trained = Trained::train(set, repeat, &kind.training(set.seed));
         for (place, gate) in gates.iter().enumerate() {
             let usual = kind.asking(set.seed);
             let predict = PredictOptions {

@@ -57,7 +57,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         .zip(counts.iter().cycle())
         .filter(|(_, trees)| IN_FIGURE.contains(trees));
     let tallies: Vec<(Cell, Tally)> = shown
-        .map(|((way, answers), _)| (way.as_str().into(), Tally::of(answers.iter())))
+        .map(|((way, answers), _)| (way.as_str().into(), Tally::from_answers(answers.iter())))
         .collect();
     report.table(
         "counts",
@@ -141,8 +141,8 @@ fn figure(counts: &[usize], answers: &[Vec<FrameAnswer>]) -> Figure {
         } else {
             format!("{trees} trees")
         };
-        figure =
-            figure.with(Series::cumulative(&name, number + 1, &lost, answers.len()).lined(line));
+        figure = figure
+            .with(Series::cumulative(&name, number + 1, &lost, answers.len()).with_line(line));
     }
     figure
 }
@@ -161,7 +161,7 @@ fn measure(
             trees: most as u32,
             ..kind.training(set.seed)
         };
-        let all = Trained::of(set, repeat, &training);
+        let all = Trained::train(set, repeat, &training);
         for (place, trees) in counts.iter().enumerate() {
             answers[place].extend(all.first_trees(*trees).ask_plainly(&kind.asking(set.seed)));
             progress(repeat * counts.len() + place + 1, sets.len() * counts.len());

@@ -129,7 +129,7 @@ impl PyDocument {
         let location = Location::for_new_document(path).map_err(failure)?;
         let mut document = self.document.clone();
         document.count_edits_since(&self.before);
-        let written = document.clone().relocated(&self.folder, location.folder());
+        let written = document.clone().relocate(&self.folder, location.folder());
         if let Some(path) = written.unwritable_path(location.folder()) {
             return Err(Error::new_err(format!(
                 "{path}: a document cannot name it, for a folder's name in it is not UTF-8; \
@@ -226,13 +226,13 @@ impl PyDocument {
     /// The field, unless a camera has its own.
     #[getter]
     fn field(&self) -> PyResult<PyField> {
-        without_panic(|| PyField::of_spec(&self.document.field, &self.folder))
+        without_panic(|| PyField::from_spec(&self.document.field, &self.folder))
     }
 
     /// The field that a frame shows.
     fn field_of(&self, frame: &Bound<'_, PyAny>) -> PyResult<PyField> {
         let spec = self.document.field_of(self.frame(frame)?);
-        without_panic(|| PyField::of_spec(spec, &self.folder))
+        without_panic(|| PyField::from_spec(spec, &self.folder))
     }
 
     /// The base of a camera, by default the first one's; None where it is not known yet.
@@ -246,7 +246,7 @@ impl PyDocument {
     /// The camera of a frame; None where it is unsolved.
     fn camera(&self, frame: &Bound<'_, PyAny>) -> PyResult<Option<PyCamera>> {
         let frame = self.frame(frame)?;
-        let camera = self.document.pointed(frame);
+        let camera = self.document.ptz_camera(frame);
         Ok(camera.map(|camera| PyCamera::new(&camera, frame.image_size)))
     }
 
@@ -349,7 +349,7 @@ impl PyDocument {
                 clicks.len()
             )));
         }
-        let field = PyField::of_spec(self.document.field_of(frame), &self.folder)?.model;
+        let field = PyField::from_spec(self.document.field_of(frame), &self.folder)?.model;
         for click in clicks {
             let target = click.target.as_ref();
             if let Some(unknown) = target.filter(|target| target.element(&field).is_none()) {

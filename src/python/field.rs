@@ -29,7 +29,7 @@ pub struct PyField {
 #[pyo3(signature = (name = "soccer", **params))]
 pub fn field(name: &str, params: Option<BTreeMap<String, f64>>) -> PyResult<PyField> {
     let spec = FieldSpec::with_params(name, params.unwrap_or_default());
-    without_panic(|| PyField::of_spec(&spec, Path::new("")))
+    without_panic(|| PyField::from_spec(&spec, Path::new("")))
 }
 
 /// The names of the built-in templates.
@@ -42,13 +42,13 @@ pub fn field_names() -> Vec<&'static str> {
 pub fn field_or_usual(given: Option<&PyField>) -> PyResult<Arc<FieldModel>> {
     match given {
         Some(field) => Ok(Arc::clone(&field.model)),
-        None => Ok(PyField::of_spec(&FieldSpec::new("soccer"), Path::new(""))?.model),
+        None => Ok(PyField::from_spec(&FieldSpec::new("soccer"), Path::new(""))?.model),
     }
 }
 
 impl PyField {
     /// The field of a specification; `folder` is that of its document.
-    pub fn of_spec(spec: &FieldSpec, folder: &Path) -> PyResult<Self> {
+    pub fn from_spec(spec: &FieldSpec, folder: &Path) -> PyResult<Self> {
         let model = spec.model(folder).map_err(failure)?;
         Ok(Self {
             model: Arc::new(model),

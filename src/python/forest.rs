@@ -115,7 +115,7 @@ impl PyForest {
             ..LearnOptions::default()
         };
         let (given, folder) = document.borrow().copy();
-        let references = TrainingFrames::of(&given, all_references).frames;
+        let references = TrainingFrames::from_document(&given, all_references).frames;
         if references.is_empty() {
             return Err(Error::new_err(
                 "there are no references to train with; accept solved frames first",
@@ -369,7 +369,7 @@ fn answer(
         .first()
         .and_then(|proposal| proposal.outcome.as_ref().err());
     let frame = &document.frames[last];
-    let solved = document.pointed(frame).zip(frame.solution.as_ref());
+    let solved = document.ptz_camera(frame).zip(frame.solution.as_ref());
     let (Some((camera, solution)), None) = (solved, reason) else {
         let reason = reason.map_or_else(|| "no camera was found".to_owned(), ToString::to_string);
         return Ok(Answer {

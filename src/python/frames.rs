@@ -92,13 +92,13 @@ fn texts<'a, 'py>(
 }
 
 /// Numbers of the camera of a frame; NaN where it is unsolved.
-fn of_camera<const N: usize>(
+fn camera_numbers<const N: usize>(
     document: &Document,
     frame: &Frame,
     numbers: impl Fn(&PtzCamera) -> [f64; N],
 ) -> [f64; N] {
     document
-        .pointed(frame)
+        .ptz_camera(frame)
         .as_ref()
         .map_or([f64::NAN; N], numbers)
 }
@@ -158,7 +158,7 @@ impl PyFrames {
     /// Whether a frame has a camera, (N,) of bool.
     #[getter(solved)]
     fn is_solved<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.values(py, |frame| self.document.pointed(frame).is_some())
+        self.values(py, |frame| self.document.ptz_camera(frame).is_some())
     }
 
     /// Columns and rows of the pictures, (N, 2), px.
@@ -175,7 +175,7 @@ impl PyFrames {
     #[getter(R)]
     fn rotation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.column(py, [self.__len__(), 3, 3], |document, frame| {
-            of_camera(document, frame, |camera| {
+            camera_numbers(document, frame, |camera| {
                 row_by_row(&camera.cam_from_world())
             })
         })
@@ -185,7 +185,7 @@ impl PyFrames {
     #[getter(C)]
     fn centre<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.column(py, [self.__len__(), 3], |document, frame| {
-            of_camera(document, frame, |camera| camera.base().position_m.into())
+            camera_numbers(document, frame, |camera| camera.base().position_m.into())
         })
     }
 
@@ -193,7 +193,7 @@ impl PyFrames {
     #[getter(K)]
     fn pinhole<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.column(py, [self.__len__(), 3, 3], |document, frame| {
-            of_camera(document, frame, |camera| row_by_row(&pinhole(camera)))
+            camera_numbers(document, frame, |camera| row_by_row(&pinhole(camera)))
         })
     }
 
@@ -201,7 +201,7 @@ impl PyFrames {
     #[getter]
     fn dist<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.column(py, [self.__len__(), 5], |document, frame| {
-            of_camera(document, frame, |camera| {
+            camera_numbers(document, frame, |camera| {
                 [camera.lens().k1, camera.lens().k2, 0.0, 0.0, 0.0]
             })
         })
@@ -211,7 +211,7 @@ impl PyFrames {
     #[getter(H)]
     fn homography<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.column(py, [self.__len__(), 3, 3], |document, frame| {
-            of_camera(document, frame, |camera| {
+            camera_numbers(document, frame, |camera| {
                 row_by_row(&image_from_ground(camera))
             })
         })

@@ -65,7 +65,10 @@ pub fn jac(
         camera: &camera.camera,
     };
     without_panic(|| {
-        Ok(MarkingMatch::of(&field, &annotated, view, camera.image_size).jaccard(threshold_px))
+        Ok(
+            MarkingMatch::compare(&field, &annotated, view, camera.image_size)
+                .jaccard(threshold_px),
+        )
     })
 }
 

@@ -183,7 +183,7 @@ fn estimate_all(
     // A camera without an estimate does not stop the others.
     let (mut estimates, mut errors) = (Vec::new(), Vec::new());
     for camera in &before.cameras {
-        let problem = BaseProblem::of(before.at(folder), &camera.id);
+        let problem = BaseProblem::from_document(before.at(folder), &camera.id);
         match problem.and_then(|problem| problem.estimate(&before, options, &adjusting.renew())) {
             Ok(estimate) => estimates.push(estimate),
             Err(error) => errors.push(format!("camera {:?}: {error}", camera.id.as_str())),

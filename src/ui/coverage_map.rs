@@ -74,7 +74,7 @@ impl<'a> CoverageMap<'a> {
             };
             ui.label(border(self.coverage.pan.start()));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.label(border(self.coverage.pan.end().wrapped()));
+                ui.label(border(self.coverage.pan.end().wrap()));
             });
         });
     }
@@ -102,7 +102,7 @@ impl<'a> CoverageMap<'a> {
         let tilt_deg = tilt_deg.end() - f64::from(share.y) * (tilt_deg.end() - tilt_deg.start());
         Some((
             cell,
-            [pan.at(f64::from(share.x)).wrapped().degrees(), tilt_deg],
+            [pan.at(f64::from(share.x)).wrap().degrees(), tilt_deg],
         ))
     }
 
@@ -184,7 +184,7 @@ impl<'a> CoverageMap<'a> {
             let colour = match cell.references {
                 0 if cell.field => palette.missing,
                 0 => palette.outside,
-                references => seen_by(palette, references),
+                references => coverage_colour(palette, references),
             };
             // Gaps between the cells show that they are counts in bins.
             self.painter
@@ -194,7 +194,7 @@ impl<'a> CoverageMap<'a> {
 }
 
 /// The colour of a direction that this number of references sees.
-pub fn seen_by(palette: &Palette, references: u32) -> Color32 {
+pub fn coverage_colour(palette: &Palette, references: u32) -> Color32 {
     let share = (references as f32 / PLENTY).min(1.0);
     palette
         .accent_ground

@@ -38,7 +38,7 @@ impl Heading<'_> {
                         let name = format!("Close the {}", self.closes);
                         let weak = ui.palette().weak;
                         let close = symbol::button(ui, Symbol::Cross, &name, weak);
-                        let key = panel.app.settings.keys.shown(self.command);
+                        let key = panel.app.settings.keys.key_label(self.command);
                         let tip = format!("Back to the {}. ({key})", self.behind);
                         if close.on_hover_text(tip).clicked() {
                             panel.actions.push(Action::Command(self.command));

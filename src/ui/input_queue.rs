@@ -84,7 +84,7 @@ impl InputQueue {
                 // Another window receives the events of keys that go up there.
                 self.down.clear();
             }
-            let event = self.released_as_pressed(event);
+            let event = self.match_release_to_press(event);
             match &event {
                 // Repeats of a key that stays down are dropped while one waits, so that they do not
                 // pile up in a slow window; so is the text that each of them types.
@@ -112,7 +112,7 @@ impl InputQueue {
     ///
     /// Otherwise, if Shift goes up before the slash, a question mark has gone down and a slash goes
     /// up. The question mark would stay down, and its next press would count as a repetition.
-    fn released_as_pressed(&mut self, event: Event) -> Event {
+    fn match_release_to_press(&mut self, event: Event) -> Event {
         let Event::Key {
             key,
             physical_key: Some(physical),

@@ -351,7 +351,7 @@ mod tests {
         let mut frame = Frame::from_image("a.jpg", "main".into(), size);
         frame
             .clicks
-            .push(Click::unnamed(ImagePoint::new(10.0, 20.0)));
+            .push(Click::without_name(ImagePoint::new(10.0, 20.0)));
         document.frames.push(frame.into());
         let mut app = App::new(Settings::default());
         app.update(Action::Opened(Box::new(Opened::new(

@@ -24,7 +24,7 @@ const LEAST_PICTURE: [f32; 2] = [480.0, 260.0];
 
 /// Stores the sizes of panels that were dragged, in the settings. The edges are side panel and
 /// filmstrip.
-fn resized(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>; 2]) {
+fn store_panel_sizes(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>; 2]) {
     let of = |edge: usize| match edges[edge] {
         Resized::No => remembered[edge],
         Resized::To(size) => Some(size),
@@ -135,7 +135,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             .frame(side)
             .show(ui, |ui| filmstrip::show(panel, ui));
         let areas = [side_panel.response.rect, strip.response.rect];
-        resized(
+        store_panel_sizes(
             panel,
             [edges[0].read(ui, areas[0]), edges[1].read(ui, areas[1])],
             remembered,

@@ -26,7 +26,7 @@ pub struct ShownMask {
 
 /// The masks that cover the shown frame: those of the camera for every frame, those for a range of
 /// frames, those of the frame. None unless masks are shown.
-pub fn shown(app: &App) -> Vec<ShownMask> {
+pub fn shown_masks(app: &App) -> Vec<ShownMask> {
     let Some(frame) = app
         .frame()
         .filter(|_| app.session.picture.tool == Tool::Mask)
@@ -129,7 +129,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
             label(&painter, whole, placement, "looks burned in");
         }
     }
-    for mask in shown(panel.app) {
+    for mask in shown_masks(panel.app) {
         let whole = mask.on_screen(placement);
         if !whole.intersects(placement.rect) {
             continue;

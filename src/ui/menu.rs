@@ -185,7 +185,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .response
                 .on_hover_text(tip(group))
         });
-        if let Some(title) = opened_by_key(ui, &titles, opens) {
+        if let Some(title) = title_to_open(ui, &titles, opens) {
             title.request_focus();
             egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(title));
         }
@@ -203,7 +203,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// The title of the menu that a key opens now: the first one, or from an open menu the neighbour to
 /// which an arrow key points.
-fn opened_by_key<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a Response> {
+fn title_to_open<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a Response> {
     if first {
         return titles.first();
     }
@@ -316,7 +316,8 @@ pub fn entries(panel: &mut Panel<'_>, ui: &mut Ui, commands: &[Command]) {
 /// Shows an entry. One that is not available is disabled, with the reason in its tooltip.
 fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     let why_not = panel.app.why_not(command);
-    let button = Button::new(command.name()).shortcut_text(panel.app.settings.keys.shown(command));
+    let button =
+        Button::new(command.name()).shortcut_text(panel.app.settings.keys.key_label(command));
     let response = ui.add_enabled(why_not.is_none(), button);
     if is_on(panel.app, command) {
         let font = TextStyle::Button.resolve(ui.style());
@@ -416,7 +417,7 @@ pub fn document_name(file: &Path) -> String {
 /// Shows document, frame and shot.
 fn place(app: &App, ui: &mut Ui) {
     let Some(open) = app.open() else { return };
-    let name = shortened(&document_name(&open.file), LONGEST_NAME);
+    let name = shorten_text(&document_name(&open.file), LONGEST_NAME);
     ui.add(egui::Label::new(RichText::new(name).color(ui.palette().strong)).truncate())
         .on_hover_text(open.file.display().to_string());
     let count = open.document.frames.len();
@@ -428,7 +429,7 @@ fn place(app: &App, ui: &mut Ui) {
                 frame.name()
             ));
         if let Some(clip) = &frame.clip {
-            let shot = format!("shot {}", shortened(&clip.to_string(), LONGEST_NAME / 2));
+            let shot = format!("shot {}", shorten_text(&clip.to_string(), LONGEST_NAME / 2));
             ui.label(RichText::new(shot).color(ui.palette().weak))
                 .on_hover_text(format!("The frame's shot, {clip}"));
         }
@@ -458,7 +459,7 @@ fn place(app: &App, ui: &mut Ui) {
 const LONGEST_NAME: usize = 48;
 
 /// A text of at most `most` characters: longer ones lose their middle.
-fn shortened(text: &str, most: usize) -> String {
+fn shorten_text(text: &str, most: usize) -> String {
     let letters: Vec<char> = text.chars().collect();
     if letters.len() <= most {
         return text.to_owned();
@@ -524,9 +525,9 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(opening) = &panel.app.session.disk.opening {
         ui.add(egui::Spinner::new().size(12.0));
-        ui.label(RichText::new(shortened(opening, LONGEST_NAME)).color(ui.palette().accent))
+        ui.label(RichText::new(shorten_text(opening, LONGEST_NAME)).color(ui.palette().accent))
             .on_hover_text(format!("{opening} The window stays usable meanwhile."));
-        let key = panel.app.settings.keys.shown(Command::Cancel);
+        let key = panel.app.settings.keys.key_label(Command::Cancel);
         let palette = ui.palette();
         let give_up = symbol::button(ui, symbol::Symbol::Cross, "Stop opening", palette.weak);
         if give_up
@@ -609,7 +610,7 @@ fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
         .clone()
         .unwrap_or_else(|| format!("{}.", status.doing.describe()));
     let says = ui.add(Button::new(RichText::new(text).small().color(colour)).frame(false));
-    let key = panel.app.settings.keys.shown(Command::TrainerPanel);
+    let key = panel.app.settings.keys.key_label(Command::TrainerPanel);
     if says
         .on_hover_text(format!("{tip} Trainer panel: {key}."))
         .clicked()

@@ -43,7 +43,7 @@ pub fn paint(
     let shares = |shown| open.document.field_of(shown) == open.document.field_of(frame);
     let Some(camera) = open
         .document
-        .pointed(frame)
+        .ptz_camera(frame)
         .filter(|_| panel.app.frame().is_some_and(shares))
     else {
         return;

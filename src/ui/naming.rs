@@ -38,9 +38,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
         return;
     };
     let point = placement.screen_from_image(click.image);
-    let offered = naming.offered();
+    let offered = naming.listed_candidates();
     let rows = offered.len().max(1) as f32;
-    let columns = Columns::of(ui, naming);
+    let columns = Columns::measure(ui, naming);
     let size = vec2(
         columns.width() + 2.0 * MARGIN,
         (rows + 2.0) * ROW + 2.0 * MARGIN,
@@ -120,7 +120,7 @@ struct Columns {
 impl Columns {
     /// Measures all candidates. The last column exists if a candidate has a distance or is the name
     /// of another point.
-    fn of(ui: &egui::Ui, naming: &Naming) -> Self {
+    fn measure(ui: &egui::Ui, naming: &Naming) -> Self {
         let measure = |text: &str, font| {
             ui.painter()
                 .layout_no_wrap(text.to_owned(), font, ui.palette().text)

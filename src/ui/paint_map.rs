@@ -28,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &FoundCamera, within: Vec
         frames: &looks,
         paint: &found.found.paint,
     };
-    let Some(map) = PaintMapFrame::of(&scene) else {
+    let Some(map) = PaintMapFrame::from_scene(&scene) else {
         return false;
     };
     let (wide, high) = (map.size.width as f32, map.size.height as f32);

@@ -49,8 +49,8 @@ impl Pictures {
 
     /// The decoded frames, for background work that needs them.
     #[must_use]
-    pub fn shared(&self) -> SharedPictures {
-        self.decoded.shared()
+    pub fn shared_pictures(&self) -> SharedPictures {
+        self.decoded.shared_pictures()
     }
 
     /// The picture of the shown frame, or its state.
@@ -61,8 +61,8 @@ impl Pictures {
 
     /// The positions in the document of the frames that are decoded, in no order.
     #[must_use]
-    pub fn decoded(&self) -> Vec<usize> {
-        self.decoded.decoded()
+    pub fn decoded_frames(&self) -> Vec<usize> {
+        self.decoded.decoded_frames()
     }
 
     /// The decoded picture of the frame nearest to a position in the document; see

@@ -118,7 +118,7 @@ impl Placement {
 
     /// The view after zooming by a factor. The point of the picture under `at` keeps its place on
     /// the screen.
-    pub fn zoomed(&self, factor: f64, at: Pos2) -> PictureView {
+    pub fn zoom_at(&self, factor: f64, at: Pos2) -> PictureView {
         let scale = (self.scale * factor).min(MAX_SCALE);
         if !(scale > self.fit_scale) {
             return PictureView::Fit;
@@ -126,7 +126,7 @@ impl Placement {
         // The point under `at` stays, so its distance from the centre shrinks by the ratio of the
         // scales.
         let held = self.image_from_screen(at);
-        let centre = held.moved(self.centre.offset_from(held) * (self.scale / scale));
+        let centre = held.translate(self.centre.offset_from(held) * (self.scale / scale));
         PictureView::Zoomed {
             scale,
             centre: within(centre, self.image_size),
@@ -134,11 +134,11 @@ impl Placement {
     }
 
     /// The view after moving the picture by a vector on the screen, points.
-    pub fn panned(&self, along: egui::Vec2) -> PictureView {
+    pub fn pan_by(&self, along: egui::Vec2) -> PictureView {
         if self.scale <= self.fit_scale {
             return PictureView::Fit;
         }
-        let centre = self.centre.moved(-self.image_from_screen_vector(along));
+        let centre = self.centre.translate(-self.image_from_screen_vector(along));
         PictureView::Zoomed {
             scale: self.scale,
             centre: within(centre, self.image_size),
@@ -207,14 +207,14 @@ mod tests {
         let at = pos2(700.0, 400.0);
         let held = placement.image_from_screen(at);
         for _ in 0..12 {
-            let view = placement.zoomed(1.25, at);
+            let view = placement.zoom_at(1.25, at);
             placement = Placement::new(placement.rect, 1.0, SIZE, view);
             let off = placement.image_from_screen(at).distance_px(held) * placement.scale;
             assert!(off < 9.0, "{off} screen px at {}", placement.scale);
         }
-        assert_eq!(placement.zoomed(1e-3, at), PictureView::Fit);
+        assert_eq!(placement.zoom_at(1e-3, at), PictureView::Fit);
         assert!(
-            matches!(placement.zoomed(1e3, at), PictureView::Zoomed { scale, .. } if scale == MAX_SCALE)
+            matches!(placement.zoom_at(1e3, at), PictureView::Zoomed { scale, .. } if scale == MAX_SCALE)
         );
     }
 
@@ -227,12 +227,12 @@ mod tests {
                 centre: SIZE.centre(),
             },
         );
-        let PictureView::Zoomed { centre, .. } = view.panned(vec2(1e6, -1e6)) else {
+        let PictureView::Zoomed { centre, .. } = view.pan_by(vec2(1e6, -1e6)) else {
             panic!("still enlarged")
         };
         assert_eq!(centre, ImagePoint::new(0.0, 1080.0));
         assert_eq!(
-            placement(1.0, PictureView::Fit).panned(vec2(50.0, 0.0)),
+            placement(1.0, PictureView::Fit).pan_by(vec2(50.0, 0.0)),
             PictureView::Fit
         );
     }

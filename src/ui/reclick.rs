@@ -16,9 +16,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     };
     let Some(target) = round.target() else { return };
     let label = panel.app.label(&Target::Landmark(target.landmark.clone()));
-    let (number, count, skipped) = (round.number(), round.len(), round.skipped());
+    let (number, count, skipped) = (round.number(), round.len(), round.skipped_count());
     let title = format!("BLIND ROUND {}", round.round);
-    let clicked = round.clicked();
+    let clicked = round.clicked_count();
     field_map::show(panel, ui, f32::INFINITY);
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -42,9 +42,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             let tip = match command {
                 Command::SkipAgain => panel.app.settings.keys.tooltip(command),
                 Command::Undo => {
-                    format!("Undo the last blind click. ({})", panel.app.settings.keys.shown(command))
+                    format!("Undo the last blind click. ({})", panel.app.settings.keys.key_label(command))
                 }
-                _ => format!("The clicks so far are kept. ({})", panel.app.settings.keys.shown(command)),
+                _ => format!("The clicks so far are kept. ({})", panel.app.settings.keys.key_label(command)),
             };
             let button = ui.add_enabled(why_not.is_none(), Button::new(says).min_size(vec2(110.0, 24.0)));
             if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {

@@ -59,7 +59,7 @@ impl Shell {
         let pictures = Pictures::start(wake.clone())?;
         let mut shell = Self {
             app: App::new(settings).with_clock(jiff::Timestamp::now),
-            runner: Runner::new(wake.clone(), pictures.shared()),
+            runner: Runner::new(wake.clone(), pictures.shared_pictures()),
             pictures,
             files: Files::new(wake),
             adapter: creation

@@ -150,7 +150,7 @@ fn keys_are_taken(app: &App, ctx: &Context) -> bool {
 /// Reads the keys while the list of names is open.
 fn read_list(naming: &Naming, hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
     let mut typed = naming.typed.clone();
-    let offered = naming.offered().len();
+    let offered = naming.listed_candidates().len();
     // A digit's key takes a row. The text event that follows it must not type the digit as well.
     let mut digit = false;
     ctx.input_mut(|input| {
@@ -489,7 +489,7 @@ mod tests {
         let Mode::Naming(naming) = &hands.app.session.mode else {
             panic!("{:?}", hands.app.session.mode)
         };
-        let second = naming.offered()[1].target.clone();
+        let second = naming.listed_candidates()[1].target.clone();
         // On a French keyboard the physical key 2 types an é.
         let press = |pressed| Event::Key {
             key: Key::Num2,

@@ -117,7 +117,7 @@ impl Draw {
         let base = CameraBase::new(
             position_m,
             upright.base_from_world() * leaning,
-            centre.moved(off),
+            centre.translate(off),
         );
         let crown_m = self.normal(priors.crown_m.0, priors.crown_m.1).max(0.0);
         let field = FieldModel {
@@ -189,10 +189,10 @@ impl Draw {
                 self.normal(0.0, landmark.click_sigma_px),
             );
             let name = landmark.id.as_str();
-            clicks.extend(Observation::of_landmark(
+            clicks.extend(Observation::from_landmark(
                 &flat,
                 name,
-                seen.moved(noise),
+                seen.translate(noise),
                 SIZE,
                 clicks.len(),
             ));
@@ -243,7 +243,7 @@ fn measure(place: &Place, frames: usize, most: usize, seed: u64) -> Counts {
     };
     let mut counts = Counts::default();
     let Ok(found) = estimate_base(
-        &CameraClicks::centred(&nominal, &clicked, SIZE),
+        &CameraClicks::with_centred_principal_point(&nominal, &clicked, SIZE),
         None,
         &BaseOptions::default(),
         &Progress::default(),
@@ -262,7 +262,7 @@ fn measure(place: &Place, frames: usize, most: usize, seed: u64) -> Counts {
             let FieldElement::Landmark(landmark) = click.element? else {
                 return None;
             };
-            Observation::of_landmark(
+            Observation::from_landmark(
                 &crowned,
                 nominal.landmarks[landmark].id.as_str(),
                 click.image,

@@ -91,7 +91,7 @@ struct Draw {
 impl Draw {
     fn noisy(&mut self, at: ImagePoint, sigma_px: f64) -> ImagePoint {
         let normal = Normal::new(0.0, sigma_px).unwrap();
-        at.moved(Vec2::new(
+        at.translate(Vec2::new(
             normal.sample(&mut self.rng),
             normal.sample(&mut self.rng),
         ))
@@ -150,7 +150,7 @@ impl Draw {
             };
             if SIZE.contains(seen) {
                 let seen = self.noisy(seen, CLICK_PX);
-                clicks.extend(Observation::of_landmark(
+                clicks.extend(Observation::from_landmark(
                     field,
                     landmark.id.as_str(),
                     seen,
@@ -169,7 +169,7 @@ impl Draw {
         };
         let samples = sample_lines(field, camera, SIZE, &every);
         let seen = samples.iter().enumerate().filter_map(|(place, sample)| {
-            Observation::of_paint(
+            Observation::from_paint(
                 field,
                 sample.line,
                 self.noisy(sample.image, PAINT_PX),
@@ -269,7 +269,7 @@ fn by_clicks(frames: &[Drawn], field: &FieldModel) -> BaseEstimate {
         .map(|drawn| clicks_of(drawn.clicks.clone()))
         .collect();
     estimate_base(
-        &CameraClicks::centred(field, &clicks, SIZE),
+        &CameraClicks::with_centred_principal_point(field, &clicks, SIZE),
         None,
         &BaseOptions::default(),
         &Progress::default(),
@@ -289,7 +289,7 @@ fn by_paint(frames: &[Drawn], start: &BaseEstimate, field: &FieldModel) -> BaseE
         .iter()
         .map(|drawn| clicks_of(drawn.paint.clone()))
         .collect();
-    let unclicked = CameraClicks::centred(field, &nothing, SIZE);
+    let unclicked = CameraClicks::with_centred_principal_point(field, &nothing, SIZE);
     estimate_base_on_paint(
         &unclicked,
         &painted,

@@ -210,7 +210,7 @@ fn measure(frame: &Frame, field: &FieldModel, options: &FromLinesOptions) -> Row
             field: &on_ground,
             camera: &found.camera(),
         };
-        let matched = MarkingMatch::of(&on_ground, &annotated, view, SIZE);
+        let matched = MarkingMatch::compare(&on_ground, &annotated, view, SIZE);
         row.near = matched
             .plain
             .worst_px
@@ -251,7 +251,7 @@ fn left_out_sigmas(
             .iter()
             .map(|point| {
                 if is_left_out(point) {
-                    point.held_out()
+                    point.hold_out()
                 } else {
                     *point
                 }
@@ -264,7 +264,7 @@ fn left_out_sigmas(
         for point in split.iter().filter(|point| point.check) {
             let Some(point) = point
                 .element
-                .and_then(|line| point.renamed(&on_ground, line))
+                .and_then(|line| point.with_element(&on_ground, line))
             else {
                 continue;
             };
@@ -346,7 +346,7 @@ fn draw(part: &Part, field: &FieldModel, random: &mut Pcg64Mcg) -> DrawnPicture 
         ..CameraBase::new(
             position_m,
             angles.base_from_world(),
-            SIZE.centre().moved(principal_px),
+            SIZE.centre().translate(principal_px),
         )
     };
     let ptz = Ptz {
@@ -360,8 +360,8 @@ fn draw(part: &Part, field: &FieldModel, random: &mut Pcg64Mcg) -> DrawnPicture 
         for point in line.points {
             let noise_px = Vec2::new(scattered(NOISE_PX), scattered(NOISE_PX));
             let name = field.lines[line.line].id.as_str();
-            let image = point.moved(noise_px);
-            points.push(Observation::of_line(field, name, image, SIZE, points.len()).unwrap());
+            let image = point.translate(noise_px);
+            points.push(Observation::from_line(field, name, image, SIZE, points.len()).unwrap());
         }
     }
     DrawnPicture { truth, points }

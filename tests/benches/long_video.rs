@@ -231,13 +231,13 @@ fn taking_in(bencher: Bencher, state: State) {
 #[divan::bench(args = STATES, sample_count = 20)]
 fn lookup_anew(bencher: Bencher, state: State) {
     let document = document(state);
-    bencher.bench_local(|| FrameLookup::of(&document));
+    bencher.bench_local(|| FrameLookup::from_document(&document));
 }
 
 #[divan::bench(args = STATES)]
 fn lookup_after_an_edit(bencher: Bencher, state: State) {
     let mut document = document(state);
-    let mut lookup = FrameLookup::of(&document);
+    let mut lookup = FrameLookup::from_document(&document);
     let mut turned = 0.0;
     bencher.bench_local(|| {
         turned = 1.0 - turned;

@@ -14,7 +14,7 @@ use std::sync::{Arc, OnceLock};
 use tempfile::TempDir;
 use touchline::jobs::{Decoder, DecoderOptions, FrameState};
 use touchline::media::{
-    FrameRef, Picture, PrefetchOptions, StepDirection, THUMBNAIL_SIZE, Video, letterboxed,
+    FrameRef, Picture, PrefetchOptions, StepDirection, THUMBNAIL_SIZE, Video, letterbox,
     load_image, prefetch_plan,
 };
 
@@ -110,7 +110,7 @@ impl Stepper {
 
     /// What a window does when a key is pressed, up to the pixels in hand.
     fn step(&mut self, to: usize) -> Option<Picture> {
-        let direction = StepDirection::of_step(self.at, to);
+        let direction = StepDirection::from_step(self.at, to);
         self.at = to;
         self.request(direction);
         self.decoder.poll();
@@ -225,5 +225,5 @@ fn load_a_1080p_jpeg(bencher: Bencher) {
 #[divan::bench(sample_count = 30, sample_size = 1)]
 fn thumbnail_of_a_1080p_frame(bencher: Bencher) {
     let picture = Video::open(video()).unwrap().frame(30).unwrap();
-    bencher.bench_local(|| letterboxed(&picture, THUMBNAIL_SIZE));
+    bencher.bench_local(|| letterbox(&picture, THUMBNAIL_SIZE));
 }

@@ -49,7 +49,7 @@ fn drawing() -> Drawing {
 fn picture(key: u64) -> Layer {
     Layer::Picture(PictureLayer {
         key: PictureKey(key),
-        pixels: media::Picture::filled(SIZE, [40, 110, 50, 255]),
+        pixels: media::Picture::with_colour(SIZE, [40, 110, 50, 255]),
         look: PictureLook::default(),
     })
 }
@@ -83,10 +83,10 @@ fn solved() -> (FieldModel, PtzCamera, Uncertainty) {
         let at = camera
             .image_from_world(field.landmark_in_world(field.landmark(name).unwrap()))
             .unwrap();
-        Observation::of_landmark(&field, name, at, SIZE, 0).unwrap()
+        Observation::from_landmark(&field, name, at, SIZE, 0).unwrap()
     };
     let clicks = [click("centre_mark"), click("centre_circle_right")];
-    let uncertainty = Uncertainty::of(&camera, &clicks, None).unwrap();
+    let uncertainty = Uncertainty::from_observations(&camera, &clicks, None).unwrap();
     (field, camera, uncertainty)
 }
 

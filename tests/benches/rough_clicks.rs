@@ -264,7 +264,7 @@ fn report(document: &Document, truth: &[PtzCamera], seed: u64, seconds: f64) {
     let (mut off, mut right, mut doubted, mut certain_and_wrong) = (Vec::new(), 0, 0, 0);
     let right_px = RIGHT_PX * SHARED.scale_from_1920();
     for index in of_camera.clone() {
-        let Some(camera) = document.pointed(&document.frames[index]) else {
+        let Some(camera) = document.ptz_camera(&document.frames[index]) else {
             continue;
         };
         let worst = corners_apart_px(&truth[index], &camera, SHARED)

@@ -70,9 +70,9 @@ fn clicks(camera: &PtzCamera, count: usize) -> Vec<Observation> {
             let exact = camera
                 .image_from_world(field.landmark_in_world(field.landmark(name).unwrap()))
                 .ok()?;
-            let image = exact.moved(touchline::geometry::Vec2::new(0.6, -0.8));
+            let image = exact.translate(touchline::geometry::Vec2::new(0.6, -0.8));
             SIZE.contains(image)
-                .then(|| Observation::of_landmark(&field, name, image, SIZE, 0).unwrap())
+                .then(|| Observation::from_landmark(&field, name, image, SIZE, 0).unwrap())
         })
         .take(count)
         .collect()
@@ -127,7 +127,7 @@ fn landmark_and_line_frame(bencher: Bencher) {
         .image_from_world(field.world_from_nominal(line.curve.point_at(0.5)))
         .unwrap();
     let mut clicks = clicks(&camera, 1);
-    clicks.push(Observation::of_line(&field, "penalty_area_right_far", image, SIZE, 1).unwrap());
+    clicks.push(Observation::from_line(&field, "penalty_area_right_far", image, SIZE, 1).unwrap());
     let context = SolveContext::new(SIZE);
     bencher.bench_local(|| {
         solve_frame(black_box(camera.base()), black_box(&clicks), &context).unwrap()
@@ -145,8 +145,8 @@ fn identity_of_a_swap(bencher: Bencher, count: usize) {
     let mut clicks = clicks(&camera, count);
     let [one, two] = [clicks[1].element, clicks[2].element].map(Option::unwrap);
     (clicks[1], clicks[2]) = (
-        clicks[1].renamed(&field, two).unwrap(),
-        clicks[2].renamed(&field, one).unwrap(),
+        clicks[1].with_element(&field, two).unwrap(),
+        clicks[2].with_element(&field, one).unwrap(),
     );
     let context = SolveContext::new(SIZE);
     let solution = solve_frame(camera.base(), &clicks, &context).unwrap();
@@ -201,7 +201,7 @@ fn adjust_frames_of_ten_clicks(bencher: Bencher, count: usize) {
     let options = AdjustOptions::default();
     bencher.bench_local(|| {
         adjust_base(
-            &CameraClicks::centred(&field, black_box(&frames), SIZE),
+            &CameraClicks::with_centred_principal_point(&field, black_box(&frames), SIZE),
             &start,
             &ptz,
             &model,
@@ -235,7 +235,7 @@ fn estimate_a_base_from_77_frames(bencher: Bencher) {
     let options = BaseOptions::default();
     bencher.bench_local(|| {
         estimate_base(
-            &CameraClicks::centred(&field, black_box(&frames), SIZE),
+            &CameraClicks::with_centred_principal_point(&field, black_box(&frames), SIZE),
             None,
             &options,
             &Progress::default(),

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .id
         .clone();
 
-    let problem = BaseProblem::of(document.at(location.folder()), &camera)?;
+    let problem = BaseProblem::from_document(document.at(location.folder()), &camera)?;
     let found = problem.estimate(&document, &BaseOptions::default(), &Progress::default())?;
 
     let base = &found.estimate.base;

@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         store: &store,
     };
     let mut reader = FrameReader::new();
-    let references = TrainingFrames::of(&document, false).frames;
+    let references = TrainingFrames::from_document(&document, false).frames;
     let studied =
         study(&pictures, &mut reader, &references, &Progress::default()).ok_or("stopped")?;
     let model = learn(&document, &studied, &options, &Progress::default())?;

@@ -21,14 +21,14 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let field = builtin("soccer")?.default_model()?;
     let clicks = [
-        Observation::of_landmark(
+        Observation::from_landmark(
             &field,
             "centre_mark",
             ImagePoint::new(479.1, 672.1),
             size,
             0,
         )?,
-        Observation::of_landmark(
+        Observation::from_landmark(
             &field,
             "corner_far_right",
             ImagePoint::new(1477.7, 439.5),

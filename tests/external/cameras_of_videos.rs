@@ -60,7 +60,7 @@ fn write_solved(folder: &Path) -> Document {
 fn pans_deg(document: &Document) -> Vec<(u64, Option<f64>)> {
     let pan = |frame: &Frame| {
         let ray = document
-            .pointed(frame)?
+            .ptz_camera(frame)?
             .ray_from_image(SIZE.centre())
             .ok()?;
         Some(ray.pan.degrees())

@@ -63,8 +63,9 @@ fn clicks(field: &FieldModel, camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Obs
             continue;
         };
         let click =
-            Observation::of_landmark(field, landmark.id.as_str(), exact, SIZE, seen.len()).unwrap();
-        let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * click.sigma_px);
+            Observation::from_landmark(field, landmark.id.as_str(), exact, SIZE, seen.len())
+                .unwrap();
+        let image = exact.translate(Vec2::new(normal(rng), normal(rng)) * click.sigma_px);
         if SIZE.contains(image) && SIZE.contains(exact) {
             seen.push(Observation { image, ..click });
         }
@@ -102,7 +103,7 @@ fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
         })
         .collect();
     let found = estimate_base(
-        &CameraClicks::centred(&field, &ten, SIZE),
+        &CameraClicks::with_centred_principal_point(&field, &ten, SIZE),
         None,
         &BaseOptions::default(),
         &Progress::default(),
@@ -131,7 +132,11 @@ fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
         let truth = PtzCamera::new(base, *ptz);
         let pair: Vec<Observation> = farthest(clicks)
             .iter()
-            .map(|click| click.renamed(&crowned, click.element.unwrap()).unwrap())
+            .map(|click| {
+                click
+                    .with_element(&crowned, click.element.unwrap())
+                    .unwrap()
+            })
             .collect();
         let context = SolveContext {
             neighbours: before.into_iter().collect(),

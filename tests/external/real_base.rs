@@ -74,7 +74,7 @@ fn the_base_comes_from_clicks_alone() {
         let yardstick = read(&data.join(format!("scouting-{set}/fit-k1.json")));
         let options = BaseOptions::default();
         let estimate = estimate_base(
-            &CameraClicks::centred(&seen.field, &seen.frames, SIZE),
+            &CameraClicks::with_centred_principal_point(&seen.field, &seen.frames, SIZE),
             None,
             &options,
             &Progress::default(),
@@ -173,7 +173,7 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
                 .iter()
                 .map(|click| {
                     if held(index, click.click) {
-                        click.held_out()
+                        click.hold_out()
                     } else {
                         *click
                     }
@@ -183,7 +183,7 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
         };
         let frames: Vec<FrameClicks> = seen.frames.iter().enumerate().map(part).collect();
         let found = estimate_base(
-            &CameraClicks::centred(&seen.field, &frames, SIZE),
+            &CameraClicks::with_centred_principal_point(&seen.field, &frames, SIZE),
             None,
             &BaseOptions::default(),
             &Progress::default(),
@@ -309,7 +309,7 @@ fn few_frames_give_a_usable_base() {
                 let few: Vec<FrameClicks> = chosen.iter().map(of).collect();
                 let options = BaseOptions::default();
                 let found = estimate_base(
-                    &CameraClicks::centred(&seen.field, &few, SIZE),
+                    &CameraClicks::with_centred_principal_point(&seen.field, &few, SIZE),
                     None,
                     &options,
                     &Progress::default(),
@@ -336,7 +336,7 @@ fn few_frames_give_a_usable_base() {
                             if keep.contains(&click.click) {
                                 *click
                             } else {
-                                click.held_out()
+                                click.hold_out()
                             }
                         })
                         .collect();
@@ -405,7 +405,8 @@ fn two_names_exchanged_are_named_as_a_swap() {
                 )
             } else {
                 let options = BaseOptions::default();
-                let clicks = CameraClicks::centred(&seen.field, &seen.frames, SIZE);
+                let clicks =
+                    CameraClicks::with_centred_principal_point(&seen.field, &seen.frames, SIZE);
                 let found = estimate_base(&clicks, None, &options, &Progress::default()).unwrap();
                 (found.base, found.crown_m)
             };
@@ -441,10 +442,10 @@ fn two_names_exchanged_are_named_as_a_swap() {
                 };
                 let mut wrong = clicks.clone();
                 wrong[i] = clicks[i]
-                    .renamed(&field, clicks[j].element.unwrap())
+                    .with_element(&field, clicks[j].element.unwrap())
                     .unwrap();
                 wrong[j] = clicks[j]
-                    .renamed(&field, clicks[i].element.unwrap())
+                    .with_element(&field, clicks[i].element.unwrap())
                     .unwrap();
                 asked += 1;
                 named += usize::from(found(&wrong).is_some_and(|found| {
@@ -502,7 +503,7 @@ fn median_at_others(seen: &Match, chosen: &[usize], base: &CameraBase, crown_m: 
                 if keep.contains(&click.click) {
                     *click
                 } else {
-                    click.held_out()
+                    click.hold_out()
                 }
             })
             .collect();
@@ -539,7 +540,7 @@ fn any_few_frames_are_seldom_worse_than_a_pinhole() {
                 let few: Vec<FrameClicks> = chosen.iter().map(four).collect();
                 let estimate = |options: &BaseOptions| {
                     estimate_base(
-                        &CameraClicks::centred(&seen.field, &few, SIZE),
+                        &CameraClicks::with_centred_principal_point(&seen.field, &few, SIZE),
                         None,
                         options,
                         &Progress::default(),

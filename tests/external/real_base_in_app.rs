@@ -24,7 +24,7 @@ fn real_frames_from_their_clicks_alone() {
         .app
         .operations
         .base_estimate
-        .proposed()
+        .proposed_base()
         .unwrap()
         .estimate;
     assert!(estimate.median_px < 3.5, "{}", estimate.median_px);

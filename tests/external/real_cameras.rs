@@ -21,7 +21,7 @@ fn real(set: &str) -> Document {
     let path = frames_folder().join(format!("scouting-{set}/clicks.json"));
     let mut document = touchline::store::read(&path).unwrap().1;
     let camera = document.cameras[0].id.clone();
-    let problem = BaseProblem::of(document.at(Path::new(".")), &camera).unwrap();
+    let problem = BaseProblem::from_document(document.at(Path::new(".")), &camera).unwrap();
     let estimated = problem
         .estimate(&document, &BaseOptions::default(), &Progress::default())
         .unwrap();
@@ -50,10 +50,15 @@ fn three_matches() -> Document {
 
 fn real_matches_are_told_apart_and_give_no_false_alarm() {
     let document = three_matches();
-    let fields = Fields::of(document.at(Path::new("."))).unwrap();
-    let of_cameras = fields.of_cameras(&document);
+    let fields = Fields::from_document(document.at(Path::new("."))).unwrap();
+    let of_cameras = fields.per_camera(&document);
     for (camera, field) in document.cameras.iter().zip(&of_cameras) {
-        let change = camera_change(&document, &FrameLookup::of(&document), &camera.id, field);
+        let change = camera_change(
+            &document,
+            &FrameLookup::from_document(&document),
+            &camera.id,
+            field,
+        );
         assert_eq!(change, None, "{}: nobody bumped it", camera.id);
     }
     // The right camera, then each wrong one.
@@ -64,7 +69,10 @@ fn real_matches_are_told_apart_and_give_no_false_alarm() {
             let right = asked.frames[index].camera.clone();
             asked.frames[index].camera = camera.id.clone();
             let frame = &asked.frames[index];
-            let (lookup, field) = (FrameLookup::of(&asked), fields.of_frame(&asked, frame));
+            let (lookup, field) = (
+                FrameLookup::from_document(&asked),
+                fields.for_frame(&asked, frame),
+            );
             let Ok(solved) = calibrate(&asked, &lookup, frame, field, index) else {
                 continue;
             };
@@ -111,12 +119,12 @@ fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
         frame.camera = first.clone();
     }
     solve_document(&mut document, Path::new("."), &Progress::default()).unwrap();
-    let fields = Fields::of(document.at(Path::new("."))).unwrap();
+    let fields = Fields::from_document(document.at(Path::new("."))).unwrap();
     let change = camera_change(
         &document,
-        &FrameLookup::of(&document),
+        &FrameLookup::from_document(&document),
         &first,
-        &fields.of_cameras(&document)[0],
+        &fields.per_camera(&document)[0],
     )
     .unwrap();
     println!("{} ({begins})", change.describe());

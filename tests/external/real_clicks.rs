@@ -45,7 +45,7 @@ fn residuals_by_landmark(document: &Document, axis: usize) -> BTreeMap<String, V
         .iter()
         .filter(|frame| !frame.name().contains("42ba34_9_2"))
     {
-        let Some(camera) = document.pointed(frame) else {
+        let Some(camera) = document.ptz_camera(frame) else {
             continue;
         };
         for click in &frame.clicks {

@@ -39,7 +39,7 @@ fn apart_px(a: &Document, b: &Document, field: &FieldModel, size: ImageSize) -> 
     assert_eq!(a.frames.len(), b.frames.len());
     let mut worst = 0.0_f64;
     for (one, two) in a.frames.iter().zip(&b.frames) {
-        let (one, two) = (a.pointed(one).unwrap(), b.pointed(two).unwrap());
+        let (one, two) = (a.ptz_camera(one).unwrap(), b.ptz_camera(two).unwrap());
         for landmark in field
             .landmarks
             .iter()
@@ -205,7 +205,7 @@ fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
     let field = model(&fitted, folder.path());
     let mut off: Vec<f64> = Vec::new();
     for (frame, published) in fitted.frames.iter().zip(&usable) {
-        let camera = fitted.pointed(frame).unwrap();
+        let camera = fitted.ptz_camera(frame).unwrap();
         let h = centred(&published["homography_as_stored"]);
         let (mut sum, mut count) = (0.0, 0);
         for landmark in field

@@ -66,7 +66,7 @@ fn the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back() {
     for frame in &frames {
         let picture = load_image(&frame.image_path(place.path()).unwrap()).unwrap();
         let ground = GroundPicture::new(&picture, &document.masks_of(frame));
-        let camera = document.pointed(frame).unwrap();
+        let camera = document.ptz_camera(frame).unwrap();
         right +=
             usize::from(check_lines(&ground, &field, &camera).verdict() == LineVerdict::Supports);
         for (pan_px, tilt_px, zoom) in [
@@ -122,7 +122,7 @@ fn points_go_to_painted_spots() {
         let field = document.field.model(place.path()).unwrap();
         for frame in &document.frames {
             let (Some(camera), Some(image)) =
-                (document.pointed(frame), frame.image_path(place.path()))
+                (document.ptz_camera(frame), frame.image_path(place.path()))
             else {
                 continue;
             };

@@ -36,7 +36,7 @@ fn real_bases_from_halves_agree_within_what_they_state() {
             .collect();
         let estimate = |frames: &[FrameClicks]| {
             estimate_base(
-                &CameraClicks::centred(&field, frames, SIZE),
+                &CameraClicks::with_centred_principal_point(&field, frames, SIZE),
                 None,
                 &BaseOptions::default(),
                 &Progress::default(),

@@ -39,7 +39,7 @@ fn right_cameras_are_told_from_wrong_ones_and_snapping_comes_back_on_wood() {
         let (frame, picture) = (shown.frame, shown.picture.unwrap());
         let ground = GroundPicture::new(&picture, &document.masks_of(frame));
         assert!(!ground.surface().is_turf(), "{}", frame.name());
-        let camera = document.pointed(frame).unwrap();
+        let camera = document.ptz_camera(frame).unwrap();
         let right = check_lines(&ground, &field, &camera);
         assert_eq!(
             right.verdict(),

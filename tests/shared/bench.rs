@@ -84,13 +84,13 @@ impl Bench {
     #[cfg(feature = "opencv")]
     pub fn report_progress<O: Operation>(&mut self, progress: O::Progress) {
         let id = self.started::<O>().id();
-        self.act(Action::Report(Report::of_progress::<O>(id, progress)));
+        self.act(Action::Report(Report::from_progress::<O>(id, progress)));
     }
 
     /// The operation that was started last has ended.
     pub fn report_end<O: Operation>(&mut self, result: Result<O::Output, Failure<O::Error>>) {
         let id = self.started::<O>().id();
-        self.act(Action::Report(Report::of_end::<O>(id, result)));
+        self.act(Action::Report(Report::from_result::<O>(id, result)));
     }
 
     pub fn last_notice(&self) -> &str {

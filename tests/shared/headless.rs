@@ -25,7 +25,7 @@ impl Headless {
             let _ = wake.send(());
         });
         let pictures = Pictures::start(wake.clone()).unwrap();
-        let runner = Runner::new(wake, pictures.shared());
+        let runner = Runner::new(wake, pictures.shared_pictures());
         Self {
             app: App::new(Settings::default()),
             runner,

@@ -252,7 +252,7 @@ fn repeat(
 }
 
 fn own(document: &Document) -> OwnNoise {
-    OwnNoise::of(document.at(Path::new("."))).unwrap()
+    OwnNoise::estimate(document.at(Path::new("."))).unwrap()
 }
 
 #[test]
@@ -304,8 +304,8 @@ fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
         "{noise:?}"
     );
     usual.set_click_noise(&noise).unwrap();
-    let weighed = Fields::of(usual.at(Path::new("."))).unwrap();
-    let weighed = weighed.of_frame(&usual, &usual.frames[0]);
+    let weighed = Fields::from_document(usual.at(Path::new("."))).unwrap();
+    let weighed = weighed.for_frame(&usual, &usual.frames[0]);
     let changed = weighed
         .landmarks
         .iter()
@@ -321,12 +321,18 @@ fn low_click_noise_lowers_the_solves_sigmas_and_the_document_keeps_it() {
     let mut document = by_another(&truth, &truth, 0.2, &mut rng);
     repeat(&mut document, &truth, 10, 0.2, &mut rng);
     let sigma = |document: &Document| {
-        let fields = Fields::of(document.at(Path::new("."))).unwrap();
+        let fields = Fields::from_document(document.at(Path::new("."))).unwrap();
         let frame = &document.frames[4];
-        let field = fields.of_frame(document, frame);
-        calibrate(document, &FrameLookup::of(document), frame, field, 4)
-            .unwrap()
-            .worst_corner_sigma_px
+        let field = fields.for_frame(document, frame);
+        calibrate(
+            document,
+            &FrameLookup::from_document(document),
+            frame,
+            field,
+            4,
+        )
+        .unwrap()
+        .worst_corner_sigma_px
     };
     let before = sigma(&document);
     let mut noise = own(&document).click_noise.unwrap();

@@ -26,8 +26,8 @@ fn document(path: &Path) -> Document {
 fn worst_px(found: &Document, truth: &Document, frame: usize) -> f64 {
     let (found_frame, exact) = (&found.frames[frame], &truth.frames[frame]);
     let (found, exact) = (
-        found.pointed(found_frame).unwrap(),
-        truth.pointed(exact).unwrap(),
+        found.ptz_camera(found_frame).unwrap(),
+        truth.ptz_camera(exact).unwrap(),
     );
     let size = found_frame.image_size;
     let pixels = (0..48).map(|index| {
@@ -61,7 +61,7 @@ fn without_a_click(folder: &Path) -> String {
             .map(|landmark| {
                 Click::landmark(
                     landmark.into(),
-                    at.moved(touchline::geometry::Vec2::new(9.0, 4.0)),
+                    at.translate(touchline::geometry::Vec2::new(9.0, 4.0)),
                 )
             })
             .to_vec();
@@ -89,7 +89,7 @@ fn without_a_click(folder: &Path) -> String {
 fn click_two(project: &Path, truth: &Document) {
     let frame = &truth.frames[0];
     let (camera, field) = (
-        truth.pointed(frame).unwrap(),
+        truth.ptz_camera(frame).unwrap(),
         truth.field.model(Path::new("")).unwrap(),
     );
     let shown = project_landmarks(&field, &camera, frame.image_size, 0.0);

@@ -350,7 +350,9 @@ fn commands_see_what_only_the_journal_holds() {
         panic!("read-only")
     };
     let mut after = document.clone();
-    after.frames[0].clicks.push(Click::unnamed(SIZE.centre()));
+    after.frames[0]
+        .clicks
+        .push(Click::without_name(SIZE.centre()));
     after.frames[0]
         .clicks
         .push(Click::landmark("centre_mark".into(), SIZE.centre()));

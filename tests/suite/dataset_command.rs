@@ -63,7 +63,7 @@ fn document_of(folder: &Path, size: ImageSize) -> Document {
             rms_px: Some(0.5),
             ..Solution::default()
         });
-        if let Some(camera) = document.cameras[0].pointed(&frame) {
+        if let Some(camera) = document.cameras[0].ptz_camera(&frame) {
             for name in ["centre_mark", "halfway_far"] {
                 let landmark = field
                     .landmarks
@@ -215,7 +215,7 @@ fn a_dataset_is_whole_and_says_what_it_is() {
     let (_, plain, _) = read(&folder.path().join("out/set/undistorted/dataset.json")).unwrap();
     assert_eq!(plain.frames.len(), 12);
     for frame in &plain.frames {
-        let camera = plain.pointed(frame).unwrap();
+        let camera = plain.ptz_camera(frame).unwrap();
         assert!(camera.lens().is_none());
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let landmark = field

@@ -56,7 +56,7 @@ pub fn shown(truth: &Document, frame: usize) -> Vec<(LandmarkId, ImagePoint)> {
         .unwrap()
         .default_model()
         .unwrap();
-    let camera = truth.pointed(&truth.frames[frame]).unwrap();
+    let camera = truth.ptz_camera(&truth.frames[frame]).unwrap();
     let seen = |landmark: &Landmark| {
         let at = camera
             .image_from_world(field.landmark_in_world(landmark))
@@ -69,7 +69,7 @@ pub fn shown(truth: &Document, frame: usize) -> Vec<(LandmarkId, ImagePoint)> {
 
 /// How far the landmarks that a frame shows are off, px; none where the frame has no camera.
 pub fn landmark_errors_px(found: &Document, truth: &Document, frame: usize) -> Option<Vec<f64>> {
-    let camera = found.pointed(&found.frames[frame])?;
+    let camera = found.ptz_camera(&found.frames[frame])?;
     let field = found.at(Path::new("")).model_of(&found.field).unwrap();
     let off_px = |(landmark, at): (LandmarkId, ImagePoint)| {
         let landmark = field.landmark(landmark.as_str()).unwrap();

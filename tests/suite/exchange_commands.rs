@@ -55,7 +55,7 @@ fn apart_px(a: &Document, b: &Document) -> f64 {
         document
             .frames
             .iter()
-            .filter_map(|frame| document.pointed(frame))
+            .filter_map(|frame| document.ptz_camera(frame))
             .collect()
     };
     let (a, b) = (solved(a), solved(b));
@@ -425,7 +425,10 @@ fn the_lens_of_every_frame_travels_without_its_rotation() {
         .collect();
     assert_eq!(solved, [true, false, false]);
     for (frame, known) in after.frames.iter().zip(&before.frames) {
-        let (lens, camera) = (frame.lens.as_ref().unwrap(), before.pointed(known).unwrap());
+        let (lens, camera) = (
+            frame.lens.as_ref().unwrap(),
+            before.ptz_camera(known).unwrap(),
+        );
         assert_eq!(
             (lens.focal_px, lens.radial()),
             (camera.ptz().focal_px, camera.lens())

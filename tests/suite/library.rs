@@ -38,7 +38,7 @@ fn a_solved_frame_is_written_with_its_units() {
         size.centre(),
     );
     let clicks = [
-        Observation::of_landmark(
+        Observation::from_landmark(
             &field,
             "centre_mark",
             ImagePoint::new(444.7, 789.2),
@@ -46,7 +46,7 @@ fn a_solved_frame_is_written_with_its_units() {
             0,
         )
         .unwrap(),
-        Observation::of_landmark(
+        Observation::from_landmark(
             &field,
             "halfway_far",
             ImagePoint::new(455.1, 351.0),

@@ -16,7 +16,7 @@ fn given(truth: &Document, spoil: impl Fn(usize, &mut CameraBase, &mut Ptz)) -> 
     let mut given = truth.clone();
     given.cameras.clear();
     for index in 0..given.frames.len() {
-        let exact = truth.pointed(&truth.frames[index]).unwrap();
+        let exact = truth.ptz_camera(&truth.frames[index]).unwrap();
         let off_m = Vec3::new(0.1, 0.2, -0.1) * ((index % 5) as f64 - 2.0) / 2.0;
         let mut base = CameraBase {
             position_m: exact.base().position_m + off_m,
@@ -169,7 +169,8 @@ fn cameras_without_a_video_are_compared_with_each_other() {
     let sources = [7, 13, 17].map(|index| mended.frames[index].solution.clone().unwrap().source);
     assert_eq!(sources, [Some(SolutionSource::Interpolated); 3]);
     for index in 0..truth.frames.len() {
-        let [is, was] = [&mended, &truth].map(|document| document.pointed(&document.frames[index]));
+        let [is, was] =
+            [&mended, &truth].map(|document| document.ptz_camera(&document.frames[index]));
         let (is, was) = (is.unwrap().ptz(), was.unwrap().ptz());
         let off_deg = (is.pan - was.pan).degrees().abs();
         assert!(off_deg < 0.5, "{index}: {off_deg}");

@@ -59,7 +59,7 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
     let mut off = truth.clone();
     for frame in &mut off.frames {
         frame.clicks.clear();
-        let camera = truth.pointed(frame).unwrap();
+        let camera = truth.ptz_camera(frame).unwrap();
         let ptz = turned(&camera, 12.0, -8.0, 1.005).ptz();
         frame.ptz = Some(FramePtz::new(ptz, None));
     }
@@ -74,8 +74,8 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
     for (was, is) in truth.frames.iter().zip(&snapped.frames).take(3) {
         let apart = apart_px(
             &field,
-            &truth.pointed(was).unwrap(),
-            &snapped.pointed(is).unwrap(),
+            &truth.ptz_camera(was).unwrap(),
+            &snapped.ptz_camera(is).unwrap(),
             was.image_size,
         );
         let solution = is.solution.as_ref().unwrap();
@@ -126,9 +126,9 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     let mut bare = truth.clone();
     for frame in &mut bare.frames {
         frame.clicks.clear();
-        let off = Radial::k1(truth.pointed(frame).unwrap().lens().k1 - 0.05);
+        let off = Radial::k1(truth.ptz_camera(frame).unwrap().lens().k1 - 0.05);
         frame.ptz = Some(FramePtz::new(
-            truth.pointed(frame).unwrap().ptz(),
+            truth.ptz_camera(frame).unwrap().ptz(),
             Some(off),
         ));
     }
@@ -137,7 +137,7 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let bent = document(&folder.join("bent.json"));
     for (was, is) in truth.frames.iter().zip(&bent.frames) {
-        let right = truth.pointed(was).unwrap();
+        let right = truth.ptz_camera(was).unwrap();
         let k1 = is.ptz.as_ref().unwrap().k1.unwrap();
         assert!(
             (k1 - right.lens().k1).abs() < 0.015,
@@ -146,7 +146,7 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
             right.lens()
         );
         assert_eq!(
-            bent.pointed(is).unwrap().lens().k1,
+            bent.ptz_camera(is).unwrap().lens().k1,
             k1,
             "it is drawn with it"
         );
@@ -182,7 +182,7 @@ fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
     let mut off = document(&folder.join("truth.json"));
-    let camera = off.pointed(&off.frames[0]).unwrap();
+    let camera = off.ptz_camera(&off.frames[0]).unwrap();
     let before = FramePtz::new(turned(&camera, 400.0, 150.0, 1.2).ptz(), None);
     off.frames[0].ptz = Some(before.clone());
     off.frames[0].clicks.clear();
@@ -221,7 +221,7 @@ fn frames_without_a_camera_are_found_from_nothing_on_request() {
     let field = truth.field.model(&folder).unwrap();
     let mut solved = 0;
     for (was, is) in truth.frames.iter().zip(&found.frames) {
-        let Some(camera) = found.pointed(is) else {
+        let Some(camera) = found.ptz_camera(is) else {
             let warnings = &is.solution.as_ref().unwrap().warnings;
             assert!(
                 warnings
@@ -235,7 +235,7 @@ fn frames_without_a_camera_are_found_from_nothing_on_request() {
         solved += 1;
         let apart = apart_px(
             &field,
-            &truth.pointed(was).unwrap(),
+            &truth.ptz_camera(was).unwrap(),
             &camera,
             was.image_size,
         );

@@ -67,7 +67,7 @@ fn is_snapped(app: &App) -> bool {
 fn off_px(app: &App, truth: &Document) -> f64 {
     let centre = frame(app).image_size.centre();
     let camera: PtzCamera = app.current().camera.unwrap();
-    let truth = truth.pointed(&truth.frames[app.session.frame]).unwrap();
+    let truth = truth.ptz_camera(&truth.frames[app.session.frame]).unwrap();
     truth
         .image_from_ray(camera.ray_from_image(centre).unwrap())
         .unwrap()
@@ -192,7 +192,7 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     );
     assert_eq!(searching.offers, [("Stop", Command::StopSearch)]);
     let request = headless.app.operations.frame_snap.running().unwrap().id();
-    headless.act(Action::Report(Report::of_progress::<FrameSnap>(
+    headless.act(Action::Report(Report::from_progress::<FrameSnap>(
         request, 0.4,
     )));
     assert!(
@@ -319,7 +319,7 @@ fn a_proposal_that_is_more_likely_wrong_is_asked_about_names_nothing_and_below_a
         std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
         let mut headless = Headless::opened(&place.path().join("project"));
         assert_eq!(
-            headless.app.shown().camera.is_some(),
+            headless.app.shown_values().camera.is_some(),
             is_drawn,
             "{confidence}"
         );
@@ -338,7 +338,7 @@ fn a_proposal_that_is_more_likely_wrong_is_asked_about_names_nothing_and_below_a
         );
         headless.act(Action::Command(Command::Undo));
         // A click right where such a camera has a landmark is named by one that is likely alone.
-        let camera = document.pointed(&document.frames[0]).unwrap();
+        let camera = document.ptz_camera(&document.frames[0]).unwrap();
         let field = headless.app.current().field().unwrap().clone();
         let shown = project_landmarks(&field, &camera, frame(&headless.app).image_size, -40.0);
         headless.act(Action::Pointer(PointerAction::Press {
@@ -363,7 +363,7 @@ fn points_beside_painted_crossings_go_to_them() {
         headless.app.current().field().unwrap().clone(),
         frame(&headless.app).image_size,
     );
-    let camera = truth.pointed(&truth.frames[0]).unwrap();
+    let camera = truth.ptz_camera(&truth.frames[0]).unwrap();
     let shown = project_landmarks(&field, &camera, size, -40.0);
     assert!(shown.len() >= 3, "{shown:?}");
     for projected in shown.iter().take(5) {
@@ -371,7 +371,7 @@ fn points_beside_painted_crossings_go_to_them() {
             field.landmarks[projected.landmark].id.clone(),
         ))));
         headless.act(Action::Pointer(PointerAction::Press {
-            at: projected.image.moved(Vec2::new(2.0, -1.0)),
+            at: projected.image.translate(Vec2::new(2.0, -1.0)),
             on: None,
         }));
         headless.act(Action::Pointer(PointerAction::Release));

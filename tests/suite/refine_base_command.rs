@@ -65,7 +65,7 @@ fn document_on(name: &str, params: &BTreeMap<String, f64>) -> Document {
             let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
                 continue;
             };
-            let image = exact.moved(Vec2::new(normal(&mut rng), normal(&mut rng)) * 1.5);
+            let image = exact.translate(Vec2::new(normal(&mut rng), normal(&mut rng)) * 1.5);
             if SIZE.contains(image) {
                 frame
                     .clicks
@@ -316,7 +316,7 @@ pub fn clicked_match(place: &Path) -> (std::path::PathBuf, Document, Document) {
     }
     let field = truth.field.model(&folder).unwrap();
     for (frame, was) in clicked.frames.iter_mut().zip(&truth.frames) {
-        let camera = truth.pointed(was).unwrap();
+        let camera = truth.ptz_camera(was).unwrap();
         (frame.ptz, frame.solution) = (None, None);
         for landmark in field
             .landmarks
@@ -326,7 +326,7 @@ pub fn clicked_match(place: &Path) -> (std::path::PathBuf, Document, Document) {
             let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
                 continue;
             };
-            let image = exact.moved(Vec2::new(normal(&mut rng), normal(&mut rng)) * 0.8);
+            let image = exact.translate(Vec2::new(normal(&mut rng), normal(&mut rng)) * 0.8);
             if was.image_size.contains(image) {
                 frame
                     .clicks
@@ -365,12 +365,12 @@ fn painted_lines_and_clicks_together_find_the_camera_and_pull_the_frames() {
     for (was, is) in truth.frames.iter().zip(&refined.frames).take(last) {
         let middle = was.image_size.centre();
         let ground = truth
-            .pointed(was)
+            .ptz_camera(was)
             .unwrap()
             .plane_from_image(middle, 0.0)
             .unwrap();
         let off_px = refined
-            .pointed(is)
+            .ptz_camera(is)
             .unwrap()
             .image_from_world(ground)
             .unwrap()

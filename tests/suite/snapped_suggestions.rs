@@ -41,12 +41,9 @@ fn judge_both() -> (Document, [Vec<Proposal>; 2]) {
     let at = open.at(&folder);
     let proposals = [false, true].map(|snapping| {
         let mut proposals = proposals.clone();
-        LineEvidence::of(at, &mut reader, snapping).unwrap().judge(
-            at,
-            &mut reader,
-            &mut proposals,
-            0.5,
-        );
+        LineEvidence::from_document(at, &mut reader, snapping)
+            .unwrap()
+            .judge(at, &mut reader, &mut proposals, 0.5);
         proposals
     });
     (truth, proposals)
@@ -55,7 +52,7 @@ fn judge_both() -> (Document, [Vec<Proposal>; 2]) {
 /// How far the overlay is off at the farther of two places, px.
 fn off_px(truth: &Document, proposal: &Proposal) -> f64 {
     let truth = truth
-        .pointed(truth.frames.by_id(&proposal.frame).unwrap())
+        .ptz_camera(truth.frames.by_id(&proposal.frame).unwrap())
         .unwrap();
     let camera = PtzCamera::new(*truth.base(), proposal.outcome.as_ref().unwrap().ptz.ptz());
     let off_px = [ImagePoint::new(60.0, 300.0), ImagePoint::new(900.0, 500.0)].map(|place| {

@@ -55,7 +55,7 @@ impl Disturbance {
                     let mut picture = image::open(&path).unwrap().into_rgb8();
                     draw_boards(
                         &mut picture,
-                        &truth.pointed(frame).unwrap(),
+                        &truth.ptz_camera(frame).unwrap(),
                         0.5 * index as f64,
                     );
                     picture.save(&path).unwrap();
@@ -167,7 +167,7 @@ impl Lens {
                 base.distortion.value += 0.02 * (focal_px / corner.norm()).powi(2);
             }
             Self::OffCentre => {
-                base.principal_point = base.principal_point.moved(Vec2::new(50.0, 0.0) / 3.0);
+                base.principal_point = base.principal_point.translate(Vec2::new(50.0, 0.0) / 3.0);
             }
         }
         document.camera_mut(&camera).unwrap().set_base(&base);

@@ -63,7 +63,7 @@ fn a_match_is_drawn_with_its_truth_and_never_over_something() {
         assert_eq!((frame.status, &frame.ptz), (FrameStatus::New, &None));
         assert_eq!(exact.status, FrameStatus::Reference);
         assert_eq!(frame.image, exact.image);
-        let camera = truth.pointed(exact).unwrap();
+        let camera = truth.ptz_camera(exact).unwrap();
         // The curve of the lens and the k₁ in use agree.
         assert_eq!(exact.ptz.as_ref().unwrap().k1, Some(camera.k1()));
         assert!(!exact.masks.is_empty() && exact.extra.contains_key("truth"));
@@ -127,8 +127,8 @@ fn the_demo_is_whole_and_its_references_are_right() {
             "{}",
             frame.name()
         );
-        let exact = truth.pointed(exact).unwrap();
-        let Some(solved) = project.pointed(frame) else {
+        let exact = truth.ptz_camera(exact).unwrap();
+        let Some(solved) = project.ptz_camera(frame) else {
             assert_eq!((frame.status, frame.clicks.len()), (FrameStatus::New, 0));
             continue;
         };

@@ -20,7 +20,7 @@ use touchline::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 /// greatest.
 fn worst_px(found: &Document, truth: &Document, frame: usize) -> f64 {
     let [one, exact] =
-        [found, truth].map(|document| document.pointed(&document.frames[frame]).unwrap());
+        [found, truth].map(|document| document.ptz_camera(&document.frames[frame]).unwrap());
     let size = truth.frames[frame].image_size;
     let apart = |at: ImagePoint| {
         one.image_from_ray(exact.ray_from_image(at).unwrap())
@@ -184,7 +184,7 @@ fn with_one_clicked_frame(folder: &Path, truth: &Document) -> Document {
                 Vec2::new((index * 37 % 5) as f64 - 2.0, (index * 53 % 7) as f64 - 3.0) * 0.3
             };
             let clicked = |(index, (landmark, at)): (usize, (LandmarkId, ImagePoint))| {
-                Click::landmark(landmark, at.moved(off(index)))
+                Click::landmark(landmark, at.translate(off(index)))
             };
             frame.clicks = shown(truth, 0)
                 .into_iter()

@@ -23,7 +23,14 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
     );
     window.harness.get_by_label("Estimate the base now").click();
     window.harness.step();
-    window.wait_for(|shell| shell.app().operations.base_estimate.proposed().is_some());
+    window.wait_for(|shell| {
+        shell
+            .app()
+            .operations
+            .base_estimate
+            .proposed_base()
+            .is_some()
+    });
     window.harness.run_steps(3);
     assert_eq!(window.app().session.panel, SidePanel::Camera);
     assert!(
@@ -52,7 +59,14 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
         "{:?}",
         base.position_m
     );
-    assert!(window.app().operations.base_estimate.applied().is_some());
+    assert!(
+        window
+            .app()
+            .operations
+            .base_estimate
+            .applied_base()
+            .is_some()
+    );
     assert!(
         window
             .app()
@@ -103,7 +117,7 @@ fn two_points_close_together() -> Window {
         }
     }
     assert!(
-        window.app().current().solved().is_some(),
+        window.app().current().click_solution().is_some(),
         "{:?}",
         window.app().current().solution
     );

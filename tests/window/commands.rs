@@ -65,8 +65,11 @@ fn a_key_conflict_is_reported_when_a_key_is_changed() {
         .click();
     window.harness.run_steps(2);
     window.key(Key::Period);
-    assert_eq!(window.app().settings.keys.shown(Command::NextNeedsMe), ".");
-    assert_eq!(window.app().settings.keys.shown(Command::NextFrame), "");
+    assert_eq!(
+        window.app().settings.keys.key_label(Command::NextNeedsMe),
+        "."
+    );
+    assert_eq!(window.app().settings.keys.key_label(Command::NextFrame), "");
     let told = &window.app().session.messages.notices.last().unwrap().text;
     assert!(told.contains("“Next frame” no longer has a key"), "{told}");
     window.harness.get_by_label("Reset to defaults").click();

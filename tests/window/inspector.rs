@@ -110,7 +110,7 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
     window.harness.run_steps(2);
     assert!(window.app().frame().unwrap().clicks[1].check);
     assert!(
-        window.app().current().solved().is_none(),
+        window.app().current().click_solution().is_none(),
         "one point is not enough"
     );
     let accept = window.harness.get_by_label("Accept");

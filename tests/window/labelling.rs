@@ -116,13 +116,13 @@ fn the_list_of_names_changes_to_lines_and_back() {
     window.key(Key::Tab);
     window.type_text("qq");
     assert!(
-        matches!(&window.app().session.mode, Mode::Naming(naming) if !naming.lines && naming.offered().is_empty())
+        matches!(&window.app().session.mode, Mode::Naming(naming) if !naming.lines && naming.listed_candidates().is_empty())
     );
     for _ in 0..9 {
         window.key(Key::Backspace);
     }
     assert!(
-        matches!(&window.app().session.mode, Mode::Naming(naming) if naming.offered().len() == 5)
+        matches!(&window.app().session.mode, Mode::Naming(naming) if naming.listed_candidates().len() == 5)
     );
     window.key(Key::ArrowDown);
     window.type_text("3");

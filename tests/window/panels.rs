@@ -180,7 +180,7 @@ fn in_the_smallest_window_verdict_and_reasons_are_in_sight() {
     }
     window.harness.run_steps(4);
     assert!(window.app().settings.field_map);
-    let judgement = window.app().shown().judgement.unwrap();
+    let judgement = window.app().shown_values().judgement.unwrap();
     let accept = window
         .harness
         .get_by_role_and_label(Role::Button, "Accept")

@@ -17,7 +17,7 @@ pub fn solved() -> Window {
         window.type_text(code);
         window.key(Key::Enter);
     }
-    assert!(window.app().current().solved().is_some());
+    assert!(window.app().current().click_solution().is_some());
     window.harness.hover_at(pos2(1100.0, 640.0));
     window.harness.run_steps(2);
     window

@@ -48,7 +48,8 @@ fn write_project(folder: &Path) {
             .frames
             .push(Frame::from_video(video, "main".into(), SIZE).into());
     }
-    VideoShots::found(&document, VIDEO, FRAMES - 1, &[(CUT, ShotKind::Cut)]).write(&mut document);
+    VideoShots::from_cuts(&document, VIDEO, FRAMES - 1, &[(CUT, ShotKind::Cut)])
+        .write(&mut document);
     std::fs::write(
         folder.join("project.json"),
         document_to_string(&document).unwrap(),
@@ -85,7 +86,7 @@ fn shown(window: &Window) -> usize {
 /// The first frames of the shots.
 fn starts(window: &Window) -> Vec<u64> {
     let document = &window.app().open().unwrap().document;
-    VideoShots::of(document, VIDEO)
+    VideoShots::from_document(document, VIDEO)
         .map(|shots| shots.starts().map(|(from, _)| from).collect())
         .unwrap_or_default()
 }

@@ -156,7 +156,7 @@ fn two_points_named() -> Window {
         window.harness.state_mut().apply([pick]);
         window.click(window.image_of(landmark));
     }
-    assert!(window.app().current().solved().is_some());
+    assert!(window.app().current().click_solution().is_some());
     window
 }
 

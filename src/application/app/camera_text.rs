@@ -55,7 +55,7 @@ impl CameraText {
 
     /// The text for a camera.
     #[must_use]
-    pub fn of(self, camera: &PtzCamera) -> String {
+    pub fn format(self, camera: &PtzCamera) -> String {
         let ptz = camera.ptz();
         let translation_m = camera.cam_from_world_point(Vec3::zeros());
         let axis = |unit: Vec3| camera.cam_from_world_point(unit) - translation_m;
@@ -135,9 +135,9 @@ mod tests {
     fn what_is_copied_projects_as_the_camera_does() {
         let camera = camera();
         let homography: [[f64; 3]; 3] =
-            serde_json::from_str(&CameraText::Homography.of(&camera)).unwrap();
+            serde_json::from_str(&CameraText::Homography.format(&camera)).unwrap();
         let matrix: [[f64; 4]; 3] =
-            serde_json::from_str(&CameraText::Projection.of(&camera)).unwrap();
+            serde_json::from_str(&CameraText::Projection.format(&camera)).unwrap();
         for point in [Vec3::new(3.0, 4.0, 0.0), Vec3::new(11.0, -20.0, 0.0)] {
             let there = camera.image_from_world(point).unwrap();
             let from_plane = homography.map(|row| row[0] * point.x + row[1] * point.y + row[2]);
@@ -150,9 +150,9 @@ mod tests {
                 );
             }
         }
-        let ptz: Value = serde_json::from_str(&CameraText::Ptz.of(&camera)).unwrap();
+        let ptz: Value = serde_json::from_str(&CameraText::Ptz.format(&camera)).unwrap();
         assert!((ptz["pan_deg"].as_f64().unwrap() - 7.0).abs() < 1e-9);
-        let parts: Value = serde_json::from_str(&CameraText::KRt.of(&camera)).unwrap();
+        let parts: Value = serde_json::from_str(&CameraText::KRt.format(&camera)).unwrap();
         assert_eq!(
             (parts["K"][0][0].as_f64(), parts["K"][1][2].as_f64()),
             (Some(2100.0), Some(360.0))

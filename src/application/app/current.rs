@@ -119,7 +119,7 @@ impl Current {
             let fresh = fresh
                 .filter(|fresh| (fresh.frame, fresh.version) == shown)
                 .map(|fresh| fresh.result);
-            *self = Self::of_frame(open, session.frame, fresh);
+            *self = Self::compute(open, session.frame, fresh);
             self.basis.shown = Some(shown);
         }
         // Without a base the preview depends on the frame alone, not on the point that is being
@@ -128,7 +128,7 @@ impl Current {
             .base
             .and_then(|_| trial(session, open.frame(session.frame)?));
         if changed || trial != self.basis.trial {
-            self.preview = self.previewed(open, session.frame, trial.as_ref());
+            self.preview = self.preview_camera(open, session.frame, trial.as_ref());
             self.basis.trial = trial;
         }
         // A different estimate is a different allocation.
@@ -144,7 +144,7 @@ impl Current {
     }
 
     /// Computes the values of a frame. Solves its clicks unless `fresh` is their solution.
-    fn of_frame(
+    fn compute(
         open: &mut OpenProject,
         index: usize,
         fresh: Option<Result<FrameSolution, CalibrationError>>,
@@ -203,7 +203,7 @@ impl Current {
         let from_clicks = || Some(PtzCamera::new(base?, solution.as_ref()?.as_ref().ok()?.ptz));
         let pointed = open
             .document
-            .pointed(frame)
+            .ptz_camera(frame)
             .filter(|_| !frame.is_hopeless());
         let camera = pointed.or_else(from_clicks);
         // Computed only with the values that they need.
@@ -220,7 +220,7 @@ impl Current {
         let off_neighbours = open
             .derived
             .disagreements(&open.document)
-            .of_frame(index)
+            .for_frame(index)
             .filter(disagrees);
         let readiness = open.derived.lookup(&open.document).readiness(&frame.camera);
         let mut disputed = frame
@@ -229,7 +229,7 @@ impl Current {
             .map(|recorded| recorded.disputed.clone())
             .unwrap_or_default();
         if let Some(Ok(solved)) = &solution {
-            disputed.extend(solved.disputed());
+            disputed.extend(solved.disputed_clicks());
             disputed.sort_unstable();
             disputed.dedup();
         }
@@ -253,7 +253,7 @@ impl Current {
 
     /// The camera that would result with the trial click. Without a base: the camera from the
     /// frame's own landmarks.
-    fn previewed(
+    fn preview_camera(
         &self,
         open: &mut OpenProject,
         index: usize,
@@ -288,7 +288,7 @@ impl Current {
 
     /// The solution from the clicks, if they determine a camera.
     #[must_use]
-    pub fn solved(&self) -> Option<&FrameSolution> {
+    pub fn click_solution(&self) -> Option<&FrameSolution> {
         self.solution.as_ref()?.as_ref().ok()
     }
 
@@ -297,7 +297,7 @@ impl Current {
     #[must_use]
     pub fn residual(&self, click: usize) -> Option<&ClickResidual> {
         let residuals = self
-            .solved()
+            .click_solution()
             .map_or(&self.residuals, |solved| &solved.residuals);
         residuals.iter().find(|residual| residual.click == click)
     }
@@ -311,7 +311,7 @@ impl Current {
     /// Other names of the clicks that fit better, or equally well.
     #[must_use]
     pub fn other_names(&self) -> Option<&IdentityFinding> {
-        self.solved()?.identity.as_ref()
+        self.click_solution()?.identity.as_ref()
     }
 
     /// The camera for comparison: from other names, or with the other focal length.
@@ -327,7 +327,7 @@ impl Current {
     /// The second solution of a two-point solve, if there is one and it is plausible.
     #[must_use]
     pub fn other_root(&self) -> Option<Ptz> {
-        self.solved()?
+        self.click_solution()?
             .alternatives
             .first()
             .filter(|other| other.plausible)
@@ -367,7 +367,7 @@ fn off_camera(frame: &Frame, field: &FieldModel, camera: &PtzCamera) -> Vec<Clic
     let clicks = observations(frame, field).unwrap_or_default();
     clicks
         .iter()
-        .map(|click| ClickResidual::of(camera, click))
+        .map(|click| ClickResidual::from_observation(camera, click))
         .collect()
 }
 
@@ -445,8 +445,8 @@ pub(super) fn rank_names(
         named: &named,
         taken: &taken_names(frame, click),
         neighbours: &neighbours,
-        other_shots: &solved_elsewhere(open, frame_index),
-        neighbour_clicks: &remembered_clicks(open, frame_index),
+        other_shots: &ptz_in_other_shots(open, frame_index),
+        neighbour_clicks: &neighbour_clicks(open, frame_index),
     };
     let candidates = naming::candidates(&scene, at, lines);
     Some(Naming {
@@ -461,12 +461,12 @@ pub(super) fn rank_names(
 
 /// The camera of a frame that comes from a proposal or was set by hand.
 fn as_proposed_or_by_hand(frame: &Frame) -> Option<Ptz> {
-    let proposed = frame.proposed().map(|proposed| proposed.ptz);
+    let proposed = frame.proposed_camera().map(|proposed| proposed.ptz);
     proposed.as_ref().or(frame.ptz.as_ref()).map(FramePtz::ptz)
 }
 
 /// The cameras of the nearest solved frames in other shots of the same camera.
-fn solved_elsewhere(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
+fn ptz_in_other_shots(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
     };
@@ -508,7 +508,7 @@ fn taken_names(frame: &Frame, except: usize) -> Vec<TakenName> {
 }
 
 /// The named clicks of the nearest labelled frames of the same camera.
-fn remembered_clicks(open: &OpenProject, frame_index: usize) -> Vec<NeighbourClick> {
+fn neighbour_clicks(open: &OpenProject, frame_index: usize) -> Vec<NeighbourClick> {
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
     };
@@ -598,7 +598,7 @@ mod tests {
         let (mut open, mut session, mut current) =
             (project(), Session::default(), Current::default());
         assert!(derives(&mut current, &mut open, &session));
-        assert!(current.solved().is_some());
+        assert!(current.click_solution().is_some());
         session.points.hover = Some(SIZE.centre());
         session.picture.fit_scale = 0.5;
         session.points.selected = Some(1);
@@ -608,7 +608,10 @@ mod tests {
         );
         open.document.frames[0].clicks[0].check = true;
         assert!(derives(&mut current, &mut open, &session));
-        assert!(current.solved().is_none(), "one click is not enough");
+        assert!(
+            current.click_solution().is_none(),
+            "one click is not enough"
+        );
     }
 
     #[test]
@@ -653,7 +656,10 @@ mod tests {
         );
         open.document.frames[0].comment = Some("rain".to_owned());
         current.refresh(Some(&mut open), &session, Some(fresh(version)), None);
-        assert!(current.solved().is_some(), "the document has changed since");
+        assert!(
+            current.click_solution().is_some(),
+            "the document has changed since"
+        );
     }
 
     #[test]
@@ -666,7 +672,7 @@ mod tests {
                 document,
                 "/match/project.json",
             ))));
-            assert_eq!(app.current().solved().is_some(), solved);
+            assert_eq!(app.current().click_solution().is_some(), solved);
         }
     }
 }

@@ -4,7 +4,7 @@ use super::progress::{ALL_DONE, missing_references};
 use super::session::{Mode, reason_label};
 use super::{App, Command};
 use touchline_calibration::calibrate::{CalibrationError, LANDMARKS_ALONE, points_alone};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::solve::{ClickResidual, SolveError, Verdict};
 use touchline_documents::document::{Frame, FrameStatus, SolutionSource, Target};
 
@@ -54,13 +54,13 @@ pub fn next_step(app: &App) -> Guidance {
         return Guidance::say(under_way.text).with_button("Stop", under_way.stop);
     }
     if app.session.quality.open {
-        let key = app.settings.keys.shown(Command::QualityPage);
+        let key = app.settings.keys.key_label(Command::QualityPage);
         return Guidance::say(format!(
             "Click a point to look at its frame; {key} or Esc goes back to the picture."
         ));
     }
     begun(app)
-        .or_else(|| estimated(app))
+        .or_else(|| guide_base_estimate(app))
         .or_else(|| stretch(app))
         .or_else(|| {
             app.session
@@ -68,10 +68,10 @@ pub fn next_step(app: &App) -> Guidance {
                 .then(|| Guidance::say("Click a spot on a line, then name the line."))
         })
         .or_else(|| other_picture(app))
-        .or_else(|| unnamed(frame))
+        .or_else(|| guide_unnamed_click(frame))
         // An accepted frame still needs a base, which is then more urgent than the next frame.
         .or_else(|| no_base(app, frame).filter(|_| frame.status == FrameStatus::Reference))
-        .or_else(|| settled(app, frame))
+        .or_else(|| guide_decided_frame(app, frame))
         .or_else(|| no_base(app, frame))
         .unwrap_or_else(|| clicks(app, frame))
 }
@@ -83,7 +83,7 @@ fn begun(app: &App) -> Option<Guidance> {
         Mode::Dragging { .. } => {
             "Release the button where the point belongs. Esc puts it back.".to_owned()
         }
-        Mode::Naming(naming) if naming.offered().is_empty() => {
+        Mode::Naming(naming) if naming.listed_candidates().is_empty() => {
             format!(
                 "Nothing matches “{}”. Press Backspace or Esc.",
                 naming.typed
@@ -107,7 +107,7 @@ fn begun(app: &App) -> Option<Guidance> {
             let target = round
                 .target()
                 .map(|target| app.label(&Target::Landmark(target.landmark.clone())))?;
-            let skip = app.settings.keys.shown(Command::SkipAgain);
+            let skip = app.settings.keys.key_label(Command::SkipAgain);
             format!("Click {target}, as you would label it. {skip} skips it, Esc ends the round.")
         }
         Mode::Editing => "Enter keeps the number, Esc restores it.".to_owned(),
@@ -122,17 +122,17 @@ fn stretch(app: &App) -> Option<Guidance> {
     let keys = &app.settings.keys;
     let text = format!(
         "{} selected, {} to {}. {} counts those on the painted lines, {} lets go.",
-        counted(count, "frame"),
+        pluralise(count, "frame"),
         open.frame_number(first),
         open.frame_number(last),
-        keys.shown(Command::Accept),
-        keys.shown(Command::Cancel)
+        keys.key_label(Command::Accept),
+        keys.key_label(Command::Cancel)
     );
     Some(Guidance::say(text).with_button("Accept…", Command::AcceptStretch))
 }
 
 /// The frame is accepted or rejected.
-fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
+fn guide_decided_frame(app: &App, frame: &Frame) -> Option<Guidance> {
     match frame.status {
         FrameStatus::Rejected => {
             let why = frame
@@ -150,7 +150,7 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
             let label_next = app.review().advice.next.is_some() && only_labels_help(app);
             Some(match app.where_to_label().filter(|_| label_next) {
                 Some(text) => Guidance::say(text).with_button("Go there", Command::NextUnanswered),
-                None => Guidance::say(of_reference(app)),
+                None => Guidance::say(reference_text(app)),
             })
         }
         FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested => None,
@@ -158,7 +158,7 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
 }
 
 /// The text for an accepted frame.
-fn of_reference(app: &App) -> String {
+fn reference_text(app: &App) -> String {
     let Some(open) = app.open() else {
         return String::new();
     };
@@ -195,7 +195,7 @@ fn other_picture(app: &App) -> Option<Guidance> {
 }
 
 /// A click of the frame has no name.
-fn unnamed(frame: &Frame) -> Option<Guidance> {
+fn guide_unnamed_click(frame: &Frame) -> Option<Guidance> {
     let index = frame.unnamed_click()?;
     let text = format!(
         "Point {} has no name. Name it, or delete it with Del.",
@@ -205,7 +205,7 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
 }
 
 /// A base is being estimated, or waits for the user's decision.
-fn estimated(app: &App) -> Option<Guidance> {
+fn guide_base_estimate(app: &App) -> Option<Guidance> {
     if let Some(under_way) = app.operations.base_under_way() {
         return Some(Guidance::say(under_way.text).with_button("Stop", under_way.stop));
     }
@@ -279,7 +279,7 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
         );
     }
     if frame.is_snapped() {
-        return Guidance::say(of_snapped(app, frame));
+        return Guidance::say(snapped_frame_text(app, frame));
     }
     match &current.solution {
         Some(Ok(_)) => Guidance::say(
@@ -303,7 +303,7 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
             },
         ),
         Some(Err(CalibrationError::Solve(SolveError::TooFewObservations { equations })))
-            if proposed(frame).is_none() =>
+            if proposal_source(frame).is_none() =>
         {
             Guidance::say(match equations {
                 0 => first_point().to_owned(),
@@ -311,10 +311,10 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
                 _ => format!("Now one far away: {} px or more.", far_px(frame)),
             })
         }
-        Some(Err(error)) if proposed(frame).is_none() => {
+        Some(Err(error)) if proposal_source(frame).is_none() => {
             Guidance::say(format!("No camera yet: {error}."))
         }
-        _ => match proposed(frame) {
+        _ => match proposal_source(frame) {
             Some(_) if frame.is_hopeless() => {
                 Guidance::say(format!("No proposal that holds. {}", first_point()))
             }
@@ -329,14 +329,14 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
             None if frame.is_unanswered() => {
                 Guidance::say(format!("No proposal here. {}", first_point()))
             }
-            None if current.camera.is_some() => Guidance::say(of_given_camera(app)),
+            None if current.camera.is_some() => Guidance::say(given_camera_text(app)),
             None => Guidance::say(first_point()),
         },
     }
 }
 
 /// The text for a frame without clicks whose camera came with the document.
-fn of_given_camera(app: &App) -> &'static str {
+fn given_camera_text(app: &App) -> &'static str {
     if app.is_contradicted(app.session.frame) {
         return "The painted lines lie elsewhere: drag a drawn line or ring to where it belongs.";
     }
@@ -344,7 +344,7 @@ fn of_given_camera(app: &App) -> &'static str {
 }
 
 /// The text for a frame whose camera is aligned to the painted lines.
-fn of_snapped(app: &App, frame: &Frame) -> String {
+fn snapped_frame_text(app: &App, frame: &Frame) -> String {
     let residuals = app
         .current()
         .residuals
@@ -364,7 +364,7 @@ fn of_snapped(app: &App, frame: &Frame) -> String {
             "Enter accepts it, a click solves from the points.",
         ),
     };
-    let key = app.settings.keys.shown(Command::Snap);
+    let key = app.settings.keys.key_label(Command::Snap);
     let before = app
         .before_snap()
         .map(|_| format!(" Hold {key}: before."))
@@ -382,7 +382,7 @@ fn far_px(frame: &Frame) -> u32 {
 }
 
 /// The source of the frame's camera, if it is neither from clicks nor set by hand.
-fn proposed(frame: &Frame) -> Option<SolutionSource> {
+fn proposal_source(frame: &Frame) -> Option<SolutionSource> {
     frame.ptz.as_ref()?;
     frame
         .source()
@@ -458,7 +458,7 @@ mod tests {
         assert_eq!(said(&app), "Now one far away: 768 px or more.");
         click(&mut app, "penalty_area_far_left_front", &pointed);
         assert!(
-            app.current().solved().is_some(),
+            app.current().click_solution().is_some(),
             "{:?}",
             app.current().solution
         );

@@ -143,7 +143,7 @@ impl Keymap {
 
     /// The first key of a command as text for the user; empty if it has none.
     #[must_use]
-    pub fn shown(&self, command: Command) -> String {
+    pub fn key_label(&self, command: Command) -> String {
         self.chords(command)
             .first()
             .map(ToString::to_string)
@@ -153,7 +153,7 @@ impl Keymap {
     /// The tooltip of a control: the command's description, and its key.
     #[must_use]
     pub fn tooltip(&self, command: Command) -> String {
-        let key = self.shown(command);
+        let key = self.key_label(command);
         if key.is_empty() {
             command.about().to_owned()
         } else {
@@ -236,8 +236,8 @@ mod tests {
         let loser = keymap.assign(Command::ZoomToFit, "N".parse().unwrap());
         assert_eq!(loser, Some(Command::NextNeedsMe));
         assert!(keymap.chords(Command::NextNeedsMe).is_empty());
-        assert_eq!(keymap.shown(Command::ZoomToFit), "N");
+        assert_eq!(keymap.key_label(Command::ZoomToFit), "N");
         keymap.reset();
-        assert_eq!(keymap.shown(Command::ZoomToFit), "F");
+        assert_eq!(keymap.key_label(Command::ZoomToFit), "F");
     }
 }

@@ -56,7 +56,7 @@ pub struct Naming {
 impl Naming {
     /// The candidates in the list: the first [`OFFERED`] that pass the filter.
     #[must_use]
-    pub fn offered(&self) -> Vec<&NameCandidate> {
+    pub fn listed_candidates(&self) -> Vec<&NameCandidate> {
         let mut offered = filter_by_text(&self.candidates, &self.typed);
         offered.truncate(OFFERED);
         offered
@@ -65,6 +65,6 @@ impl Naming {
     /// The candidate that Enter chooses.
     #[must_use]
     pub fn chosen(&self) -> Option<&NameCandidate> {
-        self.offered().get(self.highlighted).copied()
+        self.listed_candidates().get(self.highlighted).copied()
     }
 }

@@ -281,7 +281,7 @@ fn rank_as_second_point(
     let id = landmark.id.as_str();
     let last = scene.named.iter().map(|named| named.click).max();
     let next = last.map_or(0, |last| last + 1);
-    let second = Observation::of_landmark(scene.field, id, at, scene.image_size, next).ok();
+    let second = Observation::from_landmark(scene.field, id, at, scene.image_size, next).ok();
     let Some((ptz, score)) = second.and_then(|second| solve_with_second_point(scene, base, second))
     else {
         return Ranking::implausible(f64::INFINITY);

@@ -54,7 +54,7 @@ impl OpenProject {
 
     /// Positions and numbers of the frames in the same video as the frame at `position`, in the
     /// document's order. All still images count as one video.
-    pub(super) fn numbered_beside(
+    pub(super) fn frame_numbers_in_video(
         &self,
         position: usize,
     ) -> impl Iterator<Item = (usize, u64)> + '_ {
@@ -70,7 +70,9 @@ impl OpenProject {
     /// The lowest and highest number among the frames in the same video as the frame at `position`.
     #[must_use]
     pub fn numbers_beside(&self, position: usize) -> (u64, u64) {
-        let numbers = self.numbered_beside(position).map(|(_, number)| number);
+        let numbers = self
+            .frame_numbers_in_video(position)
+            .map(|(_, number)| number);
         numbers.fold((u64::MAX, 0), |(least, most), number| {
             (least.min(number), most.max(number))
         })
@@ -84,11 +86,11 @@ impl OpenProject {
         folder: PathBuf,
         read_only: Option<String>,
     ) -> Self {
-        Self::of(Prepared::of(document), file, folder, read_only)
+        Self::from_prepared(Prepared::from_document(document), file, folder, read_only)
     }
 
     /// [`Self::new`] for a prepared document.
-    pub(super) fn of(
+    pub(super) fn from_prepared(
         prepared: Prepared,
         file: PathBuf,
         folder: PathBuf,
@@ -129,14 +131,17 @@ impl OpenProject {
         let edit = self
             .project
             .take_in(self.document.keeping_version(), name)?
-            .of_kind(kind);
+            .with_kind(kind);
         self.revision += 1;
         Some(edit)
     }
 
     /// The document as the journal has it, with the history up to the last commit.
     pub(super) fn snapshot(&self) -> Snapshot {
-        let (document, history) = (self.project.view().clone(), self.history.committed());
+        let (document, history) = (
+            self.project.view().clone(),
+            self.history.without_open_transaction(),
+        );
         Snapshot {
             document,
             history,
@@ -267,7 +272,7 @@ impl OpenProject {
         if self.document.cameras.len() < 2 {
             return None;
         }
-        let fields = self.fields().ok()?.of_cameras(&self.document);
+        let fields = self.fields().ok()?.per_camera(&self.document);
         better_camera(&self.document, self.frame(index)?, solved, &fields)
     }
 
@@ -321,7 +326,7 @@ impl OpenProject {
 
     /// Aborts the open step of undo: the document returns to its state before the step.
     pub(super) fn abort(&mut self) {
-        let mut edited = self.project.edited().clone();
+        let mut edited = self.project.edited_document().clone();
         if self.history.abort(&mut edited) {
             *self.document = self.project.view_with(&edited);
         }

@@ -48,7 +48,7 @@ impl Opened {
     pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
         let file = file.into();
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
-        let (prepared, history) = (Prepared::of(document), History::default());
+        let (prepared, history) = (Prepared::from_document(document), History::default());
         Self {
             prepared,
             history,

@@ -15,7 +15,7 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    pub(super) fn of(document: Document) -> Self {
+    pub(super) fn from_document(document: Document) -> Self {
         let mut derived = Derived::default();
         let document = Versioned::new(document);
         derived.counts(&document);
@@ -58,8 +58,8 @@ mod tests {
             );
             document.frames.push(frame.into());
         }
-        let prepared = Prepared::of(document.clone());
-        let mut open = OpenProject::of(
+        let prepared = Prepared::from_document(document.clone());
+        let mut open = OpenProject::from_prepared(
             prepared,
             "/match/project.json".into(),
             "/match".into(),
@@ -67,7 +67,7 @@ mod tests {
         );
         assert_eq!(*open.document, document);
         assert_eq!(
-            open.counts().of_status(FrameStatus::Suggested),
+            open.counts().count_with_status(FrameStatus::Suggested),
             2,
             "counted before anybody asks"
         );

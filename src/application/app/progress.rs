@@ -28,7 +28,7 @@ pub fn just_accepted(counts: &FrameCounts, used_for_training: bool) -> String {
 /// proposals.
 #[must_use]
 pub fn missing_references(counts: &FrameCounts) -> usize {
-    let has_proposals = counts.of_status(FrameStatus::Suggested) > 0;
+    let has_proposals = counts.count_with_status(FrameStatus::Suggested) > 0;
     if has_proposals {
         0
     } else {

@@ -57,7 +57,9 @@ impl WithProposal {
             .and_then(|solution| solution.as_ref().ok());
         let camera = solved.map(|solved| PtzCamera::new(base, solved.ptz));
         let judgement = solved.map(|solved| judge(solved, frame.image_size));
-        let disputed = solved.map(FrameSolution::disputed).unwrap_or_default();
+        let disputed = solved
+            .map(FrameSolution::disputed_clicks)
+            .unwrap_or_default();
         Some(Self {
             field: Arc::new(field),
             base,

@@ -33,7 +33,7 @@ pub struct Reclick {
 impl Reclick {
     /// A round over the gold references of a document; empty if there are none.
     #[must_use]
-    pub fn of(document: &Document) -> Self {
+    pub fn from_document(document: &Document) -> Self {
         let frames = document.frames.iter().enumerate();
         let gold = frames.filter(|(_, frame)| frame.gold && frame.status == FrameStatus::Reference);
         let targets = gold.flat_map(|(index, frame)| {
@@ -75,13 +75,13 @@ impl Reclick {
 
     /// Number of landmarks that were clicked.
     #[must_use]
-    pub const fn clicked(&self) -> usize {
+    pub const fn clicked_count(&self) -> usize {
         self.clicked.len()
     }
 
     /// Number of landmarks that were skipped.
     #[must_use]
-    pub const fn skipped(&self) -> usize {
+    pub const fn skipped_count(&self) -> usize {
         self.at - self.clicked.len()
     }
 

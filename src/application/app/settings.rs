@@ -274,7 +274,7 @@ impl Settings {
     /// The style of the lines of a field template, in the colour of its sport.
     #[must_use]
     pub fn overlay_of(&self, template: &str) -> OverlayStyle {
-        let colour = Sport::of_template(template).map_or(self.overlay.colour, |sport| {
+        let colour = Sport::from_template(template).map_or(self.overlay.colour, |sport| {
             self.line_colours
                 .get(sport.id)
                 .copied()
@@ -351,7 +351,7 @@ mod tests {
         let colour = |settings: &Settings, template| settings.overlay_of(template).colour;
         assert_eq!(colour(&settings, "soccer"), [255, 221, 64]);
         assert_eq!(colour(&settings, "basketball_nba"), [90, 225, 255]);
-        let basketball = Sport::of_template("basketball_fiba").unwrap();
+        let basketball = Sport::from_template("basketball_fiba").unwrap();
         settings.set_line_colour(basketball, [86, 180, 233]);
         assert_eq!(colour(&settings, "basketball_nba"), [86, 180, 233]);
         assert_eq!(colour(&settings, "soccer"), [255, 221, 64]);

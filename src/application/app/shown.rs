@@ -28,7 +28,7 @@ pub struct Shown<'a> {
 impl<'a> Shown<'a> {
     /// The solution from the clicks, if they determine a camera.
     #[must_use]
-    pub fn solved(&self) -> Option<&'a FrameSolution> {
+    pub fn click_solution(&self) -> Option<&'a FrameSolution> {
         self.solution?.as_ref().ok()
     }
 
@@ -36,7 +36,7 @@ impl<'a> Shown<'a> {
     #[must_use]
     pub fn residual(&self, click: usize) -> Option<&'a ClickResidual> {
         let residuals = self
-            .solved()
+            .click_solution()
             .map_or(self.residuals, |solved| &solved.residuals);
         residuals.iter().find(|residual| residual.click == click)
     }
@@ -55,7 +55,7 @@ impl App {
     /// The values to show: of the estimated base if one waits, unless the user holds the key for
     /// comparison.
     #[must_use]
-    pub fn shown(&self) -> Shown<'_> {
+    pub fn shown_values(&self) -> Shown<'_> {
         let current = self.current();
         match current
             .proposal

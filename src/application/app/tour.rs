@@ -57,7 +57,7 @@ impl TourStep {
     /// How to do it.
     #[must_use]
     pub fn text(self, keys: &Keymap) -> String {
-        let key = |command| keys.shown(command);
+        let key = |command| keys.key_label(command);
         match self {
             Self::FirstPoint => "Click a spot where two lines meet, such as a corner of the penalty area. Then choose its name \
                                  from the list: press its digit, or type letters of the name. (Dashed lines, \
@@ -108,7 +108,7 @@ pub(super) struct TourView {
 
 impl TourView {
     /// The state of a document; `solved` is about the shown frame.
-    pub fn of(document: &Document, shown: Option<&Frame>, solved: bool) -> Self {
+    pub fn from_document(document: &Document, shown: Option<&Frame>, solved: bool) -> Self {
         let count = |wanted: &dyn Fn(&Frame) -> bool| {
             document.frames.iter().filter(|frame| wanted(frame)).count()
         };

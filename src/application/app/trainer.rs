@@ -177,7 +177,7 @@ impl Doing {
     /// Estimated time until this activity ends, from the progress since an earlier state. None if
     /// the two are different activities, or the pace cannot be estimated yet.
     #[must_use]
-    pub fn left_since(self, earlier: Self, elapsed: Duration) -> Option<Duration> {
+    pub fn estimate_time_left(self, earlier: Self, elapsed: Duration) -> Option<Duration> {
         /// Minimum time from which a pace is estimated.
         const LEAST: Duration = Duration::from_secs(4);
         let (now, then) = (self.share()?, earlier.share()?);
@@ -249,7 +249,7 @@ mod tests {
     fn what_is_left_follows_from_the_pace() {
         let at = |done: usize| Doing::Proposing(Share { done, of: 100 });
         let left = |now: Doing, then: Doing, seconds: u64| {
-            now.left_since(then, Duration::from_secs(seconds))
+            now.estimate_time_left(then, Duration::from_secs(seconds))
         };
         assert_eq!(left(at(30), at(10), 10), Some(Duration::from_secs(35)));
         assert_eq!(left(at(100), at(10), 10), Some(Duration::ZERO));

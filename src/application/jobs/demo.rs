@@ -19,7 +19,7 @@ pub fn fresh_copy(progress: &Progress<'_, String>) -> Result<PathBuf, JobError> 
     if own.join(PROJECT_FILE).exists() {
         return Ok(own);
     }
-    match delivered() {
+    match find_demo_folder() {
         Some(folder) => copy_folder(&folder, &own).map_err(JobError::io(&own))?,
         None => draw(&MatchOrder::demo(), &own, progress)?,
     }
@@ -54,7 +54,7 @@ fn draw(
 }
 
 /// The folder of the demo: beside an installed program, or in the source tree where it was built.
-fn delivered() -> Option<PathBuf> {
+fn find_demo_folder() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     let beside = program.ancestors().skip(1).take(4);
     beside

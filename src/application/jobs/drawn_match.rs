@@ -15,7 +15,7 @@ use touchline_documents::document::{
 use touchline_vision::media::sha256_of_bytes;
 use touchline_vision::synthetic::{
     ClickOptions, ClickTarget, FrameOptions, Graphics, Mover, PathStep, Preset, RenderedFrame,
-    ShootOptions, Side, Stadium, StadiumOptions, camera_path, drawn_clicks, stadium,
+    ShootOptions, Side, Stadium, StadiumOptions, camera_path, generate_clicks, stadium,
 };
 
 /// Margin of a mask around the score graphic, px.
@@ -241,7 +241,7 @@ fn solve_as_reference(
     };
     // Solve a copy, so that the frame stays unclicked if its clicks do not suffice.
     let mut clicked = frame.clone();
-    clicked.clicks = drawn_clicks(field, camera, frame.image_size, &hidden, &options)
+    clicked.clicks = generate_clicks(field, camera, frame.image_size, &hidden, &options)
         .into_iter()
         .map(|click| match click.target {
             ClickTarget::Landmark(id) => Click::new(Target::Landmark(id), click.image),

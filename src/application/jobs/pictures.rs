@@ -74,7 +74,7 @@ impl Pictures {
 
     /// The decoded frames, for other readers.
     #[must_use]
-    pub fn shared(&self) -> SharedPictures {
+    pub fn shared_pictures(&self) -> SharedPictures {
         self.decoder.pictures()
     }
 
@@ -86,7 +86,7 @@ impl Pictures {
 
     /// The indices of the decoded frames, unordered.
     #[must_use]
-    pub fn decoded(&self) -> Vec<usize> {
+    pub fn decoded_frames(&self) -> Vec<usize> {
         let kept = self.decoder.pictures();
         self.places
             .iter()
@@ -193,7 +193,7 @@ impl Pictures {
         if let Some(before) = self.shown
             && before != index
         {
-            self.direction = StepDirection::of_step(before, index);
+            self.direction = StepDirection::from_step(before, index);
         }
         self.shown = Some(index);
         // The neighbours that a user is likely to visit next, as many as fit into memory.

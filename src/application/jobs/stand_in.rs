@@ -65,7 +65,7 @@ pub(super) fn frame(index: usize) -> FrameRef {
 
 /// The picture that the reader gives for frame `index`.
 pub(super) fn picture(index: usize) -> Picture {
-    Picture::filled(ImageSize::new(16, 9), [index as u8, 0, 0, 255])
+    Picture::with_colour(ImageSize::new(16, 9), [index as u8, 0, 0, 255])
 }
 
 /// A fake reader, its wake callback and its controller.

@@ -10,7 +10,7 @@ use touchline_documents::store::{Location, Store};
 pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), JobError> {
     std::fs::create_dir_all(folder).map_err(JobError::io(folder))?;
     let location = Location::for_new_document(folder)?;
-    Store::create(&location, &document.relocated(location.folder()))?;
+    Store::create(&location, &document.relocate(location.folder()))?;
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::io;
 use touchline_vision::media::{
     FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames, THUMBNAIL_SIZE,
-    letterboxed,
+    letterbox,
 };
 
 /// Memory for thumbnails, bytes: about 2,300 of them.
@@ -175,7 +175,7 @@ struct SmallReader {
 
 impl ReadFrames for SmallReader {
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
-        Ok(letterboxed(&self.full.read(frame)?, THUMBNAIL_SIZE))
+        Ok(letterbox(&self.full.read(frame)?, THUMBNAIL_SIZE))
     }
 
     fn take_notices(&mut self) -> Vec<Notice> {

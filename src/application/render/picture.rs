@@ -231,7 +231,7 @@ mod tests {
     fn instance(scale: f32) -> PictureInstance {
         let picture = PictureLayer {
             key: PictureKey(0),
-            pixels: media::Picture::filled(ImageSize::new(8, 4), [0; 4]),
+            pixels: media::Picture::with_colour(ImageSize::new(8, 4), [0; 4]),
             look: crate::scene::PictureLook::default(),
         };
         PictureInstance::new(

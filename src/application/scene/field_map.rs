@@ -55,7 +55,7 @@ impl FieldMap {
 
     /// This map, rotated if necessary so that the camera is at the lower border.
     #[must_use]
-    pub fn turned_to(self, camera: &PtzCamera) -> Self {
+    pub fn with_camera_below(self, camera: &PtzCamera) -> Self {
         Self {
             turned: camera.base().position_m.y > 0.0,
             ..self
@@ -95,7 +95,7 @@ impl FieldMap {
         )
     }
 
-    fn drawn(&self, point_in_world: Vec3) -> [f32; 2] {
+    fn drawing_point(&self, point_in_world: Vec3) -> [f32; 2] {
         let point = self.map_from_world(point_in_world);
         [point.x as f32, point.y as f32]
     }
@@ -116,7 +116,7 @@ pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
     let field = scene.field;
     let (x, y) = (field.length_m / 2.0, field.width_m / 2.0);
     let corners =
-        [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| map.drawn(Vec3::new(x, y, 0.0)));
+        [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| map.drawing_point(Vec3::new(x, y, 0.0)));
     let ground = Drawing {
         areas: vec![Area {
             corners: corners.to_vec(),
@@ -130,7 +130,7 @@ pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
         .iter()
         .filter(|line| lies_on_ground(line))
         .map(|line| Stroke {
-            points: flattened(&line.curve, map, scene.zoom),
+            points: flatten_curve(&line.curve, map, scene.zoom),
             colour: MARKINGS,
             width_pt: 1.25,
             outline: None,
@@ -149,7 +149,7 @@ pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
 }
 
 /// A curve as a polyline on the map that deviates by at most 0.1 px of the canvas.
-fn flattened(curve: &Curve, map: &FieldMap, zoom: f64) -> Vec<[f32; 2]> {
+fn flatten_curve(curve: &Curve, map: &FieldMap, zoom: f64) -> Vec<[f32; 2]> {
     let pieces = match curve {
         Curve::Segment { .. } => 1.0,
         Curve::Arc {
@@ -162,7 +162,7 @@ fn flattened(curve: &Curve, map: &FieldMap, zoom: f64) -> Vec<[f32; 2]> {
         }
     };
     (0..=pieces as u32)
-        .map(|piece| map.drawn(curve.point_at(f64::from(piece) / pieces)))
+        .map(|piece| map.drawing_point(curve.point_at(f64::from(piece) / pieces)))
         .collect()
 }
 
@@ -174,7 +174,10 @@ fn append_visible(
     over: &mut Drawing,
 ) {
     let border = visible_ground(scene.field, camera, scene.image_size, REACH_M);
-    let corners: Vec<[f32; 2]> = border.iter().map(|point| map.drawn(*point)).collect();
+    let corners: Vec<[f32; 2]> = border
+        .iter()
+        .map(|point| map.drawing_point(*point))
+        .collect();
     let Some(first) = corners.first() else { return };
     let [r, g, b] = scene.style.colour;
     let colour = Colour::rgb(r, g, b);
@@ -221,7 +224,7 @@ fn append_clicked(scene: &OverlayScene<'_>, map: &FieldMap, over: &mut Drawing) 
             CLICK
         };
         over.markers.push(Marker {
-            at: map.drawn(landmark.nominal_m),
+            at: map.drawing_point(landmark.nominal_m),
             shape: if click.check {
                 MarkerShape::Diamond
             } else {
@@ -285,7 +288,7 @@ pub fn picture_from_above(
             }
         });
     // `rgba` has the length for this size, so that the fallback is never used.
-    Picture::new(size, rgba).unwrap_or_else(|_| Picture::filled(size, [0; 4]))
+    Picture::new(size, rgba).unwrap_or_else(|_| Picture::with_colour(size, [0; 4]))
 }
 
 /// The colour of the picture at a point, interpolated between pixel centres. `None` outside the
@@ -363,7 +366,7 @@ mod tests {
             (camera(-60.0, 0.0), Vec3::new(-52.5, -34.0, 0.0)),
             (camera(60.0, 180.0), Vec3::new(52.5, 34.0, 0.0)),
         ] {
-            let map = FieldMap::new(&field, 5.0, 10.0).turned_to(&camera);
+            let map = FieldMap::new(&field, 5.0, 10.0).with_camera_below(&camera);
             assert_eq!(map.size_px(), ImageSize::new(1150, 780));
             assert_eq!(map.map_from_world(near_left), ImagePoint::new(50.0, 730.0));
             assert!((map.world_from_map(ImagePoint::new(50.0, 730.0)) - near_left).norm() < 1e-12);

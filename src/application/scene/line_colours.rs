@@ -90,7 +90,7 @@ const fn sport(id: &'static str, name: &'static str, ground: Ground, colour: [u8
 impl Sport {
     /// The sport of a built-in field template. `None` for a user's own template.
     #[must_use]
-    pub fn of_template(template: &str) -> Option<&'static Self> {
+    pub fn from_template(template: &str) -> Option<&'static Self> {
         SPORTS.iter().find(|sport| {
             template
                 .strip_prefix(sport.id)
@@ -207,9 +207,9 @@ mod tests {
     #[test]
     fn every_template_has_a_sport_whose_own_colour_is_safe_on_its_ground() {
         for template in builtin_names() {
-            assert!(Sport::of_template(template).is_some(), "{template}");
+            assert!(Sport::from_template(template).is_some(), "{template}");
         }
-        assert_eq!(Sport::of_template("soccerish"), None);
+        assert_eq!(Sport::from_template("soccerish"), None);
         for sport in SPORTS {
             let colour = LINE_COLOURS
                 .iter()

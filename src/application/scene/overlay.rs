@@ -207,7 +207,7 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let strokes = lines_in_picture(scene)
         .into_iter()
         .map(|line| Stroke {
-            points: line.points.into_iter().map(drawn).collect(),
+            points: line.points.into_iter().map(drawing_point).collect(),
             colour,
             width_pt: style.width,
             outline: (style.outline > 0.0).then_some(rim(style.outline)),
@@ -226,7 +226,7 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
         let alpha = (255.0 * style.opacity.clamp(0.0, 1.0)) as u8;
         let unclicked = landmarks_without_click(scene).into_iter();
         drawing.markers.extend(unclicked.map(|projected| Marker {
-            at: drawn(projected.image),
+            at: drawing_point(projected.image),
             shape: MarkerShape::Ring,
             colour: colour.with_alpha(alpha),
             radius_pt: 3.5,
@@ -284,7 +284,7 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
             kind
         };
         // The residual: from the click to where the camera predicts its landmark.
-        if let Some(predicted) = predicted(scene, click) {
+        if let Some(predicted) = predict_landmark(scene, click) {
             let times = if scene.style.residuals_times_ten {
                 10.0
             } else {
@@ -292,8 +292,8 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
             };
             let end = click
                 .image
-                .moved(predicted.offset_from(click.image) * times);
-            let points = vec![drawn(click.image), drawn(end)];
+                .translate(predicted.offset_from(click.image) * times);
+            let points = vec![drawing_point(click.image), drawing_point(end)];
             whiskers.push(Stroke {
                 points,
                 colour,
@@ -303,7 +303,7 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
             });
         }
         let marker = Marker {
-            at: drawn(click.image),
+            at: drawing_point(click.image),
             shape: match click.target.as_ref().and_then(Target::line) {
                 _ if click.check => MarkerShape::Diamond,
                 Some(_) => MarkerShape::Ring,
@@ -341,7 +341,7 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
             [10.0, -10.0]
         };
         drawing.labels.push(Label {
-            at: drawn(click.image),
+            at: drawing_point(click.image),
             offset_pt,
             text,
             size_pt: 12.0,
@@ -359,7 +359,7 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
 }
 
 /// Where the camera predicts the landmark of a click. `None` for clicks on lines.
-fn predicted(scene: &OverlayScene<'_>, click: &Click) -> Option<ImagePoint> {
+fn predict_landmark(scene: &OverlayScene<'_>, click: &Click) -> Option<ImagePoint> {
     let Some(Target::Landmark(id)) = &click.target else {
         return None;
     };
@@ -382,7 +382,7 @@ const fn rim(width_pt: f32) -> Outline {
     }
 }
 
-const fn drawn(point: ImagePoint) -> [f32; 2] {
+const fn drawing_point(point: ImagePoint) -> [f32; 2] {
     [point.x as f32, point.y as f32]
 }
 
@@ -461,7 +461,7 @@ mod tests {
                 LandmarkId::from("centre_mark"),
                 ImagePoint::new(640.0, 360.0),
             ),
-            Click::unnamed(ImagePoint::new(10.0, 20.0)),
+            Click::without_name(ImagePoint::new(10.0, 20.0)),
         ];
         let drawing = overlay(&scene(&field, None, &clicks, &style));
         assert!(drawing.strokes.is_empty());
@@ -507,7 +507,7 @@ mod tests {
         );
         assert_eq!(
             drawing.strokes[0].strokes[0].points,
-            [drawn(off), drawn(exact)]
+            [drawing_point(off), drawing_point(exact)]
         );
         let seen: Vec<_> = drawing
             .markers

@@ -49,7 +49,7 @@ const SQUARE_PX: usize = 6;
 impl PaintMapFrame {
     /// The mapping that just contains all frames. `None` without frames.
     #[must_use]
-    pub fn of(scene: &PaintMapScene<'_>) -> Option<Self> {
+    pub fn from_scene(scene: &PaintMapScene<'_>) -> Option<Self> {
         // Pan is measured from the first frame's, so that a range across ±180° stays one interval.
         let middle = scene.frames.first()?.0.pan;
         let (mut pan, mut tilt) = (
@@ -99,7 +99,7 @@ impl PaintMapFrame {
     #[must_use]
     pub fn ray_from_map(&self, at: ImagePoint) -> PanTilt {
         PanTilt {
-            pan: (self.left + Angle::from_degrees(at.x / self.px_per_degree)).wrapped(),
+            pan: (self.left + Angle::from_degrees(at.x / self.px_per_degree)).wrap(),
             tilt: self.top - Angle::from_degrees(at.y / self.px_per_degree),
         }
     }
@@ -241,7 +241,7 @@ mod tests {
                 frames: &frames,
                 paint: &paint,
             };
-            let map = PaintMapFrame::of(&scene).unwrap();
+            let map = PaintMapFrame::from_scene(&scene).unwrap();
             assert!(
                 map.size.width <= 2400
                     && map.size.height <= 1000
@@ -271,7 +271,7 @@ mod tests {
     fn without_frames_there_is_no_map() {
         let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
         assert!(
-            PaintMapFrame::of(&PaintMapScene {
+            PaintMapFrame::from_scene(&PaintMapScene {
                 base: &base,
                 field: &field,
                 frames: &[],

@@ -61,7 +61,7 @@ impl PictureLook {
 
     /// A look with only the brightness changed.
     #[must_use]
-    pub fn of_brightness(brightness: f32) -> Self {
+    pub fn from_brightness(brightness: f32) -> Self {
         Self {
             brightness,
             ..Self::default()
@@ -70,7 +70,7 @@ impl PictureLook {
 
     /// This look, with the brightness multiplied by `factor`.
     #[must_use]
-    pub const fn dimmed(self, factor: f32) -> Self {
+    pub const fn dim(self, factor: f32) -> Self {
         Self {
             brightness: self.brightness * factor,
             ..self

@@ -27,7 +27,7 @@ pub struct TimelineSource {
 impl TimelineSource {
     /// The state of a document. Frames are shared, not copied.
     #[must_use]
-    pub fn of(document: &Document) -> Self {
+    pub fn from_document(document: &Document) -> Self {
         Self {
             frames: document.frames.clone(),
             shots: document.shots.clone(),
@@ -69,7 +69,7 @@ pub struct TimelineCut {
 impl Timeline {
     /// Summarises a document in at most `parts` parts; the shots are those of `video`.
     #[must_use]
-    pub fn of(document: &Document, video: &str, parts: usize) -> Self {
+    pub fn from_document(document: &Document, video: &str, parts: usize) -> Self {
         let frames = document.frames.len();
         let count = parts.min(frames);
         let mut timeline = Self {
@@ -77,7 +77,7 @@ impl Timeline {
             parts: vec![TimelinePart::default(); count],
             cuts: Vec::new(),
         };
-        let mut starts = VideoShots::of(document, video)
+        let mut starts = VideoShots::from_document(document, video)
             .into_iter()
             .flat_map(|shots| shots.starts().collect::<Vec<_>>())
             .skip(1);
@@ -107,7 +107,7 @@ impl Timeline {
     /// with changed frames are summarised again. `None` if cuts may have moved or too many frames
     /// have changed; then [`Self::of`] is needed.
     #[must_use]
-    pub fn followed(&self, document: &Document, before: &TimelineSource) -> Option<Self> {
+    pub fn follow_changes(&self, document: &Document, before: &TimelineSource) -> Option<Self> {
         let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else {
             return None;
         };
@@ -204,7 +204,8 @@ mod tests {
                 .frames
                 .push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
         }
-        VideoShots::found(&document, "match.mp4", 9, &[(6, ShotKind::Fade)]).write(&mut document);
+        VideoShots::from_cuts(&document, "match.mp4", 9, &[(6, ShotKind::Fade)])
+            .write(&mut document);
         document
     }
 
@@ -226,7 +227,7 @@ mod tests {
         for frame in 8..10 {
             document.frames[frame].status = FrameStatus::Rejected;
         }
-        let timeline = Timeline::of(&document, "match.mp4", 5);
+        let timeline = Timeline::from_document(&document, "match.mp4", 5);
         assert_eq!((timeline.frames, timeline.parts.len()), (10, 5));
         let first = TimelinePart {
             frames: 2,
@@ -255,9 +256,14 @@ mod tests {
                 kind: ShotKind::Fade
             }]
         );
-        assert_eq!(Timeline::of(&document, "match.mp4", 500).parts.len(), 10);
         assert_eq!(
-            Timeline::of(&Document::new(FieldSpec::new("soccer")), "match.mp4", 5).parts,
+            Timeline::from_document(&document, "match.mp4", 500)
+                .parts
+                .len(),
+            10
+        );
+        assert_eq!(
+            Timeline::from_document(&Document::new(FieldSpec::new("soccer")), "match.mp4", 5).parts,
             []
         );
     }
@@ -267,33 +273,34 @@ mod tests {
         for parts in [1, 3, 5, 10] {
             let mut document = document();
             let (before, known) = (
-                TimelineSource::of(&document),
-                Timeline::of(&document, "match.mp4", parts),
+                TimelineSource::from_document(&document),
+                Timeline::from_document(&document, "match.mp4", parts),
             );
             document.frames[0].status = FrameStatus::Reference;
             document.frames[7].status = FrameStatus::Draft;
-            let anew = Timeline::of(&document, "match.mp4", parts);
+            let anew = Timeline::from_document(&document, "match.mp4", parts);
             assert_ne!(anew, known);
-            assert_eq!(known.followed(&document, &before), Some(anew));
+            assert_eq!(known.follow_changes(&document, &before), Some(anew));
             document.frames[7].video = Some(VideoFrame::new("match.mp4", 70, None));
             assert_eq!(
-                known.followed(&document, &before),
+                known.follow_changes(&document, &before),
                 None,
                 "a cut may lie elsewhere"
             );
         }
         let mut document = document();
         let (before, known) = (
-            TimelineSource::of(&document),
-            Timeline::of(&document, "match.mp4", 5),
+            TimelineSource::from_document(&document),
+            Timeline::from_document(&document, "match.mp4", 5),
         );
-        VideoShots::found(&document, "match.mp4", 9, &[(3, ShotKind::Cut)]).write(&mut document);
-        assert_eq!(known.followed(&document, &before), None);
+        VideoShots::from_cuts(&document, "match.mp4", 9, &[(3, ShotKind::Cut)])
+            .write(&mut document);
+        assert_eq!(known.follow_changes(&document, &before), None);
     }
 
     #[test]
     fn places_and_frames_lead_to_each_other() {
-        let timeline = Timeline::of(&document(), "match.mp4", 5);
+        let timeline = Timeline::from_document(&document(), "match.mp4", 5);
         for frame in 0..10 {
             assert_eq!(timeline.frame_at(timeline.share_of(frame)), frame);
         }

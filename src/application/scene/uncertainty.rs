@@ -135,7 +135,7 @@ pub fn band(
     let mut drawing = Drawing::default();
     let mut borders = Vec::new();
     for line in project_lines(field, camera, image_size, &MarkingOptions::default()) {
-        let points = resampled(&line.points, STEP_PX);
+        let points = resample_polyline(&line.points, STEP_PX);
         let Some([left, right]) = sides(&points, uncertainty, camera) else {
             continue;
         };
@@ -186,14 +186,14 @@ fn sides(
         };
         let half = across * (across.transpose() * covariance * across).x.max(0.0).sqrt();
         let place = |at: ImagePoint| [at.x as f32, at.y as f32];
-        left.push(place(point.moved(half)));
-        right.push(place(point.moved(-half)));
+        left.push(place(point.translate(half)));
+        right.push(place(point.translate(-half)));
     }
     (left.len() > 1).then_some([left, right])
 }
 
 /// Resamples a polyline so that its points are at most `step_px` apart, and not much less.
-fn resampled(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
+fn resample_polyline(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
     let Some(first) = points.first() else {
         return Vec::new();
     };
@@ -201,7 +201,9 @@ fn resampled(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
     for pair in points.windows(2) {
         let way = pair[1].offset_from(pair[0]);
         let parts = (way.norm() / step_px).ceil().max(1.0);
-        found.extend((1..=parts as usize).map(|part| pair[0].moved(way * (part as f64 / parts))));
+        found.extend(
+            (1..=parts as usize).map(|part| pair[0].translate(way * (part as f64 / parts))),
+        );
     }
     // Curves have far more points than a band needs: keep one about every sixth of a step.
     let last = found[found.len() - 1];
@@ -249,10 +251,10 @@ mod tests {
             let at = camera
                 .image_from_world(field.landmark(name).unwrap().nominal_m)
                 .unwrap();
-            Observation::of_landmark(&field, name, at, SIZE, 0).unwrap()
+            Observation::from_landmark(&field, name, at, SIZE, 0).unwrap()
         };
         let clicks = [click("centre_mark"), click("centre_circle_right")];
-        let uncertainty = Uncertainty::of(&camera, &clicks, None).unwrap();
+        let uncertainty = Uncertainty::from_observations(&camera, &clicks, None).unwrap();
         (field, camera, uncertainty)
     }
 
@@ -295,7 +297,7 @@ mod tests {
             !drawing.areas.is_empty()
                 && drawing.areas.len() * 2 == drawing.strokes[0].strokes.len()
         );
-        let points = resampled(
+        let points = resample_polyline(
             &[ImagePoint::new(0.0, 0.0), ImagePoint::new(100.0, 0.0)],
             60.0,
         );

@@ -55,7 +55,7 @@ impl Place {
     /// A camera that looks this far to the right of the field's centre.
     fn looks(&self, right_deg: f64) -> Ptz {
         Ptz {
-            pan: (self.centre + Angle::from_degrees(right_deg)).wrapped(),
+            pan: (self.centre + Angle::from_degrees(right_deg)).wrap(),
             ..Ptz::from_degrees(0.0, -11.0, 1500.0)
         }
     }
@@ -113,7 +113,7 @@ impl Place {
         let index = document.frames.len() - 1;
         let solved = calibrate(
             &document,
-            &FrameLookup::of(&document),
+            &FrameLookup::from_document(&document),
             &document.frames[index],
             &field(),
             index,
@@ -206,7 +206,7 @@ fn names(place: &Place, right_deg: f64) -> (Vec<String>, usize) {
         image_size: SIZE,
         base: Some(&place.base),
         camera: None,
-        named: &[Observation::of_landmark(&field, &left.0, left.1, SIZE, 0).unwrap()],
+        named: &[Observation::from_landmark(&field, &left.0, left.1, SIZE, 0).unwrap()],
         taken: &[TakenName {
             target: Target::Landmark(left.0.as_str().into()),
             click: 0,
@@ -261,7 +261,7 @@ fn the_map_of_what_references_see_is_the_same_from_the_far_side() {
                     .into(),
             );
         }
-        Coverage::of(&document, &field(), &"main".into(), &[0, 1, 2]).unwrap()
+        Coverage::measure(&document, &field(), &"main".into(), &[0, 1, 2]).unwrap()
     };
     let (on_main, on_far) = (coverage(&main), coverage(&far));
     assert_eq!(on_main.cells, on_far.cells);
@@ -278,7 +278,7 @@ fn the_map_of_what_references_see_is_the_same_from_the_far_side() {
         assert!(found.cells.iter().any(|cell| cell.references > 1));
         let missing = Angle::from_degrees(found.missing_pan_deg.unwrap());
         assert!(
-            found.pan.contains(missing) && missing == missing.wrapped(),
+            found.pan.contains(missing) && missing == missing.wrap(),
             "{missing}"
         );
     }
@@ -335,9 +335,9 @@ fn a_pan_over_time_has_no_jump() {
                     .into(),
             );
         }
-        let course = Course::of(
+        let course = Course::compute(
             &document,
-            &Disagreements::of(&document),
+            &Disagreements::from_document(&document),
             &"main".into(),
             TimeAxis::Frame,
         );
@@ -372,7 +372,7 @@ fn gold_frames_spread_over_the_circle() {
 fn answers_across_the_seam_are_plausible() {
     for place in Place::all() {
         let taught = [-6.0, -3.0, -1.0, 2.0].map(|right_deg| place.looks(right_deg));
-        let seen = SeenRange::of(&taught).unwrap();
+        let seen = SeenRange::from_cameras(&taught).unwrap();
         assert!(
             (seen.pan_deg.end() - seen.pan_deg.start() - 8.0).abs() < 1e-9,
             "{}: {seen:?}",
@@ -472,7 +472,7 @@ fn frames_drawn_from_every_side_are_found_again() {
                 .map(|keypoint| camera.ray_from_image(keypoint.point).unwrap());
             samples.add_frame(found.descriptors.iter().copied().zip(rays));
         }
-        let seen = SeenRange::of(&taught.map(|camera| camera.ptz())).unwrap();
+        let seen = SeenRange::from_cameras(&taught.map(|camera| camera.ptz())).unwrap();
         let forest = train(&samples, &TrainOptions::default(), &Progress::default()).unwrap();
         for (number, right_deg) in [-11.0, 3.0].into_iter().enumerate() {
             let truth = camera(right_deg);
@@ -502,7 +502,7 @@ fn coverage_is_reported_for_each_camera() {
     let mut frame = far.frame(1, 0.0, FrameStatus::Reference);
     frame.camera = "far".into();
     document.frames.push(frame.into());
-    let found = Coverage::of_cameras(document.at(Path::new("")), &[0, 1]);
+    let found = Coverage::measure_cameras(document.at(Path::new("")), &[0, 1]);
     assert_eq!(found.len(), 2);
     assert_eq!(found[0].cells, found[1].cells);
 }

@@ -352,7 +352,9 @@ fn what_cannot_be_done_is_reported_and_changes_nothing() {
     let before = now(&app).clone();
     let change = higher(&app, 19.0);
     let order = ordered(app.update(change)).unwrap();
-    app.update(Action::Report(order.panicked("out of grass".to_owned())));
+    app.update(Action::Report(
+        order.panic_report("out of grass".to_owned()),
+    ));
     assert_eq!(*now(&app), before);
     assert!(
         app.session

@@ -123,7 +123,7 @@ fn a_closed_question_shows_nothing_and_what_is_masked_causes_no_new_question() {
     let document = (*bench.app.open().unwrap().document).clone();
     open(&mut bench, document);
     bench.report_end::<BurntInSearch>(Ok(vec![found(None, None)]));
-    bench.act(Action::Report(Report::of_end::<BurntInSearch>(
+    bench.act(Action::Report(Report::from_result::<BurntInSearch>(
         before,
         Ok(vec![found(None, None)]),
     )));

@@ -31,7 +31,7 @@ fn exact(frame: usize, landmark: &str) -> ImagePoint {
 }
 
 fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
-    at.moved(Vec2::new(normal(rng), normal(rng)) * sigma_px)
+    at.translate(Vec2::new(normal(rng), normal(rng)) * sigma_px)
 }
 
 /// Accepted frames with three points each, with click noise of this sigma.
@@ -154,7 +154,7 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
         on: None,
     }));
     bench.act(Action::Pointer(PointerAction::Release));
-    assert_eq!(bench.app.round().unwrap().clicked(), 0);
+    assert_eq!(bench.app.round().unwrap().clicked_count(), 0);
     bench.act(Action::Pointer(PointerAction::Press {
         at: label,
         on: Some(0),
@@ -176,7 +176,7 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
         bench.document().frames[0].repeats.is_empty() && bench.app.round().unwrap().number() == 1
     );
     bench.command(Command::SkipAgain);
-    assert_eq!(bench.app.round().unwrap().skipped(), 1);
+    assert_eq!(bench.app.round().unwrap().skipped_count(), 1);
     bench.answer(0.8, &mut rng);
     assert!(bench.app.round().is_none());
     assert!(
@@ -241,7 +241,7 @@ fn another_document_is_compared_on_the_quality_page() {
     ))));
     assert!(
         !bench.app.operations.comparison.is_running()
-            && bench.app.operations.comparison.made().is_none()
+            && bench.app.operations.comparison.last_result().is_none()
     );
     assert!(
         bench.last_notice().contains("no such file"),
@@ -262,7 +262,7 @@ fn another_document_is_compared_on_the_quality_page() {
         revision,
         agreement,
     }));
-    let made = bench.app.operations.comparison.made().unwrap();
+    let made = bench.app.operations.comparison.last_result().unwrap();
     assert_eq!(
         (
             made.agreement.distances.unwrap().count,

@@ -234,7 +234,7 @@ fn the_own_clicks_take_part_in_the_solve() {
     bench.release();
     assert_eq!(frame(&bench).clicks.len(), 3);
     assert!(frame(&bench).is_solved_by_clicks());
-    let solved = bench.app.current().solved().unwrap();
+    let solved = bench.app.current().click_solution().unwrap();
     assert_eq!(solved.redundancy, 3, "no prior among six equations");
 }
 

@@ -500,7 +500,7 @@ fn click(document: &mut Document, frame: usize) {
     let at = landmark_in(&camera, "centre_mark");
     document.frames[frame]
         .clicks
-        .push(Click::unnamed(ImagePoint::new(
+        .push(Click::without_name(ImagePoint::new(
             at.x.clamp(1.0, f64::from(SIZE.width)),
             500.0,
         )));

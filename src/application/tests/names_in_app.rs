@@ -47,7 +47,7 @@ fn frame(name: &str, ptz: Ptz, spots: &[(&str, &str)]) -> Frame {
                 .image_from_world(field.landmark_in_world(field.landmark(shown).unwrap()))
                 .unwrap();
             let off = Vec2::new(normal(&mut rng), normal(&mut rng));
-            Click::landmark((*named).into(), at.moved(off))
+            Click::landmark((*named).into(), at.translate(off))
         })
         .collect();
     frame.status = FrameStatus::Draft;
@@ -138,12 +138,12 @@ fn the_correction_is_in_the_document() {
     let mut document = project();
     document.frames.push(swapped().into());
     // A point without a name comes first: a dataset leaves it out, and the numbers follow.
-    let unnamed = Click::unnamed(document.frames[0].clicks[0].image);
+    let unnamed = Click::without_name(document.frames[0].clicks[0].image);
     document.frames[0].clicks.insert(0, unnamed);
     let field = document.field.model("/nowhere".as_ref()).unwrap();
     let solved = calibrate(
         &document,
-        &FrameLookup::of(&document),
+        &FrameLookup::from_document(&document),
         &document.frames[0],
         &field,
         0,
@@ -210,7 +210,14 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
             video: document.frames[21].video.clone(),
             ..clicked
         };
-        calibrate(document, &FrameLookup::of(document), &clicked, &field, 21).unwrap()
+        calibrate(
+            document,
+            &FrameLookup::from_document(document),
+            &clicked,
+            &field,
+            21,
+        )
+        .unwrap()
     };
     let fine = solved(&document, &right);
     assert!(
@@ -256,8 +263,14 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
         clip: document.frames[21].clip.clone(),
         ..frame("21.jpg", ptz, &taken_for)
     };
-    let elsewhere =
-        calibrate(&document, &FrameLookup::of(&document), &clicked, &field, 21).unwrap();
+    let elsewhere = calibrate(
+        &document,
+        &FrameLookup::from_document(&document),
+        &clicked,
+        &field,
+        21,
+    )
+    .unwrap();
     assert!(
         elsewhere
             .warnings
@@ -278,7 +291,7 @@ fn a_camera_under_the_pitch_is_implausible() {
     let field = document.field.model("/nowhere".as_ref()).unwrap();
     let Ok(solved) = calibrate(
         &document,
-        &FrameLookup::of(&document),
+        &FrameLookup::from_document(&document),
         &document.frames[0],
         &field,
         0,
@@ -378,7 +391,7 @@ fn a_point_has_one_residual_wherever_it_is_said() {
     let finding = app.current().other_names().unwrap();
     assert_eq!(finding.renames.len(), 1, "{finding:?}");
     let listed = app
-        .shown()
+        .shown_values()
         .residual(finding.renames[0].click)
         .unwrap()
         .distance_px()
@@ -400,7 +413,7 @@ fn a_name_in_use_is_found_by_typing_it_and_taking_it_swaps_the_two() {
     app.update(Action::Command(Command::RenameClick));
     let offered = |app: &App| match &app.session.mode {
         Mode::Naming(naming) => naming
-            .offered()
+            .listed_candidates()
             .iter()
             .map(|name| (name.code.clone(), name.in_use))
             .collect(),

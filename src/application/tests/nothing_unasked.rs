@@ -321,7 +321,7 @@ fn an_orphan_finds_the_version_it_starts_from() {
     assert_eq!(orphan.edits.len(), 1);
     let edits = touchline_documents::store::read_orphan(&location, &orphan.path).unwrap();
     assert!(edits.base.is_some());
-    let merged = edits.merged_into(&read(&path).unwrap().1);
+    let merged = edits.merge_with(&read(&path).unwrap().1);
     assert_eq!(
         (
             comments(&merged.document)[0].as_str(),

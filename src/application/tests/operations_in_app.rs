@@ -32,7 +32,7 @@ fn open_another(bench: &mut Bench, jobs: &[Job]) {
     assert!(jobs.iter().all(Job::is_cancelled), "{jobs:?}");
     let before = bench.app.session.messages.notices.len();
     for job in jobs {
-        bench.act(Action::Report(job.panicked("too late".to_owned())));
+        bench.act(Action::Report(job.panic_report("too late".to_owned())));
     }
     assert_eq!(
         bench.app.session.messages.notices.len(),

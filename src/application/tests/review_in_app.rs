@@ -156,7 +156,7 @@ fn several_are_accepted_in_one_step_after_a_preview() {
         bench
             .app
             .bulk_accept()
-            .taken()
+            .ticked_rows()
             .map(|row| row.frame)
             .collect::<Vec<_>>()
     };
@@ -215,7 +215,7 @@ fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
     bench.act(Action::Trainer(TrainerReport::Proposals(proposals)));
     assert_eq!(bench.statuses(), "SSSSS");
     let sheet = bench.app.accept_sheet().map(Arc::clone).unwrap();
-    assert_eq!((sheet.bulk.taken().count(), sheet.bulk.late), (2, 3));
+    assert_eq!((sheet.bulk.ticked_rows().count(), sheet.bulk.late), (2, 3));
     bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "RRSSS");
     bench.command(Command::AcceptAllAbove);

@@ -52,7 +52,7 @@ fn started<O: Operation>(effects: &[Effect]) -> Option<Job> {
 
 /// A search has ended like this.
 fn ended(search: &Job, result: Result<FoundShots, MediaError>) -> Action {
-    Action::Report(Report::of_end::<ShotSearch>(
+    Action::Report(Report::from_result::<ShotSearch>(
         search.id(),
         result.map_err(Failure::Failed),
     ))

@@ -17,7 +17,7 @@ fn pointed() -> PtzCamera {
 impl Bench {
     /// Places a landmark, landmark first, 3 px to the right of where the truth has it.
     fn place_beside(&mut self, landmark: &str, release: Action) -> ImagePoint {
-        let at = landmark_in(&pointed(), landmark).moved(Vec2::new(3.0, 0.0));
+        let at = landmark_in(&pointed(), landmark).translate(Vec2::new(3.0, 0.0));
         self.act(Action::Edit(EditAction::Pick(Target::Landmark(
             landmark.into(),
         ))));
@@ -81,7 +81,7 @@ fn points_go_to_the_paint_once_there_is_a_camera_and_undo_takes_place_and_snap_b
         "they are not looked for again"
     );
     // The noise that is left: of the paint's place in the picture, and of the place on the ground.
-    let solved = bench.app.current().solved().unwrap();
+    let solved = bench.app.current().click_solution().unwrap();
     let place_px = bench
         .app
         .current()
@@ -169,7 +169,7 @@ fn alt_and_the_setting_hold_it_off() {
     );
     bench.act(Action::Pointer(PointerAction::Press { at, on: Some(2) }));
     bench.act(Action::Pointer(PointerAction::Drag(
-        at.moved(Vec2::new(2.0, 0.0)),
+        at.translate(Vec2::new(2.0, 0.0)),
     )));
     bench.act(Action::Pointer(PointerAction::Release));
     assert!(

@@ -63,7 +63,7 @@ impl Bench {
     /// The places that would be accepted, and those that are left for a reason.
     fn taken_and_left(&self) -> (Vec<usize>, Vec<(LeftReason, Vec<usize>)>) {
         let bulk = self.bulk();
-        let mut taken: Vec<usize> = bulk.taken().map(|row| row.frame).collect();
+        let mut taken: Vec<usize> = bulk.ticked_rows().map(|row| row.frame).collect();
         taken.sort_unstable();
         let left = bulk.of_stretch.unwrap();
         (taken, left.by_reason.into_iter().collect())
@@ -120,7 +120,7 @@ fn two_hundred_imported_cameras_are_accepted_but_for_those_that_something_speaks
         .of_stretch
         .as_ref()
         .unwrap()
-        .describe(bulk.taken().count(), bench.app.open().unwrap());
+        .describe(bulk.ticked_rows().count(), bench.app.open().unwrap());
     assert_eq!(
         described,
         "195 on the paint, 4 left: 1 without a camera (frame 3), 1 with an impossible camera \
@@ -215,7 +215,7 @@ fn the_list_stays_as_it_was_counted_while_the_sheet_is_open() {
 fn what_speaks_against_a_frame_beside_the_paint_keeps_it_out() {
     let mut document = imported_cameras(6);
     let at = ImagePoint::new(900.0, 500.0);
-    document.frames[0].clicks.push(Click::unnamed(at));
+    document.frames[0].clicks.push(Click::without_name(at));
     document.frames[1].status = FrameStatus::Rejected;
     let solution = document.frames[2].solution.as_mut().unwrap();
     solution.line_check = Some(paint(0.5));
@@ -246,9 +246,9 @@ fn a_camera_out_of_line_with_its_neighbours_is_accepted_only_where_a_person_says
     bench.select_to(4);
     bench.command(Command::Accept);
     let bulk = bench.bulk();
-    assert_eq!((bulk.taken().count(), bulk.left_out), (4, 1));
+    assert_eq!((bulk.ticked_rows().count(), bulk.left_out), (4, 1));
     bench.act(Action::View(ViewAction::SetWithDisagreeing(true)));
-    assert_eq!(bench.bulk().taken().count(), 5);
+    assert_eq!(bench.bulk().ticked_rows().count(), 5);
     bench.act(Action::View(ViewAction::SetWithDisagreeing(false)));
     bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "RRDRR");

@@ -101,7 +101,7 @@ fn document_of(
             let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
                 continue;
             };
-            let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * noise_px);
+            let image = exact.translate(Vec2::new(normal(rng), normal(rng)) * noise_px);
             if SIZE.contains(image) {
                 frame
                     .clicks
@@ -136,7 +136,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         let mut document = document(frames, before, 2.0, &mut rng);
         let Some(change) = camera_change(
             &document,
-            &FrameLookup::of(&document),
+            &FrameLookup::from_document(&document),
             &"main".into(),
             &field(),
         ) else {
@@ -155,7 +155,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         );
         found += 1;
 
-        let given = change.assigned(&document);
+        let given = change.assignment(&document);
         let name = given.camera.clone();
         let work = BulkSolve {
             document: document.clone(),
@@ -181,7 +181,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
             assert_eq!(
                 camera_change(
                     &document,
-                    &FrameLookup::of(&document),
+                    &FrameLookup::from_document(&document),
                     &camera.into(),
                     &field()
                 ),
@@ -197,17 +197,17 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
 fn a_base_estimated_over_a_bump_fits_neither_side_and_is_reported() {
     let mut rng = seeded::rng("a_base_estimated_over_a_bump");
     let mut document = document(40, 20, 2.0, &mut rng);
-    let problem = BaseProblem::of(document.at(Path::new(".")), &"main".into()).unwrap();
+    let problem = BaseProblem::from_document(document.at(Path::new(".")), &"main".into()).unwrap();
     let estimated = problem
         .estimate(&document, &BaseOptions::default(), &Progress::default())
         .unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
-    let fields = Fields::of(document.at(Path::new("."))).unwrap();
+    let fields = Fields::from_document(document.at(Path::new("."))).unwrap();
     let change = camera_change(
         &document,
-        &FrameLookup::of(&document),
+        &FrameLookup::from_document(&document),
         &"main".into(),
-        &fields.of_cameras(&document)[0],
+        &fields.per_camera(&document)[0],
     )
     .unwrap();
     assert!(change.frame.abs_diff(20) <= 3, "{}", change.frame);
@@ -221,7 +221,7 @@ fn without_a_bump_there_is_no_alarm() {
         assert_eq!(
             camera_change(
                 &document,
-                &FrameLookup::of(&document),
+                &FrameLookup::from_document(&document),
                 &"main".into(),
                 &field()
             ),
@@ -235,7 +235,7 @@ fn without_a_bump_there_is_no_alarm() {
 fn frames_are_given_to_a_camera_and_what_rested_on_the_old_one_goes() {
     let mut rng = seeded::rng("frames_are_given_to_a_camera");
     let mut document = document(6, 3, 1.0, &mut rng);
-    let fields = Fields::of(document.at(Path::new("."))).unwrap();
+    let fields = Fields::from_document(document.at(Path::new("."))).unwrap();
     add_camera_like(&mut document, &"second".into(), &"main".into()).unwrap();
     assign_to_camera(&mut document, &[3, 4, 5, 99], &"second".into(), &fields).unwrap();
     for frame in document.frames.range(3..) {
@@ -274,7 +274,7 @@ fn frames_are_given_to_a_camera_and_what_rested_on_the_old_one_goes() {
 fn frames_that_cannot_be_given_say_why_and_nothing_changes() {
     let mut rng = seeded::rng("frames_that_cannot_be_given");
     let mut document = document(3, 3, 1.0, &mut rng);
-    let fields = Fields::of(document.at(Path::new("."))).unwrap();
+    let fields = Fields::from_document(document.at(Path::new("."))).unwrap();
     document
         .cameras
         .push(Camera::new("small".into(), ImageSize::new(1280, 720)).into());
@@ -384,7 +384,7 @@ fn a_camera_with_many_clicked_frames_is_looked_at_in_the_background() {
         "the document is as it was looked at"
     );
     let before = app.session.messages.notices.len();
-    app.update(Action::Report(first.panicked("too late".to_owned())));
+    app.update(Action::Report(first.panic_report("too late".to_owned())));
     assert_eq!(
         app.session.messages.notices.len(),
         before,

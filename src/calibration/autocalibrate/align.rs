@@ -230,7 +230,7 @@ impl ConstrainedFrames {
 
     /// The uncertainty of a placed frame; none if its covariance is not usable.
     fn uncertainty(&self, held: &AdjustedFrame) -> Option<Uncertainty> {
-        Uncertainty::of_known(
+        Uncertainty::from_covariance(
             &PtzCamera::new(self.base, held.ptz),
             held.covariance,
             self.image_size,
@@ -279,7 +279,7 @@ pub(super) fn prior_from_alignment(
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::{IMAGE_SIZE, base, hypothesis, matched, ptz, soccer};
+    use super::super::rotating_camera::{IMAGE_SIZE, base, hypothesis, matched_views, ptz, soccer};
     use super::*;
     use std::ops::ControlFlow;
 
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_frame_without_paint_is_placed_by_its_matches() {
-        let (matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        let (matched, mut hypothesis) = (matched_views(), hypothesis(&soccer().assumed));
         hypothesis.ptz[3] = None;
         hypothesis.paint_priors.retain(|prior| prior.frame != 3);
         let solved =
@@ -307,7 +307,7 @@ mod tests {
 
     #[test]
     fn frames_without_any_prior_stay_as_they_are() {
-        let (matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        let (matched, mut hypothesis) = (matched_views(), hypothesis(&soccer().assumed));
         hypothesis.ptz.fill(None);
         let no_picture = &mut |_: usize| None;
         let frames = hypothesis.camera.frames.clone();
@@ -317,11 +317,11 @@ mod tests {
 
     #[test]
     fn frames_whose_pictures_cannot_be_read_are_placed_and_not_aligned() {
-        let (matched, hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        let (matched, hypothesis) = (matched_views(), hypothesis(&soccer().assumed));
         let no_picture = &mut |_: usize| None;
         let aligned = align_frames(hypothesis, &matched, no_picture, &Progress::default());
         let camera = aligned.ok().map(|aligned| aligned.camera).unwrap();
-        assert_eq!((camera.frames.len(), camera.snapped_count()), (7, 0));
+        assert_eq!((camera.frames.len(), camera.aligned_frame_count()), (7, 0));
         assert!(
             camera
                 .frames
@@ -336,7 +336,7 @@ mod tests {
 
     #[test]
     fn a_frame_that_nothing_places_well_is_not_answered() {
-        let (mut matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        let (mut matched, mut hypothesis) = (matched_views(), hypothesis(&soccer().assumed));
         matched.matches.retain(|pair| pair.first != 0);
         hypothesis.paint_priors[0].information = Mat3::identity();
         let no_picture = &mut |_: usize| None;
@@ -349,7 +349,7 @@ mod tests {
 
     #[test]
     fn alignment_stops_when_it_is_told_to() {
-        let (matched, hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        let (matched, hypothesis) = (matched_views(), hypothesis(&soccer().assumed));
         let stopped = align_frames(
             hypothesis,
             &matched,

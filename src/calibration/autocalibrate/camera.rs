@@ -360,7 +360,7 @@ impl<'a> Search<'a> {
             };
             if let Some(refined) = self.refine(hypothesis, &centred, matched, picture)? {
                 let other = align_frames(refined, matched, picture, self.progress)?;
-                if other.camera.snapped_count() > best.camera.snapped_count() {
+                if other.camera.aligned_frame_count() > best.camera.aligned_frame_count() {
                     best = other;
                 }
             }
@@ -447,7 +447,7 @@ impl<'a> Search<'a> {
 
     /// The clicks on ground landmarks in some frames of the document.
     fn all_clicks(&self, indices: &[usize]) -> Vec<GroundClick> {
-        GroundClick::of(&self.document.frames, indices, &self.field_prior.assumed)
+        GroundClick::from_frames(&self.document.frames, indices, &self.field_prior.assumed)
     }
 
     /// The clicks on matched frames, with frames numbered as in the group.

@@ -332,8 +332,8 @@ fn choose_size(
 mod tests {
     use super::super::pose::PanoramaPose;
     use super::super::rotating_camera::{
-        IMAGE_SIZE, bare_frame, base, document, frames_at_scale, hypothesis, matched,
-        matched_with_marking_pixels, ptz, soccer,
+        IMAGE_SIZE, bare_frame, base, document, frames_at_scale, hypothesis, matched_views,
+        matched_views_with_pixels, ptz, soccer,
     };
     use super::*;
     use std::ops::ControlFlow;
@@ -376,7 +376,7 @@ mod tests {
     #[test]
     fn poses_near_each_other_become_one_candidate_at_the_right_place() {
         let prior = known_field();
-        let matched = matched_with_marking_pixels(&prior.assumed, &ALL_VIEWS);
+        let matched = matched_views_with_pixels(&prior.assumed, &ALL_VIEWS);
         let found = poses_beside(
             &prior.assumed,
             &[
@@ -414,7 +414,13 @@ mod tests {
         let found = poses_beside(&prior.assumed, &[]);
         let progress = Progress::default();
         let placed = place_panoramas(found, &prior.search_fields(), &prior);
-        let none = adjust_panoramas(&placed, FirstReach::Wide, &prior, &matched(), &progress);
+        let none = adjust_panoramas(
+            &placed,
+            FirstReach::Wide,
+            &prior,
+            &matched_views(),
+            &progress,
+        );
         assert_eq!(none.ok().map(|candidates| candidates.len()), Some(0));
     }
 
@@ -422,7 +428,7 @@ mod tests {
     fn frames_without_paint_are_said_to_show_too_little() {
         let prior = known_field();
         let views = [0, 2, 4];
-        let mut matched = matched_with_marking_pixels(&prior.assumed, &views);
+        let mut matched = matched_views_with_pixels(&prior.assumed, &views);
         matched
             .marking_pixels
             .fill(bare_frame(0, IMAGE_SIZE).marking_pixels);
@@ -459,7 +465,7 @@ mod tests {
         let progress = Progress::new(|_| ControlFlow::Break(()));
         let usual = SearchPlaces::usual();
         let origin = PosesFrom::Places(&usual);
-        let stopped = find_panoramas(&matched(), origin, &known_field(), &progress);
+        let stopped = find_panoramas(&matched_views(), origin, &known_field(), &progress);
         assert!(matches!(
             stopped,
             Err(Stop::Failed(AutocalibrationError::Stopped))

@@ -39,7 +39,7 @@ pub(super) struct GroundClick {
 impl GroundClick {
     /// The clicks of some frames of a document, given by their indices; clicks held out for checks
     /// are left out.
-    pub fn of(frames: &Frames, places: &[usize], field: &FieldModel) -> Vec<Self> {
+    pub fn from_frames(frames: &Frames, places: &[usize], field: &FieldModel) -> Vec<Self> {
         let of_click = |frame: usize, click: &Click| {
             let Some(Target::Landmark(id)) = click.target.as_ref().filter(|_| !click.check) else {
                 return None;

@@ -54,7 +54,7 @@ pub enum Abstention {
     #[error("no position of the camera explains the painted lines: check the sport")]
     NothingFits,
     /// The best answer is not certain.
-    #[error("the best answer is not certain, so none is given: {}", listed(.doubts))]
+    #[error("the best answer is not certain, so none is given: {}", join_doubts(.doubts))]
     Uncertain {
         /// The reasons to reject the best answer.
         doubts: Vec<Doubt>,
@@ -63,7 +63,7 @@ pub enum Abstention {
     },
 }
 
-fn listed(doubts: &[Doubt]) -> String {
+fn join_doubts(doubts: &[Doubt]) -> String {
     doubts
         .iter()
         .map(Doubt::to_string)

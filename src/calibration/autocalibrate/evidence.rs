@@ -105,7 +105,7 @@ pub(super) fn measure_evidence(
         .par_iter()
         .filter_map(|&frame| {
             let camera = PtzCamera::new(joint.base, joint.ptz[frame]?);
-            Some(Counts::of(
+            Some(Counts::count(
                 field,
                 &camera,
                 &paint[frame],
@@ -148,7 +148,7 @@ pub(super) fn missing_lines(
     looking: &[(PtzCamera, &MarkingPixels)],
 ) -> Vec<String> {
     let of_frame = |(camera, marking_pixels): &(PtzCamera, &MarkingPixels)| {
-        LineCounts::of(
+        LineCounts::count(
             field,
             &samples_of(field, camera, marking_pixels.size()),
             marking_pixels,
@@ -219,11 +219,15 @@ struct LineCounts {
 impl LineCounts {
     /// Counts the samples of each line of a field in one frame. Samples on anything but ground or
     /// paint (players, boards) are no evidence either way.
-    fn of(field: &FieldModel, samples: &[LineSample], marking_pixels: &MarkingPixels) -> Vec<Self> {
+    fn count(
+        field: &FieldModel,
+        samples: &[LineSample],
+        marking_pixels: &MarkingPixels,
+    ) -> Vec<Self> {
         let mut of_line = vec![Self::default(); field.lines.len()];
         for sample in samples {
             let counts = &mut of_line[sample.line];
-            match marking_pixels.shown(sample.image) {
+            match marking_pixels.classify(sample.image) {
                 Shown::Stroke => {
                     counts.predicted += sample.detectability();
                     counts.seen += sample.detectability();
@@ -249,7 +253,7 @@ impl Counts {
     }
 
     /// Counts the paint and the line samples of one frame.
-    fn of(
+    fn count(
         field: &FieldModel,
         camera: &PtzCamera,
         paint: &FramePaint,
@@ -286,7 +290,7 @@ impl Counts {
         };
         // Both directions: paint on lines, and lines with paint.
         let explained = paint.iter().filter(on_line).count();
-        let of_line = LineCounts::of(field, &samples, marking_pixels);
+        let of_line = LineCounts::count(field, &samples, marking_pixels);
         let lines = (0..of_line.len())
             .filter(|line| of_line[*line].num_seen >= OF_LINE)
             .collect();

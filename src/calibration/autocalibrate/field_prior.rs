@@ -64,7 +64,7 @@ impl FieldPrior {
                     let sign = if corner >> index & 1 == 0 { -1.0 } else { 1.0 };
                     param.assumed_m + sign * LEVEL_SHARE * (param.max_m - param.min_m)
                 };
-                open.sized(
+                open.field_with_lengths(
                     &open
                         .params
                         .iter()
@@ -94,7 +94,7 @@ impl FieldPrior {
             let allowed = params[param].min_m..=params[param].max_m;
             allowed
                 .contains(&moved[param])
-                .then(|| open.sized(&moved))
+                .then(|| open.field_with_lengths(&moved))
                 .flatten()
         });
         moved
@@ -125,7 +125,7 @@ impl FieldPrior {
     /// The field with these lengths, in their order, clamped to what the rules allow; none if the
     /// template has no field of that size.
     pub fn with_lengths(&self, values_m: &[f64]) -> Option<FieldModel> {
-        self.open.as_ref()?.sized(values_m)
+        self.open.as_ref()?.field_with_lengths(values_m)
     }
 
     /// Whether the rules allow other sizes.
@@ -163,7 +163,7 @@ impl FieldPrior {
         let crowned = |values: &[f64]| {
             Some(FieldModel {
                 crown_m: field.crown_m,
-                ..open.sized(values)?
+                ..open.field_with_lengths(values)?
             })
         };
         let mut sizes = fit_field_size(&crowned, &open.params_of(field), &start)?;

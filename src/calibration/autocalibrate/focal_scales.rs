@@ -172,7 +172,7 @@ fn try_focal_scales(
         }
         // All planned scales are done: add a neighbour of the best, until there is none.
         if done == percents.len() {
-            percents.extend(best.and_then(|(_, percent)| untried_beside(percent, &percents)));
+            percents.extend(best.and_then(|(_, percent)| next_scale_beside(percent, &percents)));
         }
     }
     // Fail only if no scale worked, with the first reason.
@@ -190,7 +190,7 @@ fn try_focal_scales(
 /// The next scale to try beside the best one, from [`FOCAL_PERCENT`]: a neighbour such that no
 /// tried scale lies between it and the best, or equals it. Scales beyond all tried ones come before
 /// those between two of them.
-fn untried_beside(percent: u32, tried: &[u32]) -> Option<u32> {
+fn next_scale_beside(percent: u32, tried: &[u32]) -> Option<u32> {
     let above = FOCAL_PERCENT.into_iter().find(|share| *share > percent);
     let below = FOCAL_PERCENT.into_iter().rfind(|share| *share < percent);
     // A neighbour counts as tried if any scale between it and the best was tried: scales from the
@@ -215,7 +215,7 @@ mod tests {
                 .min_by_key(|share| share.abs_diff(best))
                 .unwrap()
         };
-        while let Some(next) = untried_beside(nearest(&tried), &tried) {
+        while let Some(next) = next_scale_beside(nearest(&tried), &tried) {
             tried.push(next);
         }
         tried

@@ -16,7 +16,7 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use std::sync::Arc;
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Vec3;
-use touchline_vision::track::{PosePrior, filled};
+use touchline_vision::track::{PosePrior, fill_missing_cameras};
 
 /// An adjustment replaces another one if its score is this many times higher.
 pub(super) const MIN_GAIN: f64 = 1.01;
@@ -132,7 +132,7 @@ impl Hypothesis {
     /// The cameras of all frames: those without paint of their own are placed by their matches with
     /// the others. None if no frame has a camera.
     pub fn all_ptz(&self, matched: &MatchedFrames) -> Option<Vec<Ptz>> {
-        filled(&self.ptz, &self.frames.rotations.ptz, &matched.matches)
+        fill_missing_cameras(&self.ptz, &self.frames.rotations.ptz, &matched.matches)
     }
 }
 
@@ -157,13 +157,13 @@ impl JointStart {
 #[cfg(test)]
 mod tests {
     use super::super::rotating_camera::{
-        base, frames_at_scale, hypothesis, matched, paint, ptz, soccer,
+        base, frames_at_scale, hypothesis, matched_views, paint, ptz, soccer,
     };
     use super::*;
 
     #[test]
     fn base_and_frames_are_found_again_from_beside() {
-        let (field, matched) = (soccer().assumed, matched());
+        let (field, matched) = (soccer().assumed, matched_views());
         let mut start_base = base();
         start_base.position_m += Vec3::new(0.3, -0.4, 0.1);
         let start = |reach| JointStart {
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn without_paint_there_is_no_hypothesis() {
-        let (field, matched) = (soccer().assumed, matched());
+        let (field, matched) = (soccer().assumed, matched_views());
         let mut bare = Arc::into_inner(frames_at_scale(&field)).unwrap();
         bare.paint.iter_mut().for_each(Vec::clear);
         let start = JointStart {
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn all_frames_have_a_camera_if_one_has() {
-        let (matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        let (matched, mut hypothesis) = (matched_views(), hypothesis(&soccer().assumed));
         hypothesis.ptz[1..].fill(None);
         let all = hypothesis.all_ptz(&matched).unwrap();
         for (found, truth) in all.iter().zip(ptz()) {

@@ -91,7 +91,7 @@ impl JointAdjustment {
 
 /// The frames, adjusted to their paint and to the pairwise matches, with the base held fixed.
 /// Unchanged if the two leave a frame undetermined.
-fn adjusted_by_edges(
+fn adjust_to_matches(
     base: &CameraBase,
     ptz: &[Option<Ptz>],
     taken: &[FrameClicks],
@@ -253,8 +253,8 @@ pub(super) fn adjust_jointly(
                 c: (reach_px / 4.0 / SIGMA_PX).max(1.5),
             }),
         );
-        let adjusted = adjusted(
-            &CameraClicks::centred(&field, &taken, size),
+        let adjusted = try_adjust_base(
+            &CameraClicks::with_centred_principal_point(&field, &taken, size),
             &base,
             &ptz,
             &model,
@@ -270,7 +270,7 @@ pub(super) fn adjust_jointly(
         taken = on_field(taken, &crowned);
         field = crowned;
         if CONNECTED_AFTER.contains(&round) {
-            ptz = adjusted_by_edges(&base, &ptz, &taken, matches, size);
+            ptz = adjust_to_matches(&base, &ptz, &taken, matches, size);
         }
         // Fit the field's size. The map of lines has to follow.
         let Some(prior) = size_prior.filter(|_| SIZE_AFTER.contains(&round)) else {
@@ -291,8 +291,8 @@ pub(super) fn adjust_jointly(
             model(CrownModel::Fixed(field.crown_m)),
             options(Loss::Cauchy { c: 1.5 }),
         );
-        let part = adjusted(
-            &CameraClicks::centred(&field, &taken, size),
+        let part = try_adjust_base(
+            &CameraClicks::with_centred_principal_point(&field, &taken, size),
             &base,
             ptz,
             &model,
@@ -358,7 +358,7 @@ fn apart(
 /// Moves the assigned paint to the same lines of a field with another crown or size.
 fn on_field(mut taken: Vec<FrameClicks>, field: &FieldModel) -> Vec<FrameClicks> {
     for frame in &mut taken {
-        let moved = |seen: &Observation| seen.renamed(field, seen.element?);
+        let moved = |seen: &Observation| seen.with_element(field, seen.element?);
         frame.observations = frame.observations.iter().filter_map(moved).collect();
     }
     taken
@@ -366,7 +366,7 @@ fn on_field(mut taken: Vec<FrameClicks>, field: &FieldModel) -> Vec<FrameClicks>
 
 /// Runs the adjustment. None with too few frames, or if it diverged or put the camera below the
 /// ground.
-fn adjusted(
+fn try_adjust_base(
     taken: &CameraClicks<'_>,
     base: &CameraBase,
     ptz: &[Option<Ptz>],
@@ -431,7 +431,7 @@ fn near_lines(
         if off_px > reach_px {
             continue;
         }
-        of_line[near.line].extend(Observation::of_paint(
+        of_line[near.line].extend(Observation::from_paint(
             field,
             near.line,
             *image,

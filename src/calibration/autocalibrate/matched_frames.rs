@@ -143,7 +143,7 @@ impl MatchedFrames {
         // Paint that several frames show in one direction.
         let points = persistent_paint(&frames);
         let directions: Vec<Vec3> = points.iter().map(|point| point.direction).collect();
-        let panorama = Panorama::new(&directions, SeenGround::of(&frames));
+        let panorama = Panorama::new(&directions, SeenGround::from_frames(&frames));
         if panorama.directions.len() < MIN_DIRECTIONS {
             return Err(Abstention::LittlePaint {
                 places: panorama.directions.len(),

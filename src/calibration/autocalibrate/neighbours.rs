@@ -143,13 +143,13 @@ fn middle_of_paint(cameras: &JointStart, paint: &[FramePaint]) -> Option<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::{base, hypothesis, matched, soccer};
+    use super::super::rotating_camera::{base, hypothesis, matched_views, soccer};
     use super::*;
 
     /// The right hypothesis seen from another distance, with a median residual (px).
     fn from_distance(factor: f64, residual_px: f64) -> Hypothesis {
         let mut moved = hypothesis(&soccer().assumed);
-        let present = JointStart::from_hypothesis(&moved, &matched()).unwrap();
+        let present = JointStart::from_hypothesis(&moved, &matched_views()).unwrap();
         let middle_m = middle_of_paint(&present, &moved.frames.paint).unwrap();
         let start = from_other_distance(&present, middle_m, factor);
         (moved.camera.base, moved.ptz) = (start.base, start.ptz);
@@ -162,20 +162,20 @@ mod tests {
         let far = from_distance(1.0 / 0.94, 1.0);
         let off_m = |of: &Hypothesis| (of.position_m() - base().position_m).norm();
         assert!(off_m(&far) > 2.0, "{:.2} m", off_m(&far));
-        let back = try_neighbouring_distances(&far, &soccer(), &matched()).unwrap();
+        let back = try_neighbouring_distances(&far, &soccer(), &matched_views()).unwrap();
         assert!(off_m(&back) < 0.1, "{:.2} m", off_m(&back));
     }
 
     #[test]
     fn a_hypothesis_whose_lines_lie_on_the_paint_stays() {
         let right = from_distance(1.0, 0.0);
-        assert!(try_neighbouring_distances(&right, &soccer(), &matched()).is_none());
+        assert!(try_neighbouring_distances(&right, &soccer(), &matched_views()).is_none());
     }
 
     #[test]
     fn without_paint_on_the_field_nothing_is_tried() {
         let mut bare = hypothesis(&soccer().assumed);
         bare.camera.base.position_m.z = -1.0;
-        assert!(try_neighbouring_distances(&bare, &soccer(), &matched()).is_none());
+        assert!(try_neighbouring_distances(&bare, &soccer(), &matched_views()).is_none());
     }
 }

@@ -89,7 +89,7 @@ enum Endless {
 }
 
 impl Endless {
-    fn of(curve: &Curve) -> Self {
+    fn from_curve(curve: &Curve) -> Self {
         match *curve {
             Curve::Segment { from, .. } => {
                 let along = direction(curve, from);
@@ -150,7 +150,7 @@ impl OnLine {
     /// The angular distance of a unit direction from the line, as its sine: the distance from the
     /// plane through camera and line. Infinite for a line that points at the camera, which spans no
     /// plane.
-    pub fn passed_by(&self, eye_m: Vec3, direction: Vec3) -> f64 {
+    pub fn sine_of_distance(&self, eye_m: Vec3, direction: Vec3) -> f64 {
         let across = (self.at - eye_m).cross(&self.tangent);
         let length = across.norm();
         if length > 0.0 {
@@ -178,7 +178,7 @@ pub(super) struct View {
 }
 
 impl View {
-    pub fn of(place: Vec3, eye_m: Vec3) -> Self {
+    pub fn new(place: Vec3, eye_m: Vec3) -> Self {
         let view = place - eye_m;
         Self {
             over_ground: view.xy(),
@@ -226,7 +226,10 @@ impl PitchMap {
         let curves: Vec<(usize, Curve)> = painted
             .map(|(number, line)| (number, line.paint_centre))
             .collect();
-        let endless = curves.iter().map(|(_, curve)| Endless::of(curve)).collect();
+        let endless = curves
+            .iter()
+            .map(|(_, curve)| Endless::from_curve(curve))
+            .collect();
         Self {
             crown: field.crown(),
             curves,
@@ -310,7 +313,7 @@ impl PitchMap {
                 curve,
                 nearest_parameter(curve, Vec3::new(place.x, place.y, 0.0)),
             );
-            (on_line.passed_by(eye_m, direction), on_line)
+            (on_line.sine_of_distance(eye_m, direction), on_line)
         };
         // Of the candidates on the ground, the nearest as an angle.
         let near = self.near(place)?.into_iter().flatten().map(on_line);
@@ -447,7 +450,7 @@ mod tests {
             upright_squared: 0.02_f64.powi(2),
         };
         let low = map
-            .beside_squared(place, View::of(place, eye_m), scatter)
+            .beside_squared(place, View::new(place, eye_m), scatter)
             .unwrap()
             .sqrt();
         // 1.815 m on the ground, at a distance of 92 m and 6 m below the camera.
@@ -455,7 +458,7 @@ mod tests {
         assert!((low - expected).abs() < 0.02 * expected, "{low} {expected}");
         let far = Vec3::new(0.0, 90.0, 0.0);
         assert_eq!(
-            map.beside_squared(far, View::of(far, eye_m), scatter),
+            map.beside_squared(far, View::new(far, eye_m), scatter),
             None,
             "far from the field"
         );

@@ -29,7 +29,7 @@ impl PanoramaPose {
 
     /// The pose after a shift (m) and a rotation about the camera by a rotation vector (rad), both
     /// in `world`.
-    pub fn moved(&self, shift_m: Vec3, turn: Vec3) -> Self {
+    pub fn move_by(&self, shift_m: Vec3, turn: Vec3) -> Self {
         let world_from_panorama =
             nearest_rotation(&(from_rotation_vector(turn) * self.world_from_panorama));
         Self {
@@ -95,7 +95,7 @@ impl Residual<1, 0, 6> for PaintCorrespondence {
         ))
     }
 
-    fn linearised(&self, at: &PanoramaPose) -> Option<Linearised<1, 0, 6>> {
+    fn linearise(&self, at: &PanoramaPose) -> Option<Linearised<1, 0, 6>> {
         let (normal, length) = self.plane(at)?;
         let direction = at.world_from_panorama * self.direction_in_panorama;
         let value = direction.dot(&normal);
@@ -138,7 +138,7 @@ impl Residual<2, 0, 6> for Upright {
         Some(SVector::<f64, 2>::new(up[0], up[1]))
     }
 
-    fn linearised(&self, at: &PanoramaPose) -> Option<Linearised<2, 0, 6>> {
+    fn linearise(&self, at: &PanoramaPose) -> Option<Linearised<2, 0, 6>> {
         let up = at.world_from_panorama.column(2).into_owned();
         let mut by_own = nalgebra::SMatrix::<f64, 2, 6>::zeros();
         // A rotation by ω moves the pan axis by ω × up.
@@ -181,8 +181,8 @@ impl Problem for OnPaint {
         equations
     }
 
-    fn stepped(&self, from: &PanoramaPose, step: &SVector<f64, 6>) -> PanoramaPose {
-        from.moved(
+    fn apply_step(&self, from: &PanoramaPose, step: &SVector<f64, 6>) -> PanoramaPose {
+        from.move_by(
             step.fixed_rows::<3>(0).into_owned(),
             step.fixed_rows::<3>(3).into_owned(),
         )

@@ -188,7 +188,7 @@ fn with_base(
 #[cfg(test)]
 mod tests {
     use super::super::rotating_camera::{
-        base, document, drawn_picture, hypothesis, matched, ptz, soccer,
+        base, document, draw_picture, hypothesis, matched_views, ptz, soccer,
     };
     use super::*;
     use rayon::prelude::*;
@@ -220,7 +220,7 @@ mod tests {
             hypothesis,
             &BaseOptions::default(),
             searched,
-            &matched(),
+            &matched_views(),
             picture,
             progress,
         )
@@ -230,7 +230,7 @@ mod tests {
         let field = soccer().assumed;
         ptz()
             .into_par_iter()
-            .map(|ptz| drawn_picture(&field, ptz))
+            .map(|ptz| draw_picture(&field, ptz))
             .collect()
     }
 

@@ -110,13 +110,13 @@ pub fn exact_matches() -> Vec<ViewGraphEdge> {
 
 /// A sampled frame whose picture shows neither features nor paint.
 pub fn bare_frame(index: usize, image_size: ImageSize) -> SampledFrame {
-    let picture = Picture::filled(image_size, [60, 120, 60, 255]);
+    let picture = Picture::with_colour(image_size, [60, 120, 60, 255]);
     let features = Features {
         image_size,
         keypoints: Vec::new(),
         descriptors: Vec::new(),
     };
-    let marking_pixels = MarkingPixels::of(&GroundPicture::new(&picture, &[]));
+    let marking_pixels = MarkingPixels::detect(&GroundPicture::new(&picture, &[]));
     SampledFrame {
         index,
         masks: Vec::new(),
@@ -126,7 +126,7 @@ pub fn bare_frame(index: usize, image_size: ImageSize) -> SampledFrame {
 }
 
 /// All views, matched. Their indices in the document are ten and more.
-pub fn matched() -> MatchedFrames {
+pub fn matched_views() -> MatchedFrames {
     let marking_pixels = bare_frame(0, IMAGE_SIZE).marking_pixels;
     let num = ptz().len();
     MatchedFrames {
@@ -160,7 +160,7 @@ pub fn frames_at_scale(field: &FieldModel) -> Arc<FramesAtScale> {
 ///
 /// Each line is drawn in steps of half a pixel: the pixels across it are covered as far as the
 /// paint covers them, and where lines cross the larger share counts.
-pub fn drawn_picture(field: &FieldModel, ptz: Ptz) -> Picture {
+pub fn draw_picture(field: &FieldModel, ptz: Ptz) -> Picture {
     const TURF: [f64; 3] = [60.0, 120.0, 60.0];
     const PAINT: [f64; 3] = [225.0, 230.0, 225.0];
     let (width, height) = (IMAGE_SIZE.width as usize, IMAGE_SIZE.height as usize);
@@ -173,7 +173,7 @@ pub fn drawn_picture(field: &FieldModel, ptz: Ptz) -> Picture {
         let half_px = 0.5 * sample.width_px;
         let reach_px = half_px.ceil() as i64 + 1;
         for step in -reach_px..=reach_px {
-            let at = sample.image.moved(sample.normal * step as f64);
+            let at = sample.image.translate(sample.normal * step as f64);
             let (column, row) = (at.x.floor(), at.y.floor());
             if !IMAGE_SIZE.contains(at) || column as usize >= width || row as usize >= height {
                 continue;
@@ -203,16 +203,16 @@ pub fn drawn_picture(field: &FieldModel, ptz: Ptz) -> Picture {
 }
 
 /// Some of the views, by their numbers, with few matches and the marking pixels of their drawn pictures.
-pub fn matched_with_marking_pixels(field: &FieldModel, views: &[usize]) -> MatchedFrames {
+pub fn matched_views_with_pixels(field: &FieldModel, views: &[usize]) -> MatchedFrames {
     const MATCHES_OF_PAIR: usize = 20;
-    let (all, ptz) = (matched(), ptz());
+    let (all, ptz) = (matched_views(), ptz());
     let mut matches = renumber_matches(&all.matches, views);
     for pair in &mut matches {
         let stride = pair.matches.len().div_ceil(MATCHES_OF_PAIR);
         pair.matches = pair.matches.iter().copied().step_by(stride).collect();
     }
     let marking_pixels_of = |&view: &usize| {
-        MarkingPixels::of(&GroundPicture::new(&drawn_picture(field, ptz[view]), &[]))
+        MarkingPixels::detect(&GroundPicture::new(&draw_picture(field, ptz[view]), &[]))
     };
     MatchedFrames {
         indices: views.iter().map(|&view| all.indices[view]).collect(),

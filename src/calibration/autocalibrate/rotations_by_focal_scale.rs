@@ -67,7 +67,7 @@ impl RotationsByFocalScale {
         let share = (log_scale - from) / (to - from);
         let between = |from: f64, to: f64| from + share * (to - from);
         let of_frame = |(from, to): (&Ptz, &Ptz)| Ptz {
-            pan: from.pan + (to.pan - from.pan).wrapped() * share,
+            pan: from.pan + (to.pan - from.pan).wrap() * share,
             tilt: from.tilt + (to.tilt - from.tilt) * share,
             focal_px: between(from.focal_px.ln(), to.focal_px.ln()).exp(),
         };

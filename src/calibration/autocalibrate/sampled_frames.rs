@@ -38,7 +38,7 @@ impl SampledFrame {
             ..FeatureOptions::default()
         };
         let features = extract(picture, &masks, &options)?;
-        let marking_pixels = MarkingPixels::of(&GroundPicture::new(picture, &masks));
+        let marking_pixels = MarkingPixels::detect(&GroundPicture::new(picture, &masks));
         Ok(Self {
             index,
             masks,
@@ -106,7 +106,7 @@ mod tests {
         let mut requests = Vec::new();
         let mut picture = |index: usize| {
             requests.push(index);
-            (index != 4).then(|| Picture::filled(size, [0, 0, 0, 255]))
+            (index != 4).then(|| Picture::with_colour(size, [0, 0, 0, 255]))
         };
         let read: Vec<usize> = read_pictures(&[3, 4, 9], &mut picture)
             .into_iter()

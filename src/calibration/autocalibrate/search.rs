@@ -40,7 +40,7 @@ const CELL_DEG: f64 = 0.05;
 const FARTHEST: u8 = 24;
 
 impl PaintedSphere {
-    fn of(directions: &[Vec3]) -> Self {
+    fn from_directions(directions: &[Vec3]) -> Self {
         let (columns, rows) = ((360.0 / CELL_DEG) as usize, (90.0 / CELL_DEG) as usize);
         let mut sphere = Self {
             columns,
@@ -123,7 +123,7 @@ impl Panorama {
             .copied()
             .collect();
         let directions = subsample(spread, KEPT).collect();
-        let painted = PaintedSphere::of(all);
+        let painted = PaintedSphere::from_directions(all);
         Self {
             directions,
             seen,
@@ -218,12 +218,12 @@ fn on_one_field(
             .enumerate()
             .filter(|(number, _)| ninths.contains(&(number % 9)));
         directions
-            .filter_map(|(_, direction)| BelowHorizon::of(direction))
+            .filter_map(|(_, direction)| BelowHorizon::from_direction(direction))
             .collect()
     };
     let explained = |index: usize, directions: &[BelowHorizon]| {
         let (position_m, heading) = places.at(index);
-        explained_upright(&PanoramaPose::upright(position_m, heading), directions, map)
+        sum_upright_nearness(&PanoramaPose::upright(position_m, heading), directions, map)
     };
     let best_first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     // 1. Score all poses of the grid. Scores add up over the stages. Equal scores are ordered by
@@ -246,8 +246,7 @@ fn on_one_field(
     for (_, index) in &scored {
         let (position_m, heading) = places.at(*index);
         let near = |other: &(Vec3, Angle)| {
-            (other.0 - position_m).norm() < 6.5
-                && (other.1 - heading).wrapped().degrees().abs() < 5.0
+            (other.0 - position_m).norm() < 6.5 && (other.1 - heading).wrap().degrees().abs() < 5.0
         };
         if !chosen.iter().any(near) {
             chosen.push((position_m, heading));
@@ -281,7 +280,7 @@ pub(super) fn score_roughly(
     ScoredPose {
         pose,
         field,
-        explained: explained_roughly(&pose, &panorama.directions, map, 1.0),
+        explained: mean_nearness(&pose, &panorama.directions, map, 1.0),
         visible: visible(&pose, panorama, map, 1.0, WIDE_DEG),
     }
 }
@@ -305,7 +304,7 @@ fn climb_and_fit(
     panorama: &Panorama,
     (field, map): (usize, &PitchMap),
 ) -> ScoredPose {
-    let pose = climbed(pose, few, panorama, map);
+    let pose = climb(pose, few, panorama, map);
     let fitted = fit_pose(pose, &panorama.directions, map);
     score_pose(fitted, panorama, (field, map))
 }
@@ -329,7 +328,7 @@ fn score_pose(
     let explains = |direction: &&Vec3| {
         let line = pose.line_at(**direction, map);
         line.is_some_and(|line| {
-            line.passed_by(pose.position_m, pose.world_from_panorama * **direction) < within
+            line.sine_of_distance(pose.position_m, pose.world_from_panorama * **direction) < within
         })
     };
     let explained = panorama.directions.iter().filter(explains).count() as f64
@@ -350,7 +349,7 @@ fn score_pose(
 
 /// The share of the paint that lies near a line, weighted by [`nearness`]. `share_of_scatter` is 1
 /// at the spacing of the grid and falls as the pose gets better.
-fn explained_roughly(
+fn mean_nearness(
     pose: &PanoramaPose,
     directions: &[Vec3],
     map: &PitchMap,
@@ -362,7 +361,7 @@ fn explained_roughly(
         };
         nearness(
             ground,
-            View::of(ground, pose.position_m),
+            View::new(ground, pose.position_m),
             map,
             share_of_scatter,
         )
@@ -380,7 +379,7 @@ struct BelowHorizon {
 }
 
 impl BelowHorizon {
-    fn of(direction: &Vec3) -> Option<Self> {
+    fn from_direction(direction: &Vec3) -> Option<Self> {
         let over_ground = direction.xy() / -direction.z;
         (direction.z < 0.0).then(|| Self {
             over_ground,
@@ -392,7 +391,7 @@ impl BelowHorizon {
 /// The sum that [`explained_roughly`] divides by the number of directions, for a pose of the grid.
 /// With a vertical pan axis a pose is a rotation in the plane and a scaling by the height. The
 /// search spends most of its time here.
-fn explained_upright(pose: &PanoramaPose, directions: &[BelowHorizon], map: &PitchMap) -> f64 {
+fn sum_upright_nearness(pose: &PanoramaPose, directions: &[BelowHorizon], map: &PitchMap) -> f64 {
     let turn = pose
         .world_from_panorama
         .fixed_view::<2, 2>(0, 0)
@@ -443,7 +442,7 @@ fn nearness(ground: Vec3, view: View, map: &PitchMap, share_of_scatter: f64) -> 
 /// The grid is too coarse for a low camera, and the pan axes of its poses are exactly vertical. The
 /// visible share of the lines is a step function of the pose ([`visible`]), so the search uses no
 /// gradient.
-fn climbed(
+fn climb(
     start: PanoramaPose,
     directions: &[Vec3],
     panorama: &Panorama,
@@ -483,7 +482,7 @@ fn climbed(
         let score = |pose: &PanoramaPose| {
             let within_deg =
                 (WIDE_DEG * scatter).max(PAINTED_DEG * angular_scale(pose.position_m.z));
-            explained_roughly(pose, directions, map, scatter)
+            mean_nearness(pose, directions, map, scatter)
                 * visible(pose, panorama, map, SPACING_M, within_deg)
         };
         // Try both directions of each of the six parameters once and keep what raises the score.

@@ -49,12 +49,12 @@ pub(super) fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop 
 
 /// The share of aligned frames among those that show enough paint.
 fn aligned_share(camera: &AutocalibratedCamera) -> f64 {
-    camera.snapped_count() as f64 / camera.evidence.frames.max(1) as f64
+    camera.aligned_frame_count() as f64 / camera.evidence.frames.max(1) as f64
 }
 
 /// The reason to reject a camera with which too small a share of its frames agrees.
 pub(super) fn few_aligned(camera: &AutocalibratedCamera, min_share: f64) -> Option<Doubt> {
-    let (snapped, frames) = (camera.snapped_count(), camera.evidence.frames);
+    let (snapped, frames) = (camera.aligned_frame_count(), camera.evidence.frames);
     (aligned_share(camera) < min_share).then_some(Doubt::FewSnapped { snapped, frames })
 }
 
@@ -120,7 +120,7 @@ pub(super) fn contradicting_click(
 #[cfg(test)]
 mod tests {
     use super::super::rotating_camera::{
-        document, hypothesis, matched, matched_with_marking_pixels, soccer,
+        document, hypothesis, matched_views, matched_views_with_pixels, soccer,
     };
     use super::*;
     use touchline_core::geometry::{Angle, ImagePoint, Vec2, Vec3};
@@ -175,7 +175,7 @@ mod tests {
         let click = |frame: usize, landmark: &str, off_px: f64| GroundClick {
             frame,
             landmark: landmark.into(),
-            image: seen.moved(Vec2::new(0.6, 0.8) * off_px),
+            image: seen.translate(Vec2::new(0.6, 0.8) * off_px),
         };
         let doubt = |clicks: &[GroundClick]| contradicting_click(&camera, clicks, &document.frames);
 
@@ -233,7 +233,7 @@ mod tests {
     fn nothing_is_missing_where_no_open_ground_is_seen() {
         let mut camera = hypothesis(&soccer().assumed).camera;
         camera.frames.clear();
-        assert_eq!(missing_in_frames(&camera, &matched()), [""; 0]);
+        assert_eq!(missing_in_frames(&camera, &matched_views()), [""; 0]);
     }
 
     #[test]
@@ -242,7 +242,7 @@ mod tests {
         assert_eq!(
             missing_in_frames(
                 &camera,
-                &matched_with_marking_pixels(&camera.field, &[0, 1, 2, 3, 4, 5, 6])
+                &matched_views_with_pixels(&camera.field, &[0, 1, 2, 3, 4, 5, 6])
             ),
             [""; 0]
         );
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn lines_are_missing_in_pictures_of_bare_turf() {
         let camera = hypothesis(&soccer().assumed).camera;
-        let missing = missing_in_frames(&camera, &matched());
+        let missing = missing_in_frames(&camera, &matched_views());
         assert!(missing.len() >= 4, "{missing:?}");
     }
 }

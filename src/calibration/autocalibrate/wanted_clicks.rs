@@ -46,14 +46,14 @@ fn cells_filled(paint: &FramePaint, size: ImageSize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::{matched, matched_with_marking_pixels, soccer};
+    use super::super::rotating_camera::{matched_views, matched_views_with_pixels, soccer};
     use super::*;
     use touchline_core::geometry::ImagePoint;
 
     #[test]
     fn two_clicks_are_wanted_first_and_four_after_them() {
         let views = [0, 1, 2, 3, 4, 5, 6];
-        let matched = matched_with_marking_pixels(&soccer().assumed, &views);
+        let matched = matched_views_with_pixels(&soccer().assumed, &views);
         let first = wanted_clicks(&matched, 0).unwrap();
         assert_eq!(first.landmarks, 2);
         assert!(matched.indices.contains(&first.frame));
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn where_no_frame_shows_paint_no_click_is_wanted() {
-        assert_eq!(wanted_clicks(&matched(), 0), None);
+        assert_eq!(wanted_clicks(&matched_views(), 0), None);
     }
 
     #[test]

@@ -155,7 +155,7 @@ mod tests {
         }
         let solved = calibrate(
             document,
-            &FrameLookup::of(document),
+            &FrameLookup::from_document(document),
             &document.frames[index].clone(),
             &field,
             index,
@@ -188,7 +188,7 @@ mod tests {
         );
         let again = calibrate(
             &merged,
-            &FrameLookup::of(&merged),
+            &FrameLookup::from_document(&merged),
             &merged.frames[0],
             &builtin("soccer").unwrap().default_model().unwrap(),
             0,
@@ -227,7 +227,7 @@ mod tests {
         let ground = Vec3::new(3.0, 10.0, 0.0);
         let at = |document: &Document| {
             document
-                .pointed(&document.frames[0])
+                .ptz_camera(&document.frames[0])
                 .unwrap()
                 .image_from_world(ground)
                 .unwrap()

@@ -30,7 +30,7 @@ pub struct AutocalibratedCamera {
 impl AutocalibratedCamera {
     /// Number of frames that agree with the painted lines of their own picture.
     #[must_use]
-    pub fn snapped_count(&self) -> usize {
+    pub fn aligned_frame_count(&self) -> usize {
         self.frames
             .iter()
             .filter(|frame| frame.snapped.is_some())

@@ -49,7 +49,7 @@ impl CameraChange {
 
     /// The remedy: these frames assigned to a new camera, with the base that fits them.
     #[must_use]
-    pub fn assigned(&self, document: &Document) -> AssignedFrames {
+    pub fn assignment(&self, document: &Document) -> AssignedFrames {
         AssignedFrames {
             frames: self
                 .frames(document)
@@ -96,7 +96,10 @@ pub fn camera_change(
             ),
         ))
     };
-    let observed = lookup.clicked(camera).into_par_iter().filter_map(observe);
+    let observed = lookup
+        .clicked_frames(camera)
+        .into_par_iter()
+        .filter_map(observe);
     let (places, observed): (Vec<usize>, Vec<(FrameClicks, Option<Ptz>)>) = observed.unzip();
     let (clicks, pointed): (Vec<FrameClicks>, Vec<Option<Ptz>>) = observed.into_iter().unzip();
     // The test itself compares a model with one base to a model with a change of base at each frame
@@ -122,7 +125,7 @@ fn ptz_by_clicks(
     field: &FieldModel,
 ) -> Option<Ptz> {
     let frame = &document.frames[index];
-    match camera.pointed(frame) {
+    match camera.ptz_camera(frame) {
         Some(pointed) if frame.is_solved_by_clicks() => Some(pointed.ptz()),
         _ => calibrate(document, lookup, frame, field, index)
             .ok()

@@ -107,8 +107,11 @@ impl BaseProblem {
     /// # Errors
     /// The document lacks the camera, its field is not valid, or a click names something that the
     /// field lacks.
-    pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
-        Self::gathered(document, camera, |_| false)
+    pub fn from_document(
+        document: DocumentAt<'_>,
+        camera: &CameraId,
+    ) -> Result<Self, BaseEstimationError> {
+        Self::gather(document, camera, |_| false)
     }
 
     /// The same, with solved frames that have no clicks: their paint may contribute.
@@ -119,7 +122,7 @@ impl BaseProblem {
         document: DocumentAt<'_>,
         camera: &CameraId,
     ) -> Result<Self, BaseEstimationError> {
-        Self::gathered(document, camera, |frame| frame.ptz.is_some())
+        Self::gather(document, camera, |frame| frame.ptz.is_some())
     }
 
     /// Frames of a camera, by their indices in the document, without any clicks.
@@ -148,7 +151,7 @@ impl BaseProblem {
     }
 
     /// Gathers the frames with clicks, and those without clicks that satisfy `is_wanted`.
-    fn gathered(
+    fn gather(
         document: DocumentAt<'_>,
         camera: &CameraId,
         is_wanted: impl Fn(&Frame) -> bool,
@@ -228,7 +231,7 @@ impl BaseProblem {
             ..self.camera_clicks()
         };
         let estimate = estimate_base(&clicks, self.previous.as_ref(), options, progress)?;
-        Ok(self.estimated(document, estimate))
+        Ok(self.estimated_base(document, estimate))
     }
 
     /// The clicks as the input of an adjustment.
@@ -243,7 +246,7 @@ impl BaseProblem {
     }
 
     /// An estimate from these frames, with the document's frame indices.
-    pub(super) fn estimated(
+    pub(super) fn estimated_base(
         &self,
         document: &Document,
         mut estimate: BaseEstimate,
@@ -481,7 +484,7 @@ impl EstimatedBase {
                 && let Some(ptz) = &mut document.frames[index].ptz
             {
                 ptz.pan_deg = Angle::from_degrees(ptz.pan_deg + turned_deg)
-                    .wrapped()
+                    .wrap()
                     .degrees();
             }
             if is_by_clicks(&document.frames[index]) {

@@ -230,7 +230,7 @@ pub fn estimate_on_paint(
     Ok(BaseOnPaint {
         estimated: EstimatedBase {
             sizes,
-            ..problem.estimated(&document, estimate)
+            ..problem.estimated_base(&document, estimate)
         },
         seen,
     })
@@ -258,8 +258,8 @@ fn first_cameras(
             by_clicks: false,
         });
     }
-    let by_clicks =
-        BaseProblem::of(document, &problem.camera)?.estimate(&document, options, progress);
+    let by_clicks = BaseProblem::from_document(document, &problem.camera)?
+        .estimate(&document, options, progress);
     // Frames without clicks keep the document's camera beside the new base; step 1 aligns them.
     match (by_clicks, problem.previous) {
         (

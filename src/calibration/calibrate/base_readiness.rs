@@ -29,7 +29,7 @@ pub struct BaseReadiness {
 impl BaseReadiness {
     /// The contribution of one frame.
     #[must_use]
-    pub fn of_frame(frame: &Frame) -> Self {
+    pub fn from_frame(frame: &Frame) -> Self {
         let clicks = frame
             .clicks
             .iter()
@@ -83,7 +83,7 @@ impl BaseReadiness {
 /// The number of landmarks and lines of a frame that count towards [`LANDMARKS_ALONE`].
 #[must_use]
 pub fn points_alone(frame: &Frame) -> usize {
-    frame.landmark_clicks() + frame.drawn_lines()
+    frame.landmark_clicks() + frame.clicked_line_count()
 }
 
 /// The frame of a camera to be clicked next for its base: one that shows enough landmarks of the
@@ -98,7 +98,7 @@ pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel)
             .enumerate()
             .filter(|(_, frame)| frame.camera == *camera)
     };
-    let is_wide = |frame: &Frame| BaseReadiness::of_frame(frame).wide > 0;
+    let is_wide = |frame: &Frame| BaseReadiness::from_frame(frame).wide > 0;
     let wide: Vec<(usize, Option<Angle>)> = of_camera()
         .filter(|(_, frame)| is_wide(frame))
         .map(|(index, frame)| (index, pan_of(frame)))
@@ -106,7 +106,7 @@ pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel)
     // Unsolved frames may show enough.
     let shows_enough = |frame: &Frame| {
         let seen = document
-            .pointed(frame)
+            .ptz_camera(frame)
             .map(|camera| project_landmarks(field, &camera, frame.image_size, 0.0).len());
         seen.is_none_or(|seen| seen >= LANDMARKS_ALONE)
     };

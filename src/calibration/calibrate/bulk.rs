@@ -98,12 +98,12 @@ impl BulkSolve {
     /// Number of frames that are solved again.
     #[must_use]
     pub fn frames(&self) -> usize {
-        self.solved_again(&self.change.places(&self.document))
+        self.count_frames_to_solve(&self.change.places(&self.document))
     }
 
     /// Number of these frames that are solved again: those with clicks, and accepted proposals,
     /// whose lines are kept in place.
-    fn solved_again(&self, places: &[usize]) -> usize {
+    fn count_frames_to_solve(&self, places: &[usize]) -> usize {
         let is_one = |frame: &Frame| is_by_clicks(frame) || frame.is_suggestion();
         places
             .iter()
@@ -120,7 +120,7 @@ impl BulkSolve {
         self.change.make_beside_frames(&mut after)?;
         let places = self.change.places(&self.document);
         // Threads finish frames in any order, so they share one counter.
-        let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
+        let (of, done) = (self.count_frames_to_solve(&places), AtomicUsize::new(0));
         let counting = progress.part(|()| Share {
             done: done.fetch_add(1, Ordering::Relaxed) + 1,
             of,
@@ -172,7 +172,7 @@ impl BulkSolved {
             return Ok(None);
         }
         // Frames correspond by index, so their order must be the same.
-        let Some(edited) = now.frames.changed_in_place(&before.frames) else {
+        let Some(edited) = now.frames.changes_in_place(&before.frames) else {
             return Ok(None);
         };
         // Three-way merge by frame: start from the computed copy, put in the frames edited since,
@@ -292,7 +292,7 @@ impl BulkChange {
             }
             Self::Base(found) => found.write_frames(document, before, folder, places, progress)?,
             Self::Assign(given) => {
-                let fields = Fields::of(document.at(folder))?;
+                let fields = Fields::from_document(document.at(folder))?;
                 check_assigned(document, places, &given.camera)?;
                 assign_frames(document, places, &given.camera, &fields, progress);
             }

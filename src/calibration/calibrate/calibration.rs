@@ -56,7 +56,7 @@ pub fn observations(
         .filter_map(|(index, click)| click.target.as_ref().map(|target| (index, click, target)))
         .map(|(index, click, target)| {
             let observation = match target {
-                Target::Landmark(id) => Observation::of_landmark(
+                Target::Landmark(id) => Observation::from_landmark(
                     field,
                     id.as_str(),
                     click.image,
@@ -64,18 +64,18 @@ pub fn observations(
                     index,
                 ),
                 Target::Line(id) => {
-                    Observation::of_line(field, id.as_str(), click.image, frame.image_size, index)
+                    Observation::from_line(field, id.as_str(), click.image, frame.image_size, index)
                 }
             }?;
             // A click that was aligned to paint has another σ.
             let observation = match (target, click.snapped_sigma_px) {
                 (Target::Landmark(id), Some(sigma_px)) => {
-                    of_snapped(observation, field, id, frame.image_size, sigma_px)
+                    with_alignment_noise(observation, field, id, frame.image_size, sigma_px)
                 }
                 _ => observation,
             };
             Ok(if click.check {
-                observation.held_out()
+                observation.hold_out()
             } else {
                 observation
             })
@@ -86,7 +86,7 @@ pub fn observations(
 /// The observation of a click that was aligned to paint. Its variance has two parts: of the
 /// alignment, in place of the annotator's click noise, and of the landmark's position on the real
 /// field, which no click avoids.
-fn of_snapped(
+fn with_alignment_noise(
     observation: Observation,
     field: &FieldModel,
     landmark: &LandmarkId,
@@ -135,7 +135,7 @@ pub fn calibrate(
         motion: lookup.prior(index),
         ..SolveContext::new(frame.image_size)
     };
-    if let Some(proposed) = frame.proposed() {
+    if let Some(proposed) = frame.proposed_camera() {
         inform(&mut context, &base, &proposed, &observations);
     }
     let solution = solve_frame(&base, &observations, &context)?;

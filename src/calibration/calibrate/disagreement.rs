@@ -48,7 +48,7 @@ impl Disagreement {
 /// or that lacks a neighbour on one side in its shot.
 #[must_use]
 pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
-    Disagreements::of(document).found
+    Disagreements::from_document(document).found
 }
 
 /// The disagreements of a document's frames, updated incrementally: only frames that have changed,
@@ -75,14 +75,14 @@ type ShotKey = (CameraId, Option<Clip>);
 impl Disagreements {
     /// The disagreements of a document.
     #[must_use]
-    pub fn of(document: &Document) -> Self {
+    pub fn from_document(document: &Document) -> Self {
         Self::anew(document, 0)
     }
 
     /// The disagreement of a frame with its neighbours; none for a frame that is not solved or that
     /// lacks a neighbour on one side in its shot.
     #[must_use]
-    pub fn of_frame(&self, index: usize) -> Option<Disagreement> {
+    pub fn for_frame(&self, index: usize) -> Option<Disagreement> {
         self.found.get(index).copied().flatten()
     }
 
@@ -99,7 +99,7 @@ impl Disagreements {
 
     /// The frames whose disagreement has changed since an edition; none if that is too long ago.
     #[must_use]
-    pub fn changed_since(&self, edition: u64) -> Option<&[usize]> {
+    pub fn changes_since(&self, edition: u64) -> Option<&[usize]> {
         let changes = usize::try_from(self.edition.checked_sub(edition)?).ok()?;
         self.changed.get(self.changed.len().checked_sub(changes)?..)
     }
@@ -232,7 +232,7 @@ fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Di
     if way(from, before, to, after)? > WITHIN {
         return None;
     }
-    let own = document.pointed(frame)?;
+    let own = document.ptz_camera(frame)?;
     Some(disagreement(
         &own,
         ptz_if_solved(from)?,
@@ -370,7 +370,7 @@ mod tests {
             let before = known.edition();
             known.update(&document);
             let found: Vec<_> = (0..document.frames.len())
-                .map(|index| known.of_frame(index))
+                .map(|index| known.for_frame(index))
                 .collect();
             assert_eq!(found, disagreements(&document));
             assert!(found.iter().any(Option::is_some) && known.edition() > before);

@@ -10,7 +10,7 @@ use touchline_documents::document::{
 
 /// The frames, by ascending index, whose camera has another base than in `before`, or that now
 /// belong to another camera.
-fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
+fn frames_with_changed_base(before: &Document, now: &Document) -> Vec<usize> {
     let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
     // If the lists of cameras are equal, no base has changed.
     let ids = now
@@ -53,7 +53,7 @@ pub(crate) fn follow_bases(
     places: &[usize],
     progress: &Progress<'_, ()>,
 ) -> usize {
-    let mut moved = moved_frames(before, document);
+    let mut moved = frames_with_changed_base(before, document);
     moved.retain(|index| places.binary_search(index).is_ok());
     follow_each(document, before, &moved, progress)
 }
@@ -61,7 +61,7 @@ pub(crate) fn follow_bases(
 /// Updates all frames whose camera's base has changed since `before`; returns the number of
 /// withdrawn proposals.
 pub fn follow_all_bases(document: &mut Document, before: &Document) -> usize {
-    let moved = moved_frames(before, document);
+    let moved = frames_with_changed_base(before, document);
     follow_each(document, before, &moved, &Progress::default())
 }
 
@@ -151,7 +151,7 @@ pub(crate) fn withdraw(frame: &mut Frame) {
     frame.ptz = None;
     frame.solution = None;
     if frame.status != FrameStatus::Rejected {
-        frame.status = frame.undecided();
+        frame.status = frame.undecided_status();
     }
 }
 
@@ -218,7 +218,7 @@ mod tests {
             let ground = Vec3::new(5.0, 3.0, 0.0);
             let at = |document: &Document| {
                 document
-                    .pointed(&document.frames[0])
+                    .ptz_camera(&document.frames[0])
                     .unwrap()
                     .image_from_world(ground)
                     .unwrap()

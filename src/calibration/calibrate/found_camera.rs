@@ -19,7 +19,7 @@ pub struct FoundCamera {
 impl FoundCamera {
     /// Pairs a result with the document as it is now.
     #[must_use]
-    pub fn of(document: &Document, camera: &CameraId, found: AutocalibratedCamera) -> Self {
+    pub fn new(document: &Document, camera: &CameraId, found: AutocalibratedCamera) -> Self {
         let frames = found
             .frames
             .iter()

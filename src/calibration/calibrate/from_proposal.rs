@@ -135,7 +135,7 @@ mod tests {
 
     /// Solves the first frame.
     fn solve(document: &Document, field: &FieldModel) -> Result<FrameSolution, CalibrationError> {
-        let lookup = FrameLookup::of(document);
+        let lookup = FrameLookup::from_document(document);
         calibrate(document, &lookup, &document.frames[0], field, 0)
     }
 
@@ -150,7 +150,7 @@ mod tests {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let (mut document, truth) = slightly_wrong();
         document.frames[0].solution.as_mut().unwrap().source = Some(source);
-        let before = document.frames[0].proposed().unwrap();
+        let before = document.frames[0].proposed_camera().unwrap();
         let seen = |landmark: &str| {
             let world = field.landmark_in_world(field.landmark(landmark).unwrap());
             Click::landmark(landmark.into(), truth.image_from_world(world).unwrap())
@@ -158,7 +158,7 @@ mod tests {
         document.frames[0].clicks.push(seen("centre_mark"));
         let one = solve(&document, &field).unwrap();
         document.frames[0].record(&one);
-        let corrected = document.pointed(&document.frames[0]).unwrap().ptz();
+        let corrected = document.ptz_camera(&document.frames[0]).unwrap().ptz();
         assert!(
             (corrected.pan - truth.ptz().pan).abs().degrees() < 0.05,
             "{corrected:?}"
@@ -171,17 +171,17 @@ mod tests {
             !document.frames[0].is_solved_by_clicks(),
             "one click does not make it the annotator's own"
         );
-        assert_eq!(document.frames[0].proposed(), Some(before.clone()));
+        assert_eq!(document.frames[0].proposed_camera(), Some(before.clone()));
         document.frames[0].clicks.push(seen("halfway_far"));
         let two = solve(&document, &field).unwrap();
         document.frames[0].record(&two);
-        let solved = document.pointed(&document.frames[0]).unwrap().ptz();
+        let solved = document.ptz_camera(&document.frames[0]).unwrap().ptz();
         assert!(
             (solved.focal_px - 2300.0).abs() < 1e-6 && document.frames[0].is_solved_by_clicks()
         );
         document.frames[0].clicks.clear();
         assert!(document.frames[0].restore_proposed());
-        assert_eq!(document.frames[0].proposed(), Some(before));
+        assert_eq!(document.frames[0].proposed_camera(), Some(before));
         assert!(!document.frames[0].restore_proposed());
     }
 
@@ -224,9 +224,9 @@ mod tests {
             ..document.camera(&camera).unwrap().base().unwrap()
         };
         document.camera_mut(&camera).unwrap().set_base(&base);
-        let proposed = document.pointed(&document.frames[0]).unwrap();
+        let proposed = document.ptz_camera(&document.frames[0]).unwrap();
         let known = Mat3::from_diagonal(&Vec3::new(4e-4_f64.powi(2), 4e-4_f64.powi(2), 4.0));
-        let stated = Uncertainty::of_known(&proposed, known, SIZE).unwrap();
+        let stated = Uncertainty::from_covariance(&proposed, known, SIZE).unwrap();
         let before_px = stated.worst_corner_sigma_px(&proposed, SIZE);
         let solution = document.frames[0].solution.as_mut().unwrap();
         solution.covariance = Some(stated.ptz_covariance_deg());
@@ -266,7 +266,7 @@ mod tests {
     #[test]
     fn a_proposal_that_was_corrected_survives_the_file() {
         let (mut document, _) = slightly_wrong();
-        let proposed = document.frames[0].proposed();
+        let proposed = document.frames[0].proposed_camera();
         let source = Some(SolutionSource::Clicks);
         document.frames[0].solution = Some(Solution {
             source,

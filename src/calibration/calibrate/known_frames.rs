@@ -20,7 +20,7 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
     AdjustOptions, BaseEstimate, BaseModel, BaseOptions, BaseProgress, CameraClicks, FittedSize,
-    FrameClicks, HeldOutErrors, adjust_base, estimate_base_on_paint, held_out_on_paint,
+    FrameClicks, HeldOutErrors, adjust_base, estimate_base_on_paint, held_out_errors,
 };
 use touchline_documents::document::{DocumentAt, FieldSpec};
 use touchline_vision::media::Picture;
@@ -106,7 +106,7 @@ impl OpenField<'_> {
     }
 
     /// The field with fitted lengths.
-    fn of_size(&self, sizes: &[FittedSize]) -> Result<FieldModel, FieldError> {
+    fn field_with_sizes(&self, sizes: &[FittedSize]) -> Result<FieldModel, FieldError> {
         let mut sized = self.spec.clone();
         set_size(&mut sized, sizes);
         self.document.model_of(&sized)
@@ -146,13 +146,13 @@ impl KnownFrames<'_> {
         // of the base that the data allow. The result is only the start for the size and for step
         // 3.
         let first_field = problem.field.clone();
-        let seen = Seen::of(&problem, &first, &masks, picture)?;
+        let seen = Seen::measure(&problem, &first, &masks, picture)?;
         let model = options.richest(&problem.camera_clicks());
-        let mut start = first.adjusted(&problem, &seen, &model, &options.adjust);
+        let mut start = first.adjust(&problem, &seen, &model, &options.adjust);
 
         // Step 3: measure again from the adjusted cameras. Frames that failed at first may align
         // now, and paint that was assigned to the wrong line may find its own.
-        let mut again = Seen::of(&problem, &start, &masks, picture)?;
+        let mut again = Seen::measure(&problem, &start, &masks, picture)?;
         let mut sizes = Vec::new();
         // Only with its size fitted does a field of another size have the right lines to align to.
         // Seen from one end, a far line that is off by 2 px for another reason gives a width that
@@ -165,7 +165,9 @@ impl KnownFrames<'_> {
             if !first.by_clicks {
                 as_paint_alone_gives(&mut fitted);
             }
-            let field = open.of_size(&fitted).map_err(BaseEstimationError::from)?;
+            let field = open
+                .field_with_sizes(&fitted)
+                .map_err(BaseEstimationError::from)?;
             let sized = problem.clone().on_field(field);
             // The cameras belong to the size that they were adjusted with.
             let on_sized = |frame| frame_on_field(frame, &sized.field);
@@ -173,8 +175,8 @@ impl KnownFrames<'_> {
                 painted: seen.painted.iter().map(on_sized).collect(),
                 ..seen
             };
-            let sized_start = first.adjusted(&sized, &seen_on_sized, &model, &options.adjust);
-            let with_size = Seen::of(&sized, &sized_start, &masks, picture).ok();
+            let sized_start = first.adjust(&sized, &seen_on_sized, &model, &options.adjust);
+            let with_size = Seen::measure(&sized, &sized_start, &masks, picture).ok();
             let enough = LEAST_SHARE_WITH_SIZE * again.places as f64;
             if let Some(with_size) = with_size.filter(|with| with.places as f64 >= enough) {
                 (problem, start, again, sizes) = (sized, sized_start, with_size, fitted);
@@ -210,8 +212,7 @@ impl KnownFrames<'_> {
             frames: &as_first,
             ..clicks
         };
-        let (paint, at_clicks) =
-            held_out_on_paint(&as_first, &first.base, first.crown_m, &start.ptz);
+        let (paint, at_clicks) = held_out_errors(&as_first, &first.base, first.crown_m, &start.ptz);
         // The errors of the new base come from the choice of its model, which evaluated each frame
         // with a base estimated without it.
         let chosen = estimate
@@ -271,7 +272,7 @@ impl BaseProblem {
 fn frame_on_field(frame: &FrameClicks, field: &FieldModel) -> FrameClicks {
     let renamed = |seen: &Observation| {
         seen.element
-            .and_then(|element| seen.renamed(field, element))
+            .and_then(|element| seen.with_element(field, element))
             .unwrap_or(*seen)
     };
     FrameClicks {
@@ -297,7 +298,7 @@ impl KnownCameras {
     }
 
     /// These cameras after an adjustment to clicks and paint.
-    fn adjusted(
+    fn adjust(
         &self,
         problem: &BaseProblem,
         seen: &Seen,
@@ -331,7 +332,7 @@ struct Seen {
 
 impl Seen {
     /// Aligns frames with known cameras to their pictures and measures positions of paint.
-    fn of(
+    fn measure(
         problem: &BaseProblem,
         cameras: &KnownCameras,
         masks: &[Vec<PixelBox>],
@@ -397,7 +398,7 @@ impl Seen {
         self.lines.extend(paint.iter().map(|seen| seen.line));
         // Paint observations follow the frame's clicks and are numbered by themselves.
         let observed = paint.iter().enumerate().filter_map(|(number, seen)| {
-            Observation::of_paint(&problem.field, seen.line, seen.image, seen.sigma_px, number)
+            Observation::from_paint(&problem.field, seen.line, seen.image, seen.sigma_px, number)
         });
         self.painted[place].observations.extend(observed);
     }

@@ -142,7 +142,7 @@ fn length_by_camera(
     let doubted = looks(at, &doubted, picture);
     let agreeing = looks(at, &agreeing, picture);
     // Coarse search. The score of a length is the mean over the suspect frames.
-    let assumed_m = unseen.assumed_m();
+    let assumed_m = unseen.assumed_length_m();
     let (min_m, max_m) = unseen.limits_m();
     let worth =
         |looks: &[Look<'_>], length_m: f64| mean(&worths(&unseen, looks, length_m)).unwrap_or(0.0);

@@ -64,7 +64,7 @@ pub fn give_own_cameras(
     folder: &Path,
     progress: &Progress<'_, ()>,
 ) -> Result<Option<OwnCameras>, FieldError> {
-    let fields = Fields::of(document.at(folder))?;
+    let fields = Fields::from_document(document.at(folder))?;
     let given = document.clone();
     let with_base: BTreeSet<&CameraId> = given
         .cameras
@@ -81,10 +81,10 @@ pub fn give_own_cameras(
 
     let solve = |&index: &usize| {
         let frame = &given.frames[index];
-        let solved = solve_alone(frame, fields.of_frame(&given, frame));
+        let solved = solve_alone(frame, fields.for_frame(&given, frame));
         progress.report(()).is_continue().then_some((index, solved))
     };
-    let mut names = FreeNames::of(&given);
+    let mut names = FreeNames::from_document(&given);
     let mut result = OwnCameras::default();
     for some in open.chunks(AT_ONCE) {
         let Some(solved) = some.par_iter().map(solve).collect::<Option<Vec<_>>>() else {
@@ -219,7 +219,7 @@ struct FreeNames {
 }
 
 impl FreeNames {
-    fn of(document: &Document) -> Self {
+    fn from_document(document: &Document) -> Self {
         let taken = document.cameras.iter().map(|camera| camera.id.clone());
         Self {
             taken: taken.collect(),
@@ -302,7 +302,7 @@ mod tests {
             .collect();
         assert_eq!(names, ["main", "main-1", "main-2"]);
         for (frame, truth) in document.frames.iter().zip(&cameras) {
-            let camera = document.pointed(frame).unwrap();
+            let camera = document.ptz_camera(frame).unwrap();
             let centre = truth.plane_from_image(SIZE.centre(), 0.0).unwrap();
             let shown = camera.image_from_world(centre).unwrap();
             assert!(shown.distance_px(SIZE.centre()) < 1.0, "{shown:?}");
@@ -338,11 +338,11 @@ mod tests {
                 let click = |at| Click::new(target.clone(), at);
                 frame.clicks.extend(line.points.into_iter().map(click));
             }
-            wide += BaseReadiness::of_frame(&frame).wide;
+            wide += BaseReadiness::from_frame(&frame).wide;
             document.frames.push(frame.into());
         }
         assert!(wide >= 2, "{wide}");
-        let problem = BaseProblem::of(document.at(Path::new(".")), &id).unwrap();
+        let problem = BaseProblem::from_document(document.at(Path::new(".")), &id).unwrap();
         let options = BaseOptions::default();
         let found = problem.estimate(&document, &options, &Progress::default());
         let found = found.unwrap().estimate.base;
@@ -352,7 +352,7 @@ mod tests {
         for frame in &mut document.frames {
             frame.clicks.truncate(4);
         }
-        let problem = BaseProblem::of(document.at(Path::new(".")), &id).unwrap();
+        let problem = BaseProblem::from_document(document.at(Path::new(".")), &id).unwrap();
         let error = problem.estimate(&document, &options, &Progress::default());
         let error = error.unwrap_err().to_string();
         assert!(error.contains("two points on as many lines"), "{error}");

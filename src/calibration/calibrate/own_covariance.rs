@@ -48,7 +48,11 @@ fn covariance_by_clicks(frame: &Frame, camera: &PtzCamera, field: &FieldModel) -
         .into_iter()
         .filter(|observation| !observation.check)
         .collect();
-    Some(Uncertainty::of(camera, &used, None).ok()?.clicks)
+    Some(
+        Uncertainty::from_observations(camera, &used, None)
+            .ok()?
+            .clicks,
+    )
 }
 
 /// The assumed covariance of a camera that states none.
@@ -114,7 +118,7 @@ mod tests {
     #[test]
     fn what_is_stored_comes_back_however_uncertain_the_base_is() {
         let own = covariance_of_four_points(&camera(), SIZE, 0.4);
-        let uncertainty = Uncertainty::of_known(&camera(), own, SIZE).unwrap();
+        let uncertainty = Uncertainty::from_covariance(&camera(), own, SIZE).unwrap();
         let mut frame = frame(SolutionSource::Markings);
         let solution = frame.solution.as_mut().unwrap();
         solution.covariance = Some(uncertainty.ptz_covariance_deg());

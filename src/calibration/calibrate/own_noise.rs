@@ -89,7 +89,7 @@ impl OwnNoise {
     ///
     /// # Errors
     /// One of its fields is not valid.
-    pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
+    pub fn estimate(document: DocumentAt<'_>) -> Result<Self, FieldError> {
         let repeated =
             |(index, frame): (usize, &Shared<Frame>)| (!frame.repeats.is_empty()).then_some(index);
         let places: Vec<usize> = document
@@ -101,7 +101,7 @@ impl OwnNoise {
         if places.is_empty() {
             Ok(Self::default())
         } else {
-            Ok(Self::of_frames(
+            Ok(Self::estimate_from_frames(
                 &document,
                 &Fields::as_stated(document)?,
                 places,
@@ -112,7 +112,7 @@ impl OwnNoise {
     /// The same where the frames with repeats are known, by their indices, ascending. The fields
     /// must be as their templates state.
     #[must_use]
-    pub fn of_frames(
+    pub fn estimate_from_frames(
         document: &Document,
         fields: &Fields,
         places: impl IntoIterator<Item = usize>,
@@ -126,7 +126,7 @@ impl OwnNoise {
         {
             found.frames += 1;
             let scale = frame.image_size.scale_from_1920();
-            let field = fields.of_frame(document, frame);
+            let field = fields.for_frame(document, frame);
             for repeated in frame.repeated_clicks() {
                 // The offsets from the first click are for display: they are not independent. The
                 // estimate uses `differences`, each click against the mean of those before it,
@@ -159,7 +159,7 @@ impl OwnNoise {
         }
         // x and y share one σ; separate values are for display only.
         found.repeats = all.len();
-        found.noise = ClickScatter::of(&all);
+        found.noise = ClickScatter::from_differences(&all);
         found.noise_by_axis =
             [0, 1].map(|axis| ClickScatter::along(all.iter().map(|difference| difference[axis])));
         found.click_noise = found
@@ -171,7 +171,7 @@ impl OwnNoise {
             .map(|(landmark, [differences, _])| LandmarkNoise {
                 landmark,
                 repeats: differences.len(),
-                noise: ClickScatter::of(&differences),
+                noise: ClickScatter::from_differences(&differences),
             })
             .collect();
         found
@@ -191,12 +191,14 @@ fn click_noise(
     normalised: &[Vec2],
     by_landmark: &BTreeMap<LandmarkId, [Vec<Vec2>; 2]>,
 ) -> Option<ClickNoise> {
-    let seen = ClickScatter::of(normalised).filter(|seen| seen.pairs >= ENOUGH_REPEATS)?;
+    let seen =
+        ClickScatter::from_differences(normalised).filter(|seen| seen.pairs >= ENOUGH_REPEATS)?;
     let factor = shrunk_towards(1.0, ANNOTATOR_PRIOR, &seen);
     // Landmarks with few repeats have too uncertain a scale of their own and use the annotator's
     // factor.
     let own_factor = |normalised: &[Vec2]| {
-        let seen = ClickScatter::of(normalised).filter(|seen| seen.pairs >= ENOUGH_OF_LANDMARK)?;
+        let seen = ClickScatter::from_differences(normalised)
+            .filter(|seen| seen.pairs >= ENOUGH_OF_LANDMARK)?;
         Some(shrunk_towards(factor, LANDMARK_PRIOR, &seen))
     };
     let own = by_landmark.iter();

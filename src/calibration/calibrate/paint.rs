@@ -56,7 +56,7 @@ pub fn check_frame(
     field: &FieldModel,
     picture: &Picture,
 ) -> Option<LineCheck> {
-    let camera = document.pointed(frame)?;
+    let camera = document.ptz_camera(frame)?;
     Some(check_lines(
         &GroundPicture::new(picture, &document.masks_of(frame)),
         field,
@@ -89,7 +89,7 @@ fn snap_on_ground(
     ground: &GroundPicture,
     options: &SnapOptions,
 ) -> Result<(CameraBase, Snapped), SnapFrameError> {
-    let camera = document.pointed(frame).ok_or(SnapFrameError::Unsolved)?;
+    let camera = document.ptz_camera(frame).ok_or(SnapFrameError::Unsolved)?;
     // The lens of a base applies to all frames; a k₁ of one frame would contradict it.
     if options.own_k1
         && document
@@ -183,7 +183,7 @@ pub fn camera_on_paint(
         // An alignment can end on the wrong lines, so the result must explain the paint at least as
         // well as the camera that the frame has.
         let earlier = document
-            .pointed(frame)
+            .ptz_camera(frame)
             .map(|camera| check_lines(&ground, field, &camera));
         if earlier.is_some_and(|earlier| !may_replace(&earlier, &snapped.check)) {
             return Err(SnapFrameError::Worse.into());

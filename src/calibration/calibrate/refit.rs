@@ -28,7 +28,7 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
     let Some(known) = before
         .frames
         .get(index)
-        .and_then(|frame| before.pointed(frame))
+        .and_then(|frame| before.ptz_camera(frame))
     else {
         return;
     };
@@ -74,7 +74,7 @@ pub(crate) fn ptz_on_base(
     let sigma_px = SIGMA_PX * image_size.scale_from_1920();
     let observations: Vec<Observation> = visible_ground(before, image_size)
         .enumerate()
-        .map(|(click, (image, ground))| Observation::of_point(ground, image, sigma_px, click))
+        .map(|(click, (image, ground))| Observation::from_point(ground, image, sigma_px, click))
         .collect();
     if observations.len() < FEWEST {
         return None;
@@ -155,7 +155,7 @@ mod tests {
         let ground = Vec3::new(5.0, 3.0, 0.0);
         let at = |document: &Document| {
             document
-                .pointed(&document.frames[0])
+                .ptz_camera(&document.frames[0])
                 .unwrap()
                 .image_from_world(ground)
                 .unwrap()

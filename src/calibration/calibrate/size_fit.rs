@@ -48,7 +48,7 @@ impl BaseProblem {
         // The base again, on a copy of the document with the fitted field.
         let mut sized = document.document.clone();
         set_field_size(&mut sized, &self.camera, &sizes);
-        let found = Self::of(sized.at(document.folder), &self.camera)?
+        let found = Self::from_document(sized.at(document.folder), &self.camera)?
             .estimate(&sized, options, progress)?;
         Ok(EstimatedBase { sizes, ..found })
     }
@@ -72,7 +72,12 @@ impl BaseProblem {
             image_width_px: self.image_size.width,
             options: &AdjustOptions::default(),
         };
-        fit_field_size(&|values| open.sized(values), &open.params, &start).unwrap_or_default()
+        fit_field_size(
+            &|values| open.field_with_lengths(values),
+            &open.params,
+            &start,
+        )
+        .unwrap_or_default()
     }
 }
 
@@ -130,7 +135,7 @@ impl OpenSize {
 
     /// The field at these lengths, in the order of `params`, clamped to what the rules allow. None
     /// if the template has no field of that size.
-    pub fn sized(&self, values_m: &[f64]) -> Option<FieldModel> {
+    pub fn field_with_lengths(&self, values_m: &[f64]) -> Option<FieldModel> {
         // Values outside the rules, which an optimiser may try, are clamped.
         let lengths = self.params.iter().zip(values_m);
         let allowed = lengths

@@ -38,7 +38,7 @@ pub fn solve_document(
     folder: &Path,
     progress: &Progress<'_, ()>,
 ) -> Result<Vec<SolveOutcome>, FieldError> {
-    let fields = Fields::of(document.at(folder))?;
+    let fields = Fields::from_document(document.at(folder))?;
     let (enough, too_few): (Vec<usize>, Vec<usize>) = (0..document.frames.len())
         .partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
     // Frames with too few clicks count as done at once.

@@ -38,9 +38,9 @@ pub(super) fn solve_frames(
     settle: fn(&mut Frame, Result<&FrameSolution, &CalibrationError>),
     progress: &Progress<'_, ()>,
 ) -> Option<Vec<Result<(), CalibrationError>>> {
-    let mut lookup = FrameLookup::of(document);
+    let mut lookup = FrameLookup::from_document(document);
     let of_cameras = match fields {
-        ShownFields::Document(fields) => fields.of_cameras(document),
+        ShownFields::Document(fields) => fields.per_camera(document),
         ShownFields::Camera(_) => Vec::new(),
     };
     let solve = |document: &Document, lookup: &FrameLookup, index: usize| {
@@ -101,7 +101,7 @@ fn solve_one(
 ) -> Result<FrameSolution, CalibrationError> {
     let frame = &document.frames[index];
     let field = match fields {
-        ShownFields::Document(fields) => fields.of_frame(document, frame),
+        ShownFields::Document(fields) => fields.for_frame(document, frame),
         ShownFields::Camera(field) => field,
     };
     let mut solved = calibrate(document, lookup, frame, field, index)?;
@@ -121,7 +121,7 @@ pub(super) fn solve_by_clicks(
     places: &[usize],
     progress: &Progress<'_, ()>,
 ) -> Result<(), FieldError> {
-    let fields = Fields::of(document.at(folder))?;
+    let fields = Fields::from_document(document.at(folder))?;
     let places = places
         .iter()
         .copied()

@@ -6,13 +6,13 @@ use touchline_documents::document::Document;
 /// The runs of at least three frames of a shot in which the camera is exactly still, as indices in
 /// the document.
 pub(super) fn still_runs(document: &Document) -> Vec<Vec<usize>> {
-    let known = Disagreements::of(document);
+    let known = Disagreements::from_document(document);
     let mut runs = Vec::new();
     for shot in known.shots() {
         let places: Vec<usize> = shot.iter().copied().collect();
         let is_still = |&at: &usize| {
             known
-                .of_frame(places[at])
+                .for_frame(places[at])
                 .is_some_and(|found| found.is_still())
         };
         let inside: Vec<usize> = (0..places.len()).filter(is_still).collect();

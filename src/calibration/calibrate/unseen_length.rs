@@ -113,7 +113,7 @@ impl UnseenLength {
         unseen.end = if right > left { End::Right } else { End::Left };
         // At ± 2 σ, within what the rules allow, lines of the middle may be in the picture that are
         // outside it at the assumed length.
-        let lengths = SIGMAS.map(|sigmas| unseen.assumed_m() + sigmas * unseen.sigma_m());
+        let lengths = SIGMAS.map(|sigmas| unseen.assumed_length_m() + sigmas * unseen.sigma_m());
         unseen.likely = lengths
             .into_iter()
             .filter_map(|length_m| unseen.at_length(length_m))
@@ -127,7 +127,7 @@ impl UnseenLength {
     }
 
     /// The assumed length, m.
-    pub fn assumed_m(&self) -> f64 {
+    pub fn assumed_length_m(&self) -> f64 {
         self.values_m[self.length]
     }
 
@@ -141,7 +141,7 @@ impl UnseenLength {
     pub fn at_length(&self, length_m: f64) -> Option<(FieldModel, CameraBase)> {
         let mut values_m = self.values_m.clone();
         values_m[self.length] = length_m;
-        let field = self.size.sized(&values_m)?;
+        let field = self.size.field_with_lengths(&values_m)?;
         Some((
             field,
             CameraBase {
@@ -153,7 +153,11 @@ impl UnseenLength {
 
     /// Translation of the base with the end that it has seen, m.
     pub fn base_shift(&self, length_m: f64) -> Vec3 {
-        Vec3::new(self.end.shift() * (length_m - self.assumed_m()), 0.0, 0.0)
+        Vec3::new(
+            self.end.shift() * (length_m - self.assumed_length_m()),
+            0.0,
+            0.0,
+        )
     }
 
     /// 1-σ in a picture of the lines that do not move with the seen end, px; 0 if it shows none of
@@ -181,7 +185,7 @@ impl UnseenLength {
     fn shifts_of_lines(&self) -> Option<Vec<f64>> {
         const STEP_M: f64 = 0.5;
         let at = |by_m: f64| {
-            self.at_length(self.assumed_m() + by_m)
+            self.at_length(self.assumed_length_m() + by_m)
                 .map(|(field, _)| field)
         };
         let (shorter, longer) = (at(-STEP_M)?, at(STEP_M)?);

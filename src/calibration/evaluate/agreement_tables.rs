@@ -141,7 +141,7 @@ pub fn agreement_json(agreement: &Agreement) -> Value {
     };
     let [right, down] = agreement
         .noise_by_axis
-        .map(|noise| noise.as_ref().map(described));
+        .map(|noise| noise.as_ref().map(noise_json));
     json!({
         "width_px": 1920,
         "frames": agreement_by_frame(agreement).to_json(),
@@ -150,7 +150,7 @@ pub fn agreement_json(agreement: &Agreement) -> Value {
         "copies": agreement.copies,
         "median_px": agreement.distances.map(|distances| distances.median),
         "p90_px": agreement.distances.map(|distances| distances.p90),
-        "one_annotator": agreement.noise.as_ref().map(described),
+        "one_annotator": agreement.noise.as_ref().map(noise_json),
         "one_annotator_x": right,
         "one_annotator_y": down,
         "names_differ": agreement.frames.iter().flat_map(disputes).collect::<Vec<_>>(),
@@ -160,7 +160,7 @@ pub fn agreement_json(agreement: &Agreement) -> Value {
 }
 
 /// Click noise as JSON.
-fn described(noise: &ClickScatter) -> Value {
+fn noise_json(noise: &ClickScatter) -> Value {
     json!({
         "sigma_px": noise.sigma,
         "interval_95_px": noise.interval_95,

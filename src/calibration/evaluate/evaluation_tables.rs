@@ -65,11 +65,11 @@ pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Repo
             Axis::linear("horizontal field of view (°)"),
             Axis::linear("IoU_part").within(0.0, 1.05),
         )
-        .with(Series::new("scored", 1, points).lined(Line::None))
+        .with(Series::new("scored", 1, points).with_line(Line::None))
         .with(
             Series::new("without a camera", 2, failed)
-                .lined(Line::None)
-                .marked(Mark::Cross),
+                .with_line(Line::None)
+                .with_mark(Mark::Cross),
         );
         report.figure("iou-view", "IoU_part over the field of view.", figure);
     }

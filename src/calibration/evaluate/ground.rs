@@ -6,7 +6,7 @@
 //! which the true camera sees the field are taken.
 
 use super::evaluation::EvaluationError;
-use super::matching::matched;
+use super::matching::match_frames;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -63,7 +63,7 @@ pub fn compare_on_ground(
     estimate: DocumentAt<'_>,
     points: Option<&PicturePoints>,
 ) -> Result<GroundComparison, EvaluationError> {
-    let fields = Fields::of(truth).map_err(|source| EvaluationError::Field {
+    let fields = Fields::from_document(truth).map_err(|source| EvaluationError::Field {
         which: "truth",
         source,
     })?;
@@ -73,7 +73,7 @@ pub fn compare_on_ground(
         fields,
         points,
     };
-    let partners = matched(truth, estimate);
+    let partners = match_frames(truth, estimate);
     let compared: Vec<(FrameOnGround, usize)> = partners
         .par_iter()
         .enumerate()
@@ -106,9 +106,9 @@ impl Comparison<'_> {
         let frame = self.truth.frames.get(index)?;
         let other = self.estimate.frames.get(partner)?;
         let pair = CameraPair {
-            truth: self.truth.pointed(frame)?,
-            estimate: self.estimate.pointed(other)?,
-            field: self.fields.of_frame(&self.truth, frame),
+            truth: self.truth.ptz_camera(frame)?,
+            estimate: self.estimate.ptz_camera(other)?,
+            field: self.fields.for_frame(&self.truth, frame),
             size: frame.image_size,
         };
         if frame.image_size != other.image_size {
@@ -116,7 +116,7 @@ impl Comparison<'_> {
         }
         let points = self.points.map_or_else(
             || Cow::Owned(pair.grid()),
-            |points| Cow::Borrowed(points.of_frame(frame, index)),
+            |points| Cow::Borrowed(points.for_frame(frame, index)),
         );
         let distances_m = pair.distances_m(&points);
         let without_ground = points.len() - distances_m.len();
@@ -157,7 +157,7 @@ impl CameraPair<'_> {
 impl GroundError {
     /// None without a distance.
     #[must_use]
-    pub fn of_distances(distances_m: &[f64]) -> Option<Self> {
+    pub fn from_distances(distances_m: &[f64]) -> Option<Self> {
         let mut sorted = distances_m.to_vec();
         sorted.sort_by(f64::total_cmp);
         (!sorted.is_empty()).then(|| Self {
@@ -181,14 +181,14 @@ impl GroundComparison {
             .iter()
             .flat_map(|frame| frame.distances_m.iter().copied())
             .collect();
-        GroundError::of_distances(&all)
+        GroundError::from_distances(&all)
     }
 
     /// All of it, for scripts. Distances that are not finite are null.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let frame = |frame: &FrameOnGround| {
-            let mut value = GroundError::of_distances(&frame.distances_m)?.to_json();
+            let mut value = GroundError::from_distances(&frame.distances_m)?.to_json();
             value["frame"] = json!(frame.name);
             Some(value)
         };

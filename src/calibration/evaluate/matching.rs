@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use touchline_documents::document::{DocumentAt, Frame, resolved};
+use touchline_documents::document::{DocumentAt, Frame, resolve_path};
 
 /// For each frame of `wanted`, the frame of `offered` that shows the same picture, if there is one.
 ///
@@ -10,7 +10,7 @@ use touchline_documents::document::{DocumentAt, Frame, resolved};
 /// by the path as the document writes it (for a project that was moved), else by the file's name
 /// alone. The first identity that is unique in both documents decides; a frame is matched only
 /// once. Frames with different SHA-256 never match, because names recur from match to match.
-pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
+pub(super) fn match_frames(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
     let mut partners = vec![None; wanted.frames.len()];
     let mut given = vec![false; offered.frames.len()];
     for identity in [by_place, by_digest, by_path, by_name] {
@@ -62,10 +62,14 @@ fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
 /// The absolute location of the image, or of the video with the frame's number.
 fn by_place(frame: &Frame, folder: &Path) -> Option<String> {
     match (&frame.image, &frame.video) {
-        (Some(image), _) => Some(resolved(&folder.join(image)).to_string_lossy().into_owned()),
+        (Some(image), _) => Some(
+            resolve_path(&folder.join(image))
+                .to_string_lossy()
+                .into_owned(),
+        ),
         (None, Some(video)) => Some(format!(
             "{}#{}",
-            resolved(&folder.join(&video.path)).to_string_lossy(),
+            resolve_path(&folder.join(&video.path)).to_string_lossy(),
             video.frame_index
         )),
         (None, None) => None,
@@ -119,29 +123,32 @@ mod tests {
         // By location: the same file, referenced from two folders.
         let one = document(&["1.jpg", "../b/2.jpg"]);
         let other = document(&["2.jpg", "../a/1.jpg"]);
-        assert_eq!(matched(one.at(a), other.at(b)), [Some(1), Some(0)]);
+        assert_eq!(match_frames(one.at(a), other.at(b)), [Some(1), Some(0)]);
         // By digest: a renamed file.
         let (mut one, mut other) = (document(&["1.jpg"]), document(&["x.jpg", "y.jpg"]));
         one.frames[0].sha256 = Some("ab".to_owned());
         other.frames[1].sha256 = Some("ab".to_owned());
-        assert_eq!(matched(one.at(a), other.at(b)), [Some(1)]);
+        assert_eq!(match_frames(one.at(a), other.at(b)), [Some(1)]);
         // Another match with the same names.
         other.frames[0].sha256 = Some("cd".to_owned());
         other.frames[1].sha256 = None;
         other.frames[0].image = Some("1.jpg".to_owned());
-        assert_eq!(matched(one.at(a), other.at(b)), [None]);
+        assert_eq!(match_frames(one.at(a), other.at(b)), [None]);
         other.frames[0].sha256 = Some("AB".to_owned());
-        assert_eq!(matched(one.at(a), other.at(b)), [Some(0)]);
+        assert_eq!(match_frames(one.at(a), other.at(b)), [Some(0)]);
         // By path as written: a copy of the project.
         let one = document(&["images/1.jpg", "more/1.jpg"]);
         assert_eq!(
-            matched(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)),
+            match_frames(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)),
             [Some(1), Some(0)]
         );
         // By name, if only one file has it.
-        assert_eq!(matched(one.at(a), document(&["1.jpg"]).at(b)), [None, None]);
         assert_eq!(
-            matched(
+            match_frames(one.at(a), document(&["1.jpg"]).at(b)),
+            [None, None]
+        );
+        assert_eq!(
+            match_frames(
                 document(&["images/7.jpg"]).at(a),
                 document(&["7.jpg"]).at(b)
             ),
@@ -160,11 +167,11 @@ mod tests {
         let mut other = one.clone();
         other.frames.remove(0);
         assert_eq!(
-            matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/a"))),
+            match_frames(one.at(Path::new("/no/a")), other.at(Path::new("/no/a"))),
             [None, Some(0)]
         );
         assert_eq!(
-            matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/b"))),
+            match_frames(one.at(Path::new("/no/a")), other.at(Path::new("/no/b"))),
             [None, Some(0)]
         );
     }

@@ -280,7 +280,7 @@ pub fn label_frames(
     progress: &Progress<'_, usize>,
 ) -> Result<Vec<Proposal>, FieldError> {
     let PictureFiles { folder, store } = files;
-    let evidence = LineEvidence::of(document.at(folder), reader, snap)?;
+    let evidence = LineEvidence::from_document(document.at(folder), reader, snap)?;
     let pictures = FramePictures {
         document,
         folder,

@@ -146,7 +146,7 @@ pub fn give_first_base(
     if document.camera(camera).and_then(Camera::base).is_some() {
         return Ok(());
     }
-    let problem = BaseProblem::of(document.at(folder), camera)?;
+    let problem = BaseProblem::from_document(document.at(folder), camera)?;
     let estimated = problem.estimate(document, options, &Progress::default())?;
     estimated.write_to(document, folder)
 }
@@ -171,7 +171,7 @@ impl Tracking<'_> {
     /// Tracks each clip once, from the cameras in the document.
     fn pass(&mut self, document: &mut Document) -> Result<TrackedFrames, FieldError> {
         let known = document.clone();
-        let fields = Fields::of(known.at(self.folder))?;
+        let fields = Fields::from_document(known.at(self.folder))?;
         let mut frames = TrackedFrames::default();
         for (index, clip) in self.clips.iter().enumerate() {
             let first = clip
@@ -181,7 +181,7 @@ impl Tracking<'_> {
             let Some((span, first)) = clip.span().zip(first) else {
                 continue;
             };
-            let field = fields.of_frame(&known, first);
+            let field = fields.for_frame(&known, first);
             if self
                 .progress
                 .report(TrackingEvent::Begun(span.clone()))

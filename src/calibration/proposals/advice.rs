@@ -46,12 +46,12 @@ pub struct LabelNext {
 /// may be missing.
 #[must_use]
 pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
-    LabelAdvice::of(&LabelNeeds::of(document), coverage)
+    LabelAdvice::from_needs(&LabelNeeds::from_document(document), coverage)
 }
 
 impl LabelAdvice {
     /// The advice for the frames that need a label.
-    pub fn of(needs: &LabelNeeds, coverage: &[Coverage]) -> Self {
+    pub fn from_needs(needs: &LabelNeeds, coverage: &[Coverage]) -> Self {
         let of_camera =
             |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
         let places = needs

@@ -74,10 +74,11 @@ pub(super) fn leave_out_burnt_in(
             .collect();
         let cameras: Vec<Option<PtzCamera>> = of_camera
             .iter()
-            .map(|&at| camera.pointed(&document.frames[training_samples[at].frame]))
+            .map(|&at| camera.ptz_camera(&document.frames[training_samples[at].frame]))
             .collect();
         let scale = camera.image_size.scale_from_1920();
-        let moved = |one, other, point| moved(&cameras, [one, other], point, scale);
+        let moved =
+            |one, other, point| has_point_moved_in_pair(&cameras, [one, other], point, scale);
         // Features that stay in place although the labels say that the camera moved.
         let pictures: Vec<&Features> = of_camera
             .iter()
@@ -139,16 +140,21 @@ fn leave_out(features: &mut FeatureRays, burnt: &[usize]) {
 
 /// Whether, by their labels, a point of one reference's picture lies elsewhere in another's. False
 /// if either has no camera.
-fn moved(cameras: &[Option<PtzCamera>], pair: [usize; 2], point: ImagePoint, scale: f64) -> bool {
+fn has_point_moved_in_pair(
+    cameras: &[Option<PtzCamera>],
+    pair: [usize; 2],
+    point: ImagePoint,
+    scale: f64,
+) -> bool {
     let [Some(one), Some(other)] = pair.map(|at| cameras[at].as_ref()) else {
         return false;
     };
-    moved_by_labels(one, other, point, scale)
+    has_point_moved(one, other, point, scale)
 }
 
 /// Whether a point of one picture lies elsewhere in another one, by their cameras. `scale` is the
 /// width of the pictures in units of 1920 px.
-pub(super) fn moved_by_labels(
+pub(super) fn has_point_moved(
     one: &PtzCamera,
     other: &PtzCamera,
     point: ImagePoint,

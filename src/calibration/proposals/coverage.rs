@@ -47,7 +47,7 @@ impl Coverage {
     /// The coverage by `training_frames`, for each camera that has any, in the document's order.
     /// Cameras without a base or a valid field are left out.
     #[must_use]
-    pub fn of_cameras(document: DocumentAt<'_>, training_frames: &[usize]) -> Vec<Self> {
+    pub fn measure_cameras(document: DocumentAt<'_>, training_frames: &[usize]) -> Vec<Self> {
         let is_used = |camera: &Camera| {
             let mut used = training_frames
                 .iter()
@@ -61,7 +61,7 @@ impl Coverage {
                 .unwrap_or(&document.field)
                 .model(document.folder)
                 .ok()?;
-            Self::of(&document, &field, &camera.id, training_frames)
+            Self::measure(&document, &field, &camera.id, training_frames)
         };
         let cameras = document.cameras.iter().map(|camera| &**camera);
         cameras
@@ -72,7 +72,7 @@ impl Coverage {
 
     /// The coverage of one camera by `training_frames`. None if the camera has no base.
     #[must_use]
-    pub fn of(
+    pub fn measure(
         document: &Document,
         field: &FieldModel,
         camera: &CameraId,
@@ -83,7 +83,7 @@ impl Coverage {
         // range, because they wrap.
         let outline = outline(field, &base);
         let pan = AngleRange::smallest(outline.iter().map(|ray| ray.pan))?
-            .extended(Angle::from_degrees(MARGIN_DEG));
+            .expand(Angle::from_degrees(MARGIN_DEG));
         let tilts = || outline.iter().map(|ray| ray.tilt.degrees());
         let tilt_deg = tilts().min_by(f64::total_cmp)? - MARGIN_DEG
             ..=tilts().max_by(f64::total_cmp)? + MARGIN_DEG;
@@ -91,7 +91,7 @@ impl Coverage {
             .iter()
             .filter_map(|&index| document.frames.get(index).map(|frame| &**frame))
             .filter(|frame| frame.camera == *camera)
-            .filter_map(|frame| ReferenceView::of(document, frame))
+            .filter_map(|frame| ReferenceView::from_frame(document, frame))
             .collect();
         // Count for the centre of each cell the references that show it.
         let middle_of = |step: usize, steps: usize| (step as f64 + 0.5) / steps as f64;
@@ -169,7 +169,7 @@ impl Coverage {
         let runs = gaps.chunk_by(|a, b| a + 1 == *b);
         let widest = runs.rev().max_by_key(|run| run.len())?;
         let middle = (widest.first()? + widest.last()? + 1) as f64 / 2.0 / self.columns as f64;
-        Some(self.pan.at(middle).wrapped().degrees())
+        Some(self.pan.at(middle).wrap().degrees())
     }
 }
 
@@ -185,8 +185,8 @@ struct ReferenceView {
 }
 
 impl ReferenceView {
-    fn of(document: &Document, frame: &Frame) -> Option<Self> {
-        let camera = document.pointed(frame)?;
+    fn from_frame(document: &Document, frame: &Frame) -> Option<Self> {
+        let camera = document.ptz_camera(frame)?;
         let image_size = frame.image_size;
         let middle = camera.ray_from_image(image_size.centre()).ok()?.direction();
         let corners = image_size.corners().into_iter();
@@ -283,7 +283,7 @@ mod tests {
 
     fn coverage(document: &Document, training_frames: &[usize]) -> Coverage {
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        Coverage::of(document, &field, &"main".into(), training_frames).unwrap()
+        Coverage::measure(document, &field, &"main".into(), training_frames).unwrap()
     }
 
     #[test]
@@ -308,10 +308,10 @@ mod tests {
         );
         let folder = std::path::Path::new("");
         assert_eq!(
-            Coverage::of_cameras(document.at(folder), &[0, 1, 2]),
+            Coverage::measure_cameras(document.at(folder), &[0, 1, 2]),
             [found]
         );
-        assert_eq!(Coverage::of_cameras(document.at(folder), &[]), []);
+        assert_eq!(Coverage::measure_cameras(document.at(folder), &[]), []);
     }
 
     #[test]

@@ -126,7 +126,7 @@ impl FramePictures<'_> {
                 (features, Some(picture))
             }
             Found::Image(mut picture) => {
-                let features = self.of_image(frame, resolution, &mut picture);
+                let features = self.features_of_image(frame, resolution, &mut picture);
                 (
                     features,
                     picture.filter(|picture| picture.bytes() <= KEPT_BYTES),
@@ -137,7 +137,7 @@ impl FramePictures<'_> {
 
     /// The features of an image file, from the store or extracted. `picture` is its picture if it
     /// is read, before or here.
-    fn of_image(
+    fn features_of_image(
         &self,
         frame: &Frame,
         resolution: Resolution,

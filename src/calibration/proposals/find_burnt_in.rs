@@ -1,7 +1,7 @@
 //! Finds graphics burnt into the pictures of a document, labelled or not, from a few pictures of
 //! each camera: by edges that are static throughout or for a while, and by static features.
 
-use super::burnt_in::{FoundMask, moved_by_labels};
+use super::burnt_in::{FoundMask, has_point_moved};
 use super::spread::spread;
 use super::{FramePictures, read_picture};
 use std::ops::ControlFlow;
@@ -70,7 +70,7 @@ pub fn find_burnt_in(
             .into_iter()
             .filter_map(|seen| Some((seen.frame, seen.features?)))
             .collect();
-        let by_features = of_pictures(pictures, camera, &looked_at);
+        let by_features = find_by_features(pictures, camera, &looked_at);
         let is_new = |graphic: &FoundMask| {
             let centre = graphic.mask.pixel_box.centre();
             !by_edges
@@ -184,7 +184,7 @@ fn last_without(
 }
 
 /// The graphics in sampled pictures, by features that do not move.
-fn of_pictures(
+fn find_by_features(
     pictures: &FramePictures<'_>,
     camera: &Camera,
     looked_at: &[(usize, Arc<Features>)],
@@ -192,7 +192,7 @@ fn of_pictures(
     let frames = &pictures.document.frames;
     let cameras: Vec<Option<PtzCamera>> = looked_at
         .iter()
-        .map(|(index, _)| camera.pointed(&frames[*index]))
+        .map(|(index, _)| camera.ptz_camera(&frames[*index]))
         .collect();
     let features: Vec<&Features> = looked_at.iter().map(|(_, features)| &**features).collect();
     let scale = camera.image_size.scale_from_1920();
@@ -202,7 +202,7 @@ fn of_pictures(
         let [Some(one), Some(other)] = pair else {
             return true;
         };
-        moved_by_labels(one, other, point, scale)
+        has_point_moved(one, other, point, scale)
     });
     let mask = |graphic: &BurntInGraphic| {
         let number = |picture: usize| {

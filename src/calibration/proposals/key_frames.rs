@@ -29,7 +29,7 @@ pub struct KeyWindow {
 impl KeyWindow {
     /// The windows of a document. The forest is queried for every frame that belongs to none.
     #[must_use]
-    pub fn of(at: DocumentAt<'_>) -> Vec<Self> {
+    pub fn from_document(at: DocumentAt<'_>) -> Vec<Self> {
         let is_of_video = |clip: &ClipFrames| {
             matches!(
                 clip.frames.first(),
@@ -42,24 +42,24 @@ impl KeyWindow {
         clips(at, None)
             .into_iter()
             .filter(is_of_video)
-            .flat_map(|clip| Self::of_clip(&clip))
+            .flat_map(|clip| Self::from_clip(&clip))
             .collect()
     }
 
     /// The windows of one clip.
-    fn of_clip(clip: &ClipFrames) -> Vec<Self> {
+    fn from_clip(clip: &ClipFrames) -> Vec<Self> {
         // Positions in the clip of the document's frames, split where the document skips too many
         // pictures.
         let held: Vec<usize> = (0..clip.frames.len())
             .filter(|at| clip.frames[*at].place.is_some())
             .collect();
         held.chunk_by(|one, next| next - one < SPARSE)
-            .flat_map(|run| Self::of_run(clip, run))
+            .flat_map(|run| Self::from_run(clip, run))
             .collect()
     }
 
     /// The windows of a run of closely spaced frames.
-    fn of_run(clip: &ClipFrames, run: &[usize]) -> Vec<Self> {
+    fn from_run(clip: &ClipFrames, run: &[usize]) -> Vec<Self> {
         let (Some(&first), Some(&last)) = (run.first(), run.last()) else {
             return Vec::new();
         };
@@ -114,7 +114,7 @@ mod tests {
             frame.video = Some(VideoFrame::new("v.mp4", number, None));
             document.frames.push(frame.into());
         }
-        KeyWindow::of(document.at(Path::new("/f")))
+        KeyWindow::from_document(document.at(Path::new("/f")))
     }
 
     #[test]
@@ -168,6 +168,6 @@ mod tests {
             );
             document.frames.push(frame.into());
         }
-        assert_eq!(KeyWindow::of(document.at(Path::new("/f"))), []);
+        assert_eq!(KeyWindow::from_document(document.at(Path::new("/f"))), []);
     }
 }

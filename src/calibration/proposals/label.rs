@@ -15,7 +15,7 @@ pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCa
     let by_clicks = || {
         let clicks = observations(frame, field?).ok()?;
         let used: Vec<Observation> = clicks.into_iter().filter(|click| !click.check).collect();
-        let uncertainty = Uncertainty::of(camera, &used, None).ok()?;
+        let uncertainty = Uncertainty::from_observations(camera, &used, None).ok()?;
         Some(Label {
             covariance: uncertainty.clicks,
             misfit: misfit(camera, &used, &uncertainty),
@@ -38,7 +38,10 @@ pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCa
 /// one of the clicks, or there are fewer equations than parameters.
 fn misfit(camera: &PtzCamera, clicks: &[Observation], uncertainty: &Uncertainty) -> Option<Misfit> {
     let squared = |click: &Observation| {
-        Some((ClickResidual::of(camera, click).distance_px()? / click.sigma_px).powi(2))
+        Some(
+            (ClickResidual::from_observation(camera, click).distance_px()? / click.sigma_px)
+                .powi(2),
+        )
     };
     let chi_squared = clicks.iter().map(squared).sum::<Option<f64>>()?;
     let surplus = clicks

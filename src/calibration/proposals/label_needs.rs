@@ -46,7 +46,7 @@ struct Shot {
 
 impl LabelNeeds {
     /// The frames of a document that need a label.
-    pub fn of(document: &Document) -> Self {
+    pub fn from_document(document: &Document) -> Self {
         Self::anew(&document.frames, 0)
     }
 
@@ -67,9 +67,9 @@ impl LabelNeeds {
             concerned.insert(index);
             // A solved frame determines the directions of the unsolved ones between its solved
             // neighbours, so these change with it.
-            if shot_of(gone) != shot_of(come) || Look::of(gone) != Look::of(come) {
-                concerned.extend(self.determined_by(gone, index));
-                concerned.extend(self.determined_by(come, index));
+            if shot_of(gone) != shot_of(come) || Look::from_frame(gone) != Look::from_frame(come) {
+                concerned.extend(self.dependent_frames(gone, index));
+                concerned.extend(self.dependent_frames(come, index));
             }
         }
         for index in concerned {
@@ -126,7 +126,8 @@ impl LabelNeeds {
         self.uncertain += usize::from(is_uncertain(frame));
         self.edition += u64::from(frame.is_unanswered() || is_uncertain(frame));
         let shot = self.shots.entry(shot_of(frame)).or_default();
-        shot.looks.extend(Look::of(frame).map(|look| (index, look)));
+        shot.looks
+            .extend(Look::from_frame(frame).map(|look| (index, look)));
         shot.unanswered
             .extend(can_be_labelled(frame).then_some(index));
     }
@@ -148,7 +149,7 @@ impl LabelNeeds {
 
     /// The unanswered frames with directions that depend on this frame: those between its solved
     /// neighbours.
-    fn determined_by(&self, frame: &Frame, index: usize) -> Vec<usize> {
+    fn dependent_frames(&self, frame: &Frame, index: usize) -> Vec<usize> {
         let Some(shot) = self.shots.get(&shot_of(frame)) else {
             return Vec::new();
         };
@@ -178,7 +179,7 @@ impl LabelNeeds {
         let found = if is_unanswered {
             shot.between(index).map(|look| (look, 1.0))
         } else {
-            doubt(frame).and_then(|doubt| Some((Look::of(frame)?, doubt)))
+            doubt(frame).and_then(|doubt| Some((Look::from_frame(frame)?, doubt)))
         };
         let is_unknown = is_unanswered && found.is_none();
         let mut is_news = if is_unknown {
@@ -212,7 +213,7 @@ impl Shot {
             (Some((start, from)), Some((end, to))) => {
                 let share = (index - start) as f64 / (end - start) as f64;
                 Some(Look {
-                    pan: (from.pan + to.pan.turn_from(from.pan) * share).wrapped(),
+                    pan: (from.pan + to.pan.turn_from(from.pan) * share).wrap(),
                     half_view: from.half_view + (to.half_view - from.half_view) * share,
                 })
             }
@@ -318,7 +319,7 @@ mod tests {
     #[test]
     fn brought_up_to_date_they_are_what_they_are_anew() {
         let mut document = document();
-        let mut needs = LabelNeeds::of(&document);
+        let mut needs = LabelNeeds::from_document(&document);
         let changes: [fn(&mut Document); 9] = [
             |document| solve(&mut document.frames[9], 12.0),
             |document| solve(&mut document.frames[9], 13.0),
@@ -345,7 +346,7 @@ mod tests {
             needs.update(&document);
             assert_eq!(
                 said(&needs),
-                said(&LabelNeeds::of(&document)),
+                said(&LabelNeeds::from_document(&document)),
                 "change {number}"
             );
             assert!(
@@ -358,7 +359,7 @@ mod tests {
     #[test]
     fn what_changes_no_need_is_no_news() {
         let mut document = document();
-        let mut needs = LabelNeeds::of(&document);
+        let mut needs = LabelNeeds::from_document(&document);
         let before = needs.edition();
         document.frames[4].comment = Some("rain".to_owned());
         needs.update(&document);

@@ -19,7 +19,7 @@ use touchline_vision::features::{FeatureOptions, Features};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
     CameraForest, ForestModel, Label, Reference, Samples, SeenRange, Stopped, TrainOptions,
-    TrainProgress, aligned, train,
+    TrainProgress, adjust_labels, train,
 };
 
 /// Why a reference gives no training sample.
@@ -119,7 +119,7 @@ pub fn study(
 ) -> Option<Studied> {
     let document = pictures.document;
     // If the field is not valid, the uncertainties of labels are those of four clicks.
-    let fields = Fields::of(document.at(pictures.folder)).ok();
+    let fields = Fields::from_document(document.at(pictures.folder)).ok();
     let look = |look: Look<'_, Studying>| {
         let (index, frame) = (look.index, look.frame);
         let found = match look.found {
@@ -131,7 +131,7 @@ pub fn study(
         };
         let field = fields
             .as_ref()
-            .map(|fields| &**fields.of_frame(document, frame));
+            .map(|fields| &**fields.for_frame(document, frame));
         let coarse = look.earlier.and_then(Studying::coarse);
         let sample = found
             .map_err(TrainingSampleError::from)
@@ -168,7 +168,9 @@ fn training_sample(
     camera
         .base()
         .ok_or_else(|| TrainingSampleError::NoBase { camera: name() })?;
-    let pointed = camera.pointed(frame).ok_or(TrainingSampleError::Unsolved)?;
+    let pointed = camera
+        .ptz_camera(frame)
+        .ok_or(TrainingSampleError::Unsolved)?;
     if fine.changed {
         return Err(TrainingSampleError::Changed);
     }
@@ -200,7 +202,7 @@ pub fn learn(
             .iter()
             .filter(|sample| sample.camera == camera.id);
         let pointed =
-            |sample: &TrainingSample| document.pointed(document.frames.get(sample.frame)?);
+            |sample: &TrainingSample| document.ptz_camera(document.frames.get(sample.frame)?);
         let of_camera = of_camera.filter_map(|sample| Some((sample, pointed(sample)?)));
         cameras.extend(learn_camera(
             &camera.id,
@@ -253,13 +255,13 @@ fn learn_camera<'a>(
     for ((sample, camera), (ptz, covariance)) in training_samples
         .iter()
         .zip(&cameras)
-        .zip(aligned(&references, &labels))
+        .zip(adjust_labels(&references, &labels))
     {
         sample.add_as_taken_by(&PtzCamera::new(*camera.base(), ptz), &mut samples);
         seen.push(ptz);
         known.push(covariance);
     }
-    let Some(seen) = SeenRange::of(&seen) else {
+    let Some(seen) = SeenRange::from_cameras(&seen) else {
         return Ok(None);
     };
     let seen = seen.with_labels(known);

@@ -56,12 +56,12 @@ impl LineEvidence {
     ///
     /// # Errors
     /// A field of the document is not valid.
-    pub fn of(
+    pub fn from_document(
         at: DocumentAt<'_>,
         reader: &mut dyn ReadFrames,
         snapping: bool,
     ) -> Result<Self, FieldError> {
-        let fields = Fields::of(at)?;
+        let fields = Fields::from_document(at)?;
         let mut evidence = Self {
             fields,
             proven: None,
@@ -77,12 +77,12 @@ impl LineEvidence {
         // One supported reference suffices. References with too few unoccluded samples decide
         // nothing.
         for FramePicture { frame, picture, .. } in pictures {
-            let (Some(camera), Ok(picture)) = (at.document.pointed(frame), picture) else {
+            let (Some(camera), Ok(picture)) = (at.document.ptz_camera(frame), picture) else {
                 continue;
             };
             let check = check_lines(
                 &ground(at, frame, &picture),
-                evidence.fields.of_frame(at.document, frame),
+                evidence.fields.for_frame(at.document, frame),
                 &camera,
             );
             if can_say(&check) {
@@ -205,14 +205,14 @@ impl LineEvidence {
         let picture = read_picture(reader, frame, at.folder).ok()?;
         let (ground, field) = (
             ground(at, frame, &picture),
-            self.fields.of_frame(at.document, frame),
+            self.fields.for_frame(at.document, frame),
         );
         let start = answer.ptz.ptz();
         // Check the answer where it is, and the earlier camera in the same picture.
         answer.line_check = Some(check_lines(&ground, field, &PtzCamera::new(base, start)));
         let earlier = at
             .document
-            .pointed(frame)
+            .ptz_camera(frame)
             .filter(|_| frame.is_answered_without_forest());
         let earlier = earlier.map(|earlier| check_lines(&ground, field, &earlier));
         // If the alignment fails, the answer stays as the forest gave it.

@@ -142,7 +142,7 @@ impl Needing {
 
 impl Look {
     /// The view of a solved frame that is not rejected; the half view is atan(width / 2f).
-    pub fn of(frame: &Frame) -> Option<Self> {
+    pub fn from_frame(frame: &Frame) -> Option<Self> {
         let ptz = frame
             .ptz
             .as_ref()
@@ -150,7 +150,7 @@ impl Look {
         let half_view =
             Angle::from_radians((f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px));
         Some(Self {
-            pan: ptz.ptz().pan.wrapped(),
+            pan: ptz.ptz().pan.wrap(),
             half_view,
         })
     }

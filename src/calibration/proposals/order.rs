@@ -22,7 +22,7 @@ impl AskingOrder {
     /// The order of the frames for which `wanted` is true. Within each part, frames nearer to the
     /// current one come first.
     #[must_use]
-    pub fn of(document: &Document, current: usize, wanted: impl Fn(usize) -> bool) -> Self {
+    pub fn new(document: &Document, current: usize, wanted: impl Fn(usize) -> bool) -> Self {
         let is_wanted: Vec<bool> = (0..document.frames.len()).map(&wanted).collect();
         let distance = |index: &usize| (index.abs_diff(current), *index);
         let mut taken = vec![false; is_wanted.len()];
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn neighbours_first_then_one_of_each_shot_then_the_rest() {
         let document = document(&[5, 30, 5, 5]);
-        let order = AskingOrder::of(&document, 20, |index| index != 20 && index != 36);
+        let order = AskingOrder::new(&document, 20, |index| index != 20 && index != 36);
         assert_eq!(order.first[..4], [19, 21, 18, 22]);
         assert_eq!(
             order.first[16..],
@@ -109,14 +109,14 @@ mod tests {
     #[test]
     fn a_recording_without_shots_is_sampled() {
         let document = document(&[1000]);
-        let order = AskingOrder::of(&document, 0, |_| true);
+        let order = AskingOrder::new(&document, 0, |_| true);
         assert_eq!(order.first[9..], [375, 625, 875]);
         assert_eq!(
-            AskingOrder::of(&document, 0, |_| false),
+            AskingOrder::new(&document, 0, |_| false),
             AskingOrder::default()
         );
         assert_eq!(
-            AskingOrder::of(&Document::new(FieldSpec::new("soccer")), 7, |_| true),
+            AskingOrder::new(&Document::new(FieldSpec::new("soccer")), 7, |_| true),
             AskingOrder::default()
         );
     }

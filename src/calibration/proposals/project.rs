@@ -14,7 +14,7 @@ use super::suggestions::{Novelty, Suggestions, TakenOut};
 use super::{BatchId, Finder, FrameRequest};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::CameraBase;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::{
     Camera, CameraId, Document, Edit, Frame, FrameId, FramePtz, Shared, Solution, Suggestion,
 };
@@ -93,7 +93,7 @@ impl Project {
         let bases = Bases::in_document(&document);
         let mut suggestions = Suggestions::default();
         for frame in &document.frames {
-            let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref())
+            let Some(suggestion) = Suggestion::in_frame(frame, bases.for_frame(frame).as_ref())
             else {
                 continue;
             };
@@ -111,7 +111,7 @@ impl Project {
 
     /// The document with the user's edits only, the state that undo and redo change. No frame shows
     /// a suggestion here.
-    pub const fn edited(&self) -> &Document {
+    pub const fn edited_document(&self) -> &Document {
         &self.edited
     }
 
@@ -131,7 +131,7 @@ impl Project {
         // If frames were added, removed or moved, rebuild all; otherwise only the frames that
         // changed, and, if a base changed, those with suggestions, because suggestions belong to a
         // base.
-        let Some(changed) = edited.frames.changed_in_place(&self.edited.frames) else {
+        let Some(changed) = edited.frames.changes_in_place(&self.edited.frames) else {
             let frames = edited
                 .frames
                 .iter()
@@ -168,17 +168,17 @@ impl Project {
         let bases = Bases::in_document(&self.edited);
         for position in edited
             .frames
-            .changed_in_place(&self.edited.frames)
+            .changes_in_place(&self.edited.frames)
             .unwrap_or_default()
         {
             let (frame, gone) = (&edited.frames[position], &self.edited.frames[position]);
-            let base = bases.of_frame(gone);
+            let base = bases.for_frame(gone);
             // Only an answer that nothing else keeps: the other state leaves the frame untouched,
             // there is no suggestion for it, and none was discarded.
             if frame.is_untouched()
                 && self.suggestions.topmost(&frame.id, base.as_ref()).is_none()
                 && !self.suggestions.has_discarded(&frame.id)
-                && let Some((ptz, solution)) = taken_from_suggestion(gone)
+                && let Some((ptz, solution)) = original_suggestion(gone)
             {
                 let batch = self.suggestions.batch_of_finder(Finder::Earlier {
                     source: solution.source,
@@ -202,7 +202,7 @@ impl Project {
         let lacks = |frame: &Frame| {
             !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some()
         };
-        let positions = self.concerned_positions(now, &bases).into_iter();
+        let positions = self.affected_positions(now, &bases).into_iter();
         let lacking = positions.filter(|&position| lacks(&now.frames[position]));
         lacking
             .map(|position| {
@@ -229,11 +229,11 @@ impl Project {
         // joins the batch that showed it. The others are new and form one batch with the edit's
         // name.
         for frame in self
-            .concerned_positions(now, &bases)
+            .affected_positions(now, &bases)
             .into_iter()
             .map(|position| &now.frames[position])
         {
-            let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref())
+            let Some(suggestion) = Suggestion::in_frame(frame, bases.for_frame(frame).as_ref())
             else {
                 continue;
             };
@@ -308,14 +308,14 @@ impl Project {
         let Shown { view, given, .. } = self.show_suggestions(now, &changed);
         let name = match self.suggestions.finder(batch) {
             Some(Finder::Command { name }) => name.clone(),
-            _ => format!("Proposals for {}", counted(given, "frame")),
+            _ => format!("Proposals for {}", pluralise(given, "frame")),
         };
         self.go_on_to(view, &name)
     }
 
     /// The batch of the suggestion that a frame of [`Self::view`] shows; none if it shows none.
     pub fn batch_shown_in(&self, frame: &Frame) -> Option<BatchId> {
-        let base = Bases::in_document(&self.edited).of_frame(frame);
+        let base = Bases::in_document(&self.edited).for_frame(frame);
         self.suggestions
             .topmost_batch(&frame.id, base.as_ref())
             .filter(|_| frame.shows_suggestion())
@@ -339,7 +339,7 @@ impl Project {
         } = self.show_suggestions(now, &frames);
         let name = format!(
             "Discard the suggestions for {}",
-            counted(emptied + given_back, "frame")
+            pluralise(emptied + given_back, "frame")
         );
         let edit = self.go_on_to(view, &name);
         let refused = refused.map(|generation| RefusedForests { frames, generation });
@@ -406,7 +406,7 @@ impl Project {
         let is_same = known.ptz == suggestion.ptz && known.solution == suggestion.solution;
         if is_same {
             self.suggestions
-                .topmost_batch(frame, bases.of_frame(known).as_ref())
+                .topmost_batch(frame, bases.for_frame(known).as_ref())
         } else {
             None
         }
@@ -414,9 +414,9 @@ impl Project {
 
     /// The positions at which a later state, with these bases, may differ from [`Self::view`] or
     /// have other suggestions.
-    fn concerned_positions(&self, now: &Document, bases: &Bases) -> BTreeSet<usize> {
+    fn affected_positions(&self, now: &Document, bases: &Bases) -> BTreeSet<usize> {
         // Positions are comparable only if no frames were added, removed or moved.
-        let Some(changed) = now.frames.changed_in_place(&self.view.frames) else {
+        let Some(changed) = now.frames.changes_in_place(&self.view.frames) else {
             return (0..now.frames.len()).collect();
         };
         let mut positions: BTreeSet<usize> = changed.into_iter().collect();
@@ -434,7 +434,7 @@ impl Project {
     /// The topmost suggestion for a frame that the user has not touched.
     fn suggestion_for(&self, frame: &Frame, bases: &Bases) -> Option<&Suggestion> {
         self.suggestions
-            .topmost(&frame.id, bases.of_frame(frame).as_ref())
+            .topmost(&frame.id, bases.for_frame(frame).as_ref())
             .filter(|_| frame.is_untouched())
     }
 
@@ -459,7 +459,7 @@ struct Shown {
 
 /// The suggestion that a frame had before the user accepted, rejected or corrected it, if the frame
 /// still contains all of it.
-fn taken_from_suggestion(frame: &Frame) -> Option<(FramePtz, Solution)> {
+fn original_suggestion(frame: &Frame) -> Option<(FramePtz, Solution)> {
     let mut frame = frame.clone();
     // A frame that was corrected keeps its proposal beside its camera, from where it is restored in
     // a copy. A frame without clicks still has the proposal as its camera.
@@ -487,7 +487,7 @@ impl Bases {
     }
 
     /// The base of a frame's camera.
-    fn of_frame(&self, frame: &Frame) -> Option<CameraBase> {
+    fn for_frame(&self, frame: &Frame) -> Option<CameraBase> {
         self.0.get(&frame.camera).copied().flatten()
     }
 }

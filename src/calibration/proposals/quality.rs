@@ -91,7 +91,7 @@ pub struct FoundAgain {
 impl Quality {
     /// Number of references for which the forest found an answer.
     #[must_use]
-    pub fn found(&self) -> usize {
+    pub fn found_count(&self) -> usize {
         self.tested
             .iter()
             .filter(|tested| tested.found.is_some())
@@ -113,7 +113,7 @@ impl Quality {
     /// The number of confident answers and of right ones among them, from which the upper bound of
     /// stated confidences follows.
     #[must_use]
-    pub fn shown(&self) -> Shown {
+    pub fn confident_answers(&self) -> Shown {
         let certain = self
             .tested
             .iter()
@@ -134,7 +134,7 @@ impl Quality {
             .and_then(|tested| document.frames.by_id(&tested.frame));
         for camera in &mut model.cameras {
             if measured.is_some_and(|frame| frame.camera.as_str() == camera.camera) {
-                camera.seen.shown = self.shown();
+                camera.seen.shown = self.confident_answers();
             }
         }
     }
@@ -213,7 +213,7 @@ pub fn measure(
             Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
             Err(Stopped::Cancelled) => return None,
         };
-        let Some(seen) = collected.seen_without(&group.left_out) else {
+        let Some(seen) = collected.range_without(&group.left_out) else {
             continue;
         };
         // Query the forest for the group and compare with the labels.
@@ -227,7 +227,7 @@ pub fn measure(
         } = study(pictures, reader, &frames, &progress.part(|()| so_far))?;
         for sample in training_samples {
             let frame = &document.frames[sample.frame];
-            let Some(truth) = camera.pointed(frame) else {
+            let Some(truth) = camera.ptz_camera(frame) else {
                 continue;
             };
             let answer = sample.relocalize(&forest, &seen, &base, relocalizing);
@@ -290,14 +290,14 @@ impl Collected {
     }
 
     /// The range of cameras of the references that are kept; none without any.
-    fn seen_without(&self, left_out: &BTreeSet<usize>) -> Option<SeenRange> {
+    fn range_without(&self, left_out: &BTreeSet<usize>) -> Option<SeenRange> {
         let kept = self
             .cameras
             .iter()
             .enumerate()
             .filter(|(place, _)| !left_out.contains(place));
         let (cameras, labels): (Vec<Ptz>, Vec<Mat3>) = kept.map(|(_, known)| *known).unzip();
-        Some(SeenRange::of(&cameras)?.with_labels(labels))
+        Some(SeenRange::from_cameras(&cameras)?.with_labels(labels))
     }
 }
 

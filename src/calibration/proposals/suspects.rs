@@ -38,7 +38,7 @@ pub fn find_suspects(
             .iter()
             .map(|&index| (index, &*document.frames[index]))
             .filter(|(_, frame)| frame.camera == camera.id)
-            .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan, index)));
+            .filter_map(|(index, frame)| Some((document.ptz_camera(frame)?.ptz().pan, index)));
         // Sort by pan along the smallest range that contains all, so that no neighbours are
         // separated at ±180°.
         let (pans, of_camera): (Vec<Angle>, Vec<usize>) = of_camera.unzip();
@@ -63,7 +63,7 @@ fn suspects_among(
     training_samples: &[TrainingSample],
 ) -> Vec<(usize, Suspect)> {
     let pointed = training_samples.iter().filter_map(|sample| {
-        let camera = document.pointed(document.frames.get(sample.frame)?)?;
+        let camera = document.ptz_camera(document.frames.get(sample.frame)?)?;
         Some((
             sample.frame,
             Reference {

@@ -19,7 +19,7 @@ pub struct TrackedProposal {
 impl TrackedProposal {
     /// The proposal for a tracked frame; none if the document has no such frame or the user has
     /// decided on it.
-    pub fn of(
+    pub fn from_tracked_frame(
         document: &Document,
         clip: &TrackedClip,
         tracked: &TrackedFrame,

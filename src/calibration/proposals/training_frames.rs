@@ -18,7 +18,7 @@ pub struct TrainingFrames {
 impl TrainingFrames {
     /// The training frames of a document; `all_references` includes accepted suggestions.
     #[must_use]
-    pub fn of(document: &Document, all_references: bool) -> Self {
+    pub fn from_document(document: &Document, all_references: bool) -> Self {
         let mut found = Self::default();
         for (index, frame) in document.frames.iter().enumerate() {
             if frame.status != FrameStatus::Reference {
@@ -36,11 +36,11 @@ impl TrainingFrames {
 
     /// The training frames of a document that are usable now: solved, with a known base.
     #[must_use]
-    pub fn of_solved(document: &Document) -> Self {
-        let mut found = Self::of(document, false);
+    pub fn from_solved_frames(document: &Document) -> Self {
+        let mut found = Self::from_document(document, false);
         found
             .frames
-            .retain(|&index| document.pointed(&document.frames[index]).is_some());
+            .retain(|&index| document.ptz_camera(&document.frames[index]).is_some());
         found
     }
 }

@@ -15,7 +15,7 @@ pub struct TrainingSet {
 impl TrainingSet {
     /// The training set of some frames of a document.
     #[must_use]
-    pub fn of(document: &Document, training_frames: &[usize]) -> Self {
+    pub fn from_frames(document: &Document, training_frames: &[usize]) -> Self {
         let mut cameras = BTreeMap::<&CameraId, String>::new();
         let mut training_samples = BTreeSet::new();
         for frame in training_frames
@@ -99,16 +99,16 @@ mod tests {
     fn more_contains_less_and_any_change_is_another() {
         let document = document();
         let (two, three) = (
-            TrainingSet::of(&document, &[0, 1]),
-            TrainingSet::of(&document, &[1, 0, 2]),
+            TrainingSet::from_frames(&document, &[0, 1]),
+            TrainingSet::from_frames(&document, &[1, 0, 2]),
         );
         assert!(three.contains(&two) && !two.contains(&three));
         assert_eq!(
-            TrainingSet::of(&document, &[1, 0]).fingerprint(),
+            TrainingSet::from_frames(&document, &[1, 0]).fingerprint(),
             two.fingerprint()
         );
         assert_ne!(three.fingerprint(), two.fingerprint());
-        assert!(TrainingSet::of(&document, &[7]).is_empty());
+        assert!(TrainingSet::from_frames(&document, &[7]).is_empty());
 
         let changes: [fn(&mut Document); 4] = [
             |document| document.frames[0].ptz.as_mut().unwrap().pan_deg += 1e-9,
@@ -133,10 +133,10 @@ mod tests {
         for change in changes {
             let mut changed = document.clone();
             change(&mut changed);
-            assert!(!TrainingSet::of(&changed, &[0, 1, 2]).contains(&two));
+            assert!(!TrainingSet::from_frames(&changed, &[0, 1, 2]).contains(&two));
         }
         let mut commented = document.clone();
         commented.frames[0].comment = Some("rain".to_owned());
-        assert_eq!(TrainingSet::of(&commented, &[0, 1]), two);
+        assert_eq!(TrainingSet::from_frames(&commented, &[0, 1]), two);
     }
 }

@@ -32,7 +32,7 @@ impl UsedFeatures {
     /// Queries a forest for a frame and records the use of each feature. Without a forest or a base
     /// of its camera, none is matched.
     #[must_use]
-    pub fn of(
+    pub fn from_query(
         document: &Document,
         index: usize,
         found: &FrameFeatures,

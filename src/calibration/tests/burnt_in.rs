@@ -268,7 +268,8 @@ mod drawn {
                 }));
             }
             let seen =
-                SeenRange::of(&cameras.iter().map(PtzCamera::ptz).collect::<Vec<_>>()).unwrap();
+                SeenRange::from_cameras(&cameras.iter().map(PtzCamera::ptz).collect::<Vec<_>>())
+                    .unwrap();
             (
                 train(&samples, &TrainOptions::default(), &Progress::default()).unwrap(),
                 seen,

@@ -97,7 +97,7 @@ fn the_demo_is_answered_by_coarse_features_and_only_doubts_cost_fine_ones() {
         store: &store,
     };
     let mut reader = FrameReader::new();
-    let references = TrainingFrames::of(&document, false).frames;
+    let references = TrainingFrames::from_document(&document, false).frames;
     let studied = study(&pictures, &mut reader, &references, &Progress::default()).unwrap();
     assert!(studied.failed.is_empty());
     for sample in &studied.training_samples {
@@ -116,7 +116,8 @@ fn the_demo_is_answered_by_coarse_features_and_only_doubts_cost_fine_ones() {
         generation: 0,
         options: RelocalizeOptions::default(),
     };
-    let evidence = LineEvidence::of(document.at(location.folder()), &mut reader, false).unwrap();
+    let evidence =
+        LineEvidence::from_document(document.at(location.folder()), &mut reader, false).unwrap();
     let open: Vec<usize> = (0..document.frames.len())
         .filter(|&index| document.frames[index].ptz.is_none())
         .collect();
@@ -133,7 +134,7 @@ fn the_demo_is_answered_by_coarse_features_and_only_doubts_cost_fine_ones() {
         let frame = &*document.frames[index];
         assert_eq!(proposal.frame, frame.id);
         let answer = proposal.outcome.as_ref().unwrap();
-        let camera = truth.pointed(&truth.frames[index]).unwrap();
+        let camera = truth.ptz_camera(&truth.frames[index]).unwrap();
         let found = PtzCamera::new(proposal.request.base.unwrap(), answer.ptz.ptz());
         let error_px = overlay_error_px(&camera, &found, frame.image_size);
         assert!(error_px < 10.0, "{}: {error_px} px", frame.name());

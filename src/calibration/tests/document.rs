@@ -152,17 +152,17 @@ fn masks_with_a_range_are_written_back() {
 #[test]
 fn a_frames_k1_counts_only_where_its_camera_has_no_curve() {
     let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
-    let pointed = document.pointed(&document.frames[0]).unwrap();
+    let pointed = document.ptz_camera(&document.frames[0]).unwrap();
     assert!((pointed.k1() - (-0.02 + 0.21 * 0.41)).abs() < 1e-12);
     document.frames[0].ptz.as_mut().unwrap().k1 = Some(-0.5);
     assert_eq!(
-        document.pointed(&document.frames[0]).unwrap().k1(),
+        document.ptz_camera(&document.frames[0]).unwrap().k1(),
         pointed.k1()
     );
     document.cameras[0].distortion = None;
-    assert_eq!(document.pointed(&document.frames[0]).unwrap().k1(), -0.5);
+    assert_eq!(document.ptz_camera(&document.frames[0]).unwrap().k1(), -0.5);
     document.frames[0].ptz.as_mut().unwrap().k1 = None;
-    assert_eq!(document.pointed(&document.frames[0]).unwrap().k1(), 0.0);
+    assert_eq!(document.ptz_camera(&document.frames[0]).unwrap().k1(), 0.0);
 }
 
 #[test]
@@ -201,7 +201,7 @@ fn a_dataset_holds_no_unnamed_click_and_its_indices_follow() {
     let frame = &mut document.frames[0];
     frame
         .clicks
-        .insert(1, Click::unnamed(ImagePoint::new(1.0, 2.0)));
+        .insert(1, Click::without_name(ImagePoint::new(1.0, 2.0)));
     let solution = frame.solution.as_mut().unwrap();
     solution.disputed = vec![1, 2];
     solution.warnings[0].clicks = vec![0, 3];
@@ -228,7 +228,7 @@ fn what_is_not_a_number_is_not_written() {
     let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
     document.frames[1]
         .clicks
-        .push(Click::unnamed(ImagePoint::new(f64::NAN, 2.0)));
+        .push(Click::without_name(ImagePoint::new(f64::NAN, 2.0)));
     let error = document_to_string(&document).unwrap_err().to_string();
     assert_eq!(
         error,
@@ -262,7 +262,7 @@ fn click() -> impl Strategy<Value = Click> {
         let click = match kind {
             0 => Click::landmark(name.as_str().into(), image),
             1 => Click::line(name.as_str().into(), image),
-            _ => Click::unnamed(image),
+            _ => Click::without_name(image),
         };
         Click { check, ..click }
     })

@@ -147,7 +147,7 @@ impl CameraBase {
         let mut delta = Angle::from_radians((-forward.x).atan2(right.x));
         let turned = q_pan(delta) * self.base_from_world;
         if turned[(2, 1)] < 0.0 {
-            delta = (delta + Angle::from_degrees(180.0)).wrapped();
+            delta = (delta + Angle::from_degrees(180.0)).wrap();
         }
         let base = Self {
             base_from_world: q_pan(delta) * self.base_from_world,

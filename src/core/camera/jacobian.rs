@@ -154,7 +154,7 @@ impl PtzCamera {
         let by_ideal = lens.by_ideal(ideal);
         let ideal_by_cam = Matrix2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / p.z;
         Ok((
-            self.base().principal_point.moved(distorted * focal_px),
+            self.base().principal_point.translate(distorted * focal_px),
             by_ideal * ideal_by_cam * focal_px,
             distorted,
             ideal

@@ -133,7 +133,7 @@ impl PtzCamera {
         Ok(self
             .base
             .principal_point
-            .moved(distort(ideal, self.lens) * self.ptz.focal_px))
+            .translate(distort(ideal, self.lens) * self.ptz.focal_px))
     }
 
     /// The ideal radius on the plane z = 1 of `cam` beyond which the distortion model folds and

@@ -68,7 +68,7 @@ impl Template {
             }
             filled.insert(param.name.clone(), value);
         }
-        filled_in(self, filled, crown_m)
+        build_model(self, filled, crown_m)
     }
 
     /// The field with every parameter at its default and no crown.
@@ -81,7 +81,7 @@ impl Template {
 }
 
 /// The model of a template; the parameters are complete and within range.
-fn filled_in(
+fn build_model(
     template: &Template,
     params: BTreeMap<String, f64>,
     crown_m: f64,
@@ -140,7 +140,7 @@ fn filled_in(
                 .as_ref()
                 .map(|inside| builder.point(&format!("{name}, inside"), inside))
                 .transpose()?;
-            let paint_centre = shifted_inward(&curve, inside, part.edge.inward_shift() * width_m)
+            let paint_centre = shift_inward(&curve, inside, part.edge.inward_shift() * width_m)
                 .map_err(|problem| builder.invalid(&name, problem))?;
             Ok(FieldLine {
                 id: part.id.as_str().into(),
@@ -333,7 +333,7 @@ impl Builder<'_> {
 
 /// A curve moved sideways by `shift_m`: a straight one towards `inside`, a round one towards its
 /// centre; away from it if negative.
-fn shifted_inward(curve: &Curve, inside: Option<Vec3>, shift_m: f64) -> Result<Curve, String> {
+fn shift_inward(curve: &Curve, inside: Option<Vec3>, shift_m: f64) -> Result<Curve, String> {
     match *curve {
         Curve::Segment { from, to } => {
             let Some(inside) = inside else {

@@ -143,7 +143,7 @@ impl Expression {
                 text: text.to_owned(),
                 root,
             }),
-            Some(_) => Err(parser.unexpected("an operator or the end")),
+            Some(_) => Err(parser.syntax_error("an operator or the end")),
         }
     }
 
@@ -272,7 +272,7 @@ impl Parser {
         self.at + 1
     }
 
-    fn unexpected(&mut self, wanted: &'static str) -> ExpressionError {
+    fn syntax_error(&mut self, wanted: &'static str) -> ExpressionError {
         let found = self.peek().map_or_else(
             || "end".to_owned(),
             |c| format!("{c:?}").replace('\'', "\""),
@@ -341,14 +341,14 @@ impl Parser {
                     return Ok(Node::Name { name, position });
                 }
                 if self.peek() != Some('(') {
-                    return Err(self.unexpected("the \"(\" of sqrt"));
+                    return Err(self.syntax_error("the \"(\" of sqrt"));
                 }
                 Ok(Node::Root {
                     of: Box::new(self.parenthesis(depth)?),
                     position,
                 })
             }
-            _ => Err(self.unexpected("a number, a name or \"(\"")),
+            _ => Err(self.syntax_error("a number, a name or \"(\"")),
         }
     }
 
@@ -363,7 +363,7 @@ impl Parser {
                 Ok(inside)
             }
             None => Err(ExpressionError::Unclosed { position }),
-            Some(_) => Err(self.unexpected("an operator or \")\"")),
+            Some(_) => Err(self.syntax_error("an operator or \")\"")),
         }
     }
 

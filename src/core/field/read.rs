@@ -289,7 +289,7 @@ impl Reader<'_> {
             let at = self.coordinates(&format!("{part}, at"), &variant, &file.at)?;
             let spot = file.spot_diameter_m.as_ref();
             let spot = spot.map(|diameter| {
-                self.scoped(&format!("{part}, spot_diameter_m"), diameter, &variant)
+                self.scoped_expression(&format!("{part}, spot_diameter_m"), diameter, &variant)
             });
             into.push(LandmarkPart {
                 id,
@@ -338,7 +338,11 @@ impl Reader<'_> {
                 ])),
                 (None, None, None, Some(centre), Some(radius)) => CurvePart::Circle {
                     centre: point("centre", centre)?,
-                    radius_m: self.scoped(&format!("{part}, radius_m"), radius, &variant)?,
+                    radius_m: self.scoped_expression(
+                        &format!("{part}, radius_m"),
+                        radius,
+                        &variant,
+                    )?,
                 },
                 _ => {
                     let problem = "it needs from and to (straight), from, through and to (arc), or centre and radius_m (circle)";
@@ -367,7 +371,8 @@ impl Reader<'_> {
                                outer or inner, and only to them";
                 return Err(self.invalid(&part, problem.to_owned()));
             }
-            let width_m = self.scoped(&format!("{part}, width_m"), &file.width_m, &variant)?;
+            let width_m =
+                self.scoped_expression(&format!("{part}, width_m"), &file.width_m, &variant)?;
             into.push(LinePart {
                 id,
                 label,
@@ -412,7 +417,7 @@ impl Reader<'_> {
         }
     }
 
-    fn scoped(
+    fn scoped_expression(
         &self,
         part: &str,
         formula: &Formula,

@@ -54,7 +54,7 @@ impl Angle {
 
     /// The same direction within (−π, π].
     #[must_use]
-    pub fn wrapped(self) -> Self {
+    pub fn wrap(self) -> Self {
         use std::f64::consts::{PI, TAU};
         if self.radians > -PI && self.radians <= PI {
             return self;
@@ -68,7 +68,7 @@ impl Angle {
     /// The shortest signed rotation from another direction to this one, within (−π, π].
     #[must_use]
     pub fn turn_from(self, from: Self) -> Self {
-        (self - from).wrapped()
+        (self - from).wrap()
     }
 
     /// (sine, cosine).
@@ -150,11 +150,11 @@ mod tests {
             (725.0, 5.0),
         ] {
             assert!(
-                (Angle::from_degrees(degrees).wrapped().degrees() - wrapped).abs() < 1e-12,
+                (Angle::from_degrees(degrees).wrap().degrees() - wrapped).abs() < 1e-12,
                 "{degrees}"
             );
         }
-        assert!(Angle::from_radians(-PI).wrapped().radians() > 0.0);
+        assert!(Angle::from_radians(-PI).wrap().radians() > 0.0);
     }
 
     #[test]

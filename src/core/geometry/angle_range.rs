@@ -32,7 +32,7 @@ impl AngleRange {
         if !(width.abs().radians() < TAU) {
             return Self::FULL;
         }
-        let wrapped = start.wrapped();
+        let wrapped = start.wrap();
         // An angle that needs no wrapping must stay bit-identical; adding the width would round it.
         let end = if wrapped == start {
             end
@@ -90,7 +90,7 @@ impl AngleRange {
         let Some(arc) = Self::smallest(angles.iter().copied()) else {
             return Vec::new();
         };
-        let from_start = |place: &usize| arc.unwrapped(angles[*place]).radians();
+        let from_start = |place: &usize| arc.unwrap_angle(angles[*place]).radians();
         let mut order: Vec<usize> = (0..angles.len()).collect();
         order.sort_by(|a, b| from_start(a).total_cmp(&from_start(b)));
         order
@@ -118,7 +118,7 @@ impl AngleRange {
     /// The direction in its middle, within (−π, π].
     #[must_use]
     pub fn centre(&self) -> Angle {
-        self.middle().wrapped()
+        self.middle().wrap()
     }
 
     /// Whether it is the whole circle.
@@ -130,7 +130,7 @@ impl AngleRange {
     /// Whether a direction lies within, the ends included.
     #[must_use]
     pub fn contains(&self, angle: Angle) -> bool {
-        let wrapped = angle.wrapped();
+        let wrapped = angle.wrap();
         let above_start = if wrapped < self.start {
             wrapped + Angle::TURN
         } else {
@@ -156,7 +156,7 @@ impl AngleRange {
 
     /// The arc extended by a margin on either side.
     #[must_use]
-    pub fn extended(&self, margin: Angle) -> Self {
+    pub fn expand(&self, margin: Angle) -> Self {
         if (self.width() + margin * 2.0).radians() < TAU {
             Self::new(self.start - margin, self.end + margin)
         } else {
@@ -167,7 +167,7 @@ impl AngleRange {
     /// A direction as the angle within π of the arc's middle, so that angles in the arc increase
     /// from its start to its end without a jump.
     #[must_use]
-    pub fn unwrapped(&self, angle: Angle) -> Angle {
+    pub fn unwrap_angle(&self, angle: Angle) -> Angle {
         let revolutions = ((self.middle() - angle).radians() / TAU).round();
         if revolutions == 0.0 {
             angle
@@ -186,7 +186,7 @@ impl AngleRange {
     /// in the arc, not finite if the arc is a single direction.
     #[must_use]
     pub fn share(&self, angle: Angle) -> f64 {
-        (self.unwrapped(angle) - self.start).radians() / self.width().radians()
+        (self.unwrap_angle(angle) - self.start).radians() / self.width().radians()
     }
 
     /// The middle, without a jump between start and end.
@@ -202,7 +202,7 @@ impl fmt::Display for AngleRange {
         let end = if self.is_full() {
             self.end
         } else {
-            self.end.wrapped()
+            self.end.wrap()
         };
         write!(f, "{:.digits$} to {end:.digits$}", self.start)
     }
@@ -288,14 +288,14 @@ mod tests {
 
     #[test]
     fn a_margin_widens_an_arc_up_to_the_full_circle() {
-        let wide = arc(175.0, 178.0).extended(degrees(10.0));
+        let wide = arc(175.0, 178.0).expand(degrees(10.0));
         assert!(
             (wide.start().degrees() - 165.0).abs() < 1e-9
                 && (wide.end().degrees() - 188.0).abs() < 1e-9
         );
         assert!(wide.contains(degrees(-172.5)) && !wide.contains(degrees(-171.5)));
-        assert!(arc(-100.0, 100.0).extended(degrees(79.0)).width().degrees() < 360.0);
-        assert_eq!(arc(-100.0, 100.0).extended(degrees(80.0)), AngleRange::FULL);
+        assert!(arc(-100.0, 100.0).expand(degrees(79.0)).width().degrees() < 360.0);
+        assert_eq!(arc(-100.0, 100.0).expand(degrees(80.0)), AngleRange::FULL);
         assert_eq!(
             (arc(-180.0, 180.0), arc(0.0, 400.0)),
             (AngleRange::FULL, AngleRange::FULL)
@@ -319,15 +319,15 @@ mod tests {
             (-100.0, 260.0),
         ] {
             assert!(
-                (far_side.unwrapped(degrees(direction)).degrees() - along).abs() < 1e-9,
+                (far_side.unwrap_angle(degrees(direction)).degrees() - along).abs() < 1e-9,
                 "{direction}"
             );
         }
         assert!((far_side.share(degrees(-165.0)) - 0.75).abs() < 1e-12);
-        assert!((far_side.at(0.75).wrapped().degrees() + 165.0).abs() < 1e-9);
+        assert!((far_side.at(0.75).wrap().degrees() + 165.0).abs() < 1e-9);
         let near_side = degrees(12.3);
         assert_eq!(
-            arc(-40.0, 40.0).unwrapped(near_side),
+            arc(-40.0, 40.0).unwrap_angle(near_side),
             near_side,
             "what needs no turn keeps its bits"
         );
@@ -342,7 +342,7 @@ mod tests {
             let found = smallest(&of);
             for direction in &of {
                 prop_assert!(found.contains(degrees(*direction)), "{found:?} {direction}");
-                let along = found.unwrapped(degrees(*direction));
+                let along = found.unwrap_angle(degrees(*direction));
                 prop_assert!(along.radians() >= found.start().radians() - 1e-9);
                 prop_assert!(along.radians() <= found.end().radians() + 1e-9);
             }
@@ -358,9 +358,9 @@ mod tests {
         ) {
             let range = arc(start, start + width);
             let distance = range.distance(degrees(direction));
-            prop_assert!(range.extended(distance + degrees(1e-6)).contains(degrees(direction)));
+            prop_assert!(range.expand(distance + degrees(1e-6)).contains(degrees(direction)));
             if distance.degrees() > 1e-5 {
-                prop_assert!(!range.extended(distance - degrees(1e-6)).contains(degrees(direction)));
+                prop_assert!(!range.expand(distance - degrees(1e-6)).contains(degrees(direction)));
             }
         }
     }

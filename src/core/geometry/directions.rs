@@ -45,7 +45,7 @@ impl FromIterator<Angle> for Directions {
     fn from_iter<I: IntoIterator<Item = Angle>>(angles: I) -> Self {
         let mut sorted: Vec<f64> = angles
             .into_iter()
-            .map(|angle| angle.wrapped().radians())
+            .map(|angle| angle.wrap().radians())
             .collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let mut directions = Self {
@@ -83,7 +83,7 @@ impl Directions {
         }
         for angle in added {
             let (Ok(place) | Err(place)) = self.place_of(angle);
-            self.sorted.insert(place, angle.wrapped().radians());
+            self.sorted.insert(place, angle.wrap().radians());
         }
         self.find_widest();
     }
@@ -121,7 +121,7 @@ impl Directions {
 
     fn place_of(&self, angle: Angle) -> Result<usize, usize> {
         self.sorted
-            .binary_search_by(|known| known.total_cmp(&angle.wrapped().radians()))
+            .binary_search_by(|known| known.total_cmp(&angle.wrap().radians()))
     }
 
     /// The gap from one direction to a later one, or across ±180° to one that is not later.

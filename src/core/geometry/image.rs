@@ -28,7 +28,7 @@ impl ImagePoint {
 
     /// This point moved by `offset` px.
     #[must_use]
-    pub fn moved(self, offset: Vec2) -> Self {
+    pub fn translate(self, offset: Vec2) -> Self {
         Self::new(self.x + offset.x, self.y + offset.y)
     }
 
@@ -172,7 +172,7 @@ impl PixelBox {
 
     /// The same box in a picture of another scale.
     #[must_use]
-    pub fn scaled(&self, by: f64) -> Self {
+    pub fn scale_by(&self, by: f64) -> Self {
         Self {
             x: self.x * by,
             y: self.y * by,

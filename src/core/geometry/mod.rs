@@ -28,7 +28,7 @@ pub use rows::rows;
 pub use segment::distance_from_segment;
 pub(crate) use subsample::keep_distinct;
 pub use subsample::{stride_of_subsample, subsample};
-pub use text::{counted, decimal, hex, is_formula, text_cell, thousands, xml_text};
+pub use text::{decimal, hex, is_formula, pluralise, text_cell, thousands, xml_text};
 
 /// A column of two numbers; the name of the value gives frame and unit.
 pub type Vec2 = nalgebra::Vector2<f64>;

@@ -39,7 +39,7 @@ impl ImagePoint {
     #[must_use]
     pub fn nearest_on_segment(self, from: Self, to: Self) -> Self {
         let along = to.offset_from(from);
-        from.moved(along * share_along(self.offset_from(from), along))
+        from.translate(along * share_along(self.offset_from(from), along))
     }
 }
 

@@ -18,7 +18,7 @@ pub fn thousands(number: usize) -> String {
 
 /// A count with its noun: "1 frame", "2 frames", "41,200 frames".
 #[must_use]
-pub fn counted(number: usize, singular: &str) -> String {
+pub fn pluralise(number: usize, singular: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {singular}{plural}", thousands(number))
 }

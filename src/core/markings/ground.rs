@@ -26,7 +26,7 @@ pub fn visible_ground(
         let to = corners[(i + 1) % corners.len()];
         for step in 0..POINTS_PER_EDGE {
             let along = f64::from(step) / f64::from(POINTS_PER_EDGE);
-            let point = from.moved(to.offset_from(*from) * along);
+            let point = from.translate(to.offset_from(*from) * along);
             if let Some(ground) = ground_from_image(field, camera, point, reach_m) {
                 sees_ground = true;
                 border.push(ground);

@@ -130,7 +130,7 @@ impl Pen<'_> {
                 point.y.clamp(self.window.min.y, self.window.max.y),
             )
         };
-        let at = |t: f64| held(from.moved(to.offset_from(from) * t));
+        let at = |t: f64| held(from.translate(to.offset_from(from) * t));
         let start = if span.start == 0.0 {
             held(from)
         } else {
@@ -273,7 +273,7 @@ mod tests {
                     }
                 }
                 for ends in polyline.points.windows(2).step_by(every) {
-                    let middle = ends[0].moved(ends[1].offset_from(ends[0]) / 2.0);
+                    let middle = ends[0].translate(ends[1].offset_from(ends[0]) / 2.0);
                     let off = distance_px(&field, &camera, &field.lines[polyline.line].curve, middle);
                     prop_assert!(off <= options.tolerance_px, "{name}: halfway to {:?} it is {off} px off", ends[1]);
                 }

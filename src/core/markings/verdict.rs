@@ -21,7 +21,7 @@ impl LineVerdict {
     /// The verdict from a score (the probability, by the paint alone, that the camera is right) and
     /// the number of unoccluded line samples.
     #[must_use]
-    pub fn of(score: f64, open: usize) -> Self {
+    pub fn from_score(score: f64, open: usize) -> Self {
         match score {
             _ if open < FEWEST_OPEN => Self::CannotSay,
             score if score >= SUPPORTS => Self::Supports,

@@ -54,18 +54,18 @@ impl ClickScatter {
     /// value that is not finite, and if at least half of the values are exactly 0 (copies, not
     /// clicks).
     #[must_use]
-    pub fn of(differences: &[Vec2]) -> Option<Self> {
+    pub fn from_differences(differences: &[Vec2]) -> Option<Self> {
         let pairs: Vec<[f64; 2]> = differences
             .iter()
             .map(|difference| [difference.x, difference.y])
             .collect();
-        Self::of_groups(&pairs)
+        Self::from_pairs(&pairs)
     }
 
     /// The same from differences along one axis.
     #[must_use]
     pub fn along(differences: impl Iterator<Item = f64>) -> Option<Self> {
-        Self::of_groups(
+        Self::from_pairs(
             &differences
                 .map(|difference| [difference])
                 .collect::<Vec<_>>(),
@@ -73,7 +73,7 @@ impl ClickScatter {
     }
 
     /// The estimate from pairs with N coordinates each: see the module.
-    fn of_groups<const N: usize>(all: &[[f64; N]]) -> Option<Self> {
+    fn from_pairs<const N: usize>(all: &[[f64; N]]) -> Option<Self> {
         // Step 1: the first scale. No estimate if a value is not finite: a NaN would be sorted to
         // one end and shift the median.
         let mut sizes: Vec<f64> = all.iter().flatten().map(|value| value.abs()).collect();
@@ -190,7 +190,8 @@ mod tests {
         for pairs in [5, 12, 40] {
             let (mut held, mut logs, mut silent) = (0, 0.0, 0);
             for _ in 0..2000 {
-                let Some(found) = ClickScatter::of(&drawn(&mut rng, pairs, 1.3)) else {
+                let Some(found) = ClickScatter::from_differences(&drawn(&mut rng, pairs, 1.3))
+                else {
                     silent += 1;
                     continue;
                 };
@@ -209,16 +210,16 @@ mod tests {
     fn wrong_spots_are_set_aside_and_fat_tails_widen_the_interval() {
         let mut rng = Pcg64Mcg::seed_from_u64(6);
         let mut differences = drawn(&mut rng, 45, 1.0);
-        let clean = ClickScatter::of(&differences).unwrap();
+        let clean = ClickScatter::from_differences(&differences).unwrap();
         differences.extend((0..5).map(|index| Vec2::new(30.0 + f64::from(index), -200.0)));
-        let found = ClickScatter::of(&differences).unwrap();
+        let found = ClickScatter::from_differences(&differences).unwrap();
         assert_eq!((found.pairs, found.set_aside), (45, 5));
         assert!((found.sigma - clean.sigma).abs() < 1e-9);
         let fat = StudentT::new(3.0).unwrap();
         let tails: Vec<Vec2> = (0..200)
             .map(|_| Vec2::from_fn(|_, _| rng.sample(fat)))
             .collect();
-        let found = ClickScatter::of(&tails).unwrap();
+        let found = ClickScatter::from_differences(&tails).unwrap();
         assert!(
             found.freedom < 0.8 * clean.freedom / 45.0 * found.pairs as f64,
             "{found:?}"
@@ -228,10 +229,13 @@ mod tests {
     #[test]
     fn copies_and_too_few_say_nothing() {
         let one = Vec2::new(1.0, 0.5);
-        assert_eq!(ClickScatter::of(&[one; 4]), None);
-        assert_eq!(ClickScatter::of(&[Vec2::zeros(); 9]), None);
-        assert_eq!(ClickScatter::of(&[Vec2::new(f64::NAN, 0.0); 9]), None);
-        assert!(ClickScatter::of(&[one; 5]).is_some());
+        assert_eq!(ClickScatter::from_differences(&[one; 4]), None);
+        assert_eq!(ClickScatter::from_differences(&[Vec2::zeros(); 9]), None);
+        assert_eq!(
+            ClickScatter::from_differences(&[Vec2::new(f64::NAN, 0.0); 9]),
+            None
+        );
+        assert!(ClickScatter::from_differences(&[one; 5]).is_some());
         assert!(ClickScatter::along([1.0, -1.0, 0.5, 0.3, 2.0].into_iter()).is_some());
     }
 }

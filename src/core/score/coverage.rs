@@ -10,7 +10,7 @@ const ONE_SIGMA: f64 = 0.682_689_492_137_086;
 /// The squared Mahalanobis distance of an error, eᵀ Σ⁻¹ e. Its mean is 3 if Σ is right. None if the
 /// covariance cannot be inverted.
 #[must_use]
-pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
+pub fn squared_mahalanobis(error: Vec3, covariance: &Mat3) -> Option<f64> {
     // Scale to unit variances first: degrees and px in one matrix make it badly conditioned.
     let sigmas = covariance.diagonal().map(f64::sqrt);
     let scale = Mat3::from_diagonal(&sigmas.map(f64::recip));
@@ -37,16 +37,16 @@ pub struct SigmaCoverage {
 impl SigmaCoverage {
     /// Computes the coverage from squared Mahalanobis distances. None without any.
     #[must_use]
-    pub fn of(squared_sigmas: &[f64]) -> Option<Self> {
-        let count = squared_sigmas.len();
+    pub fn from_squared_distances(squared_mahalanobis: &[f64]) -> Option<Self> {
+        let count = squared_mahalanobis.len();
         let share = |limit: f64| {
-            squared_sigmas.iter().filter(|s| **s <= limit).count() as f64 / count as f64
+            squared_mahalanobis.iter().filter(|s| **s <= limit).count() as f64 / count as f64
         };
         (count > 0).then(|| Self {
             count,
             within_68: share(chi_squared_quantile(3.0, ONE_SIGMA)),
             within_95: share(chi_squared_quantile(3.0, 0.95)),
-            error_over_sigma: (squared_sigmas.iter().sum::<f64>() / count as f64 / 3.0).sqrt(),
+            error_over_sigma: (squared_mahalanobis.iter().sum::<f64>() / count as f64 / 3.0).sqrt(),
         })
     }
 }
@@ -61,9 +61,9 @@ mod tests {
     #[test]
     fn independent_sigmas_add_their_squares() {
         let covariance = Mat3::from_diagonal(&Vec3::new(0.01, 0.04, 100.0));
-        let squared = squared_sigmas(Vec3::new(0.1, -0.4, 30.0), &covariance).unwrap();
+        let squared = squared_mahalanobis(Vec3::new(0.1, -0.4, 30.0), &covariance).unwrap();
         assert!((squared - (1.0 + 4.0 + 9.0)).abs() < 1e-12);
-        assert_eq!(squared_sigmas(Vec3::repeat(1.0), &Mat3::zeros()), None);
+        assert_eq!(squared_mahalanobis(Vec3::repeat(1.0), &Mat3::zeros()), None);
     }
 
     #[test]
@@ -73,15 +73,15 @@ mod tests {
         let covariance = root * root.transpose();
         let mut draw = || root * Vec3::from_fn(|_, _| rng.sample::<f64, _>(StandardNormal));
         let squared: Vec<f64> = (0..20_000)
-            .map(|_| squared_sigmas(draw(), &covariance).unwrap())
+            .map(|_| squared_mahalanobis(draw(), &covariance).unwrap())
             .collect();
-        let coverage = SigmaCoverage::of(&squared).unwrap();
+        let coverage = SigmaCoverage::from_squared_distances(&squared).unwrap();
         assert!((coverage.within_68 - 0.6827).abs() < 0.01, "{coverage:?}");
         assert!((coverage.within_95 - 0.95).abs() < 0.005, "{coverage:?}");
         assert!(
             (coverage.error_over_sigma - 1.0).abs() < 0.02,
             "{coverage:?}"
         );
-        assert_eq!(SigmaCoverage::of(&[]), None);
+        assert_eq!(SigmaCoverage::from_squared_distances(&[]), None);
     }
 }

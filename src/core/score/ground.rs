@@ -1,6 +1,6 @@
 //! The part of the field that a picture shows, seen from above.
 
-use super::polygon::{Ring, cut, shared};
+use super::polygon::{Ring, cut, intersect};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec2, Vec3};
@@ -30,7 +30,7 @@ pub(super) fn field_corners(field: &FieldModel) -> [Vec2; 4] {
 /// by 256 points, and pixels beyond the fold of the model show nothing. The crown of a few
 /// centimetres is neglected.
 #[must_use]
-pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Vec<Vec2>> {
+pub fn visible_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Vec<Vec2>> {
     let border = ideal_border(camera, size);
     let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
     for point in &border {
@@ -66,7 +66,7 @@ pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Ve
     let ideal = if camera.lens().is_none() {
         vec![ideal]
     } else {
-        shared(&[ideal], &[border])
+        intersect(&[ideal], &[border])
     };
     let on_ground = |ring: &Ring| {
         ring.iter()
@@ -94,7 +94,7 @@ fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
         let along = corners[(i + 1) % corners.len()].offset_from(*from);
         for step in 0..steps {
             let offset = from
-                .moved(along * (f64::from(step) / f64::from(steps)))
+                .translate(along * (f64::from(step) / f64::from(steps)))
                 .offset_from(principal);
             // A point beyond the fold has no ray: move it towards the principal point to just
             // inside.
@@ -105,7 +105,7 @@ fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
             };
             border.extend(
                 camera
-                    .cam_plane_from_image(principal.moved(offset * shrink))
+                    .cam_plane_from_image(principal.translate(offset * shrink))
                     .ok(),
             );
         }
@@ -155,14 +155,14 @@ mod tests {
     #[test]
     fn from_above_the_picture_is_a_rectangle_on_the_field() {
         // f 3200: 1280 px are 40 m, 720 px are 22.5 m.
-        let seen = seen_field(&soccer(), &from_above(3200.0, 0.0), SIZE);
+        let seen = visible_field(&soccer(), &from_above(3200.0, 0.0), SIZE);
         assert!((area(&seen) - 40.0 * 22.5).abs() < 1e-9);
         // f 320: the picture is 400 m wide and shows all of it.
-        let seen = seen_field(&soccer(), &from_above(320.0, 0.0), SIZE);
+        let seen = visible_field(&soccer(), &from_above(320.0, 0.0), SIZE);
         assert!((area(&seen) - 105.0 * 68.0).abs() < 1e-9);
         // f 1000: 128 m by 72 m, wider and higher than the field.
         assert!(
-            (area(&seen_field(&soccer(), &from_above(1000.0, 0.0), SIZE)) - 7140.0).abs() < 1e-9
+            (area(&visible_field(&soccer(), &from_above(1000.0, 0.0), SIZE)) - 7140.0).abs() < 1e-9
         );
     }
 
@@ -170,8 +170,8 @@ mod tests {
     fn barrel_distortion_shows_more_and_its_curved_border_is_followed() {
         // On the x axis x_d = x (1 + k₁ x²): at k₁ = −0.5 the right edge, x_d = 0.2, shows x =
         // 0.20442…
-        let straight = area(&seen_field(&soccer(), &from_above(3200.0, 0.0), SIZE));
-        let distorted = area(&seen_field(&soccer(), &from_above(3200.0, -0.5), SIZE));
+        let straight = area(&visible_field(&soccer(), &from_above(3200.0, 0.0), SIZE));
+        let distorted = area(&visible_field(&soccer(), &from_above(3200.0, -0.5), SIZE));
         // The area element of the ideal plane by the distorted one, to first order 1 − 4 k₁ r²; ∫
         // over the picture by hand: A (1 − 4 k₁ (a² + b²) / 3) with half sides a = 0.2 and b =
         // 0.1125.
@@ -186,7 +186,7 @@ mod tests {
     fn beyond_the_fold_nothing_is_seen() {
         // k₁ = −2 folds at radius 0.408, distorted 0.272; with f 1000 the picture reaches 0.64.
         let camera = from_above(1000.0, -2.0);
-        let seen = area(&seen_field(&soccer(), &camera, SIZE));
+        let seen = area(&visible_field(&soccer(), &camera, SIZE));
         let fold_m = camera.fold_radius() * 100.0;
         // The disc of radius 40.8 m, cut by the field's touchlines at ±34 m.
         let cap = |r: f64, h: f64| r * r * (h / r).acos() - h * (r * r - h * h).sqrt();
@@ -205,8 +205,8 @@ mod tests {
             );
             PtzCamera::new(base, Ptz::from_degrees(0.0, tilt, 1000.0))
         };
-        assert!(seen_field(&soccer(), &camera(60.0), SIZE).is_empty());
-        let level = area(&seen_field(&soccer(), &camera(0.0), SIZE));
+        assert!(visible_field(&soccer(), &camera(60.0), SIZE).is_empty());
+        let level = area(&visible_field(&soccer(), &camera(0.0), SIZE));
         // The lower edge, 0.36 below the axis, meets the ground 41.7 m ahead: y = −18.3. From there
         // to the far touchline, y = 34, the sides open by 0.64 to each side: a trapezium 53.3 m
         // and, cut at the goal lines, 105 m wide.

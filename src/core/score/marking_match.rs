@@ -64,7 +64,7 @@ pub struct NamedMatch {
 type Seen = Vec<Vec<Vec<ImagePoint>>>;
 
 /// Projects all markings of sufficient length.
-fn seen_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Seen {
+fn visible_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Seen {
     let options = MarkingOptions {
         margin_px: 0.0,
         ..MarkingOptions::default()
@@ -90,7 +90,7 @@ pub fn annotated_lines(
     camera: &PtzCamera,
     size: ImageSize,
 ) -> Vec<AnnotatedLine> {
-    let seen = seen_lines(field, camera, size);
+    let seen = visible_lines(field, camera, size);
     let shown = seen
         .iter()
         .enumerate()
@@ -136,7 +136,7 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
             } else {
                 0.0
             };
-            points.push(from.moved(to.offset_from(from) * share));
+            points.push(from.translate(to.offset_from(from) * share));
         }
         passed += length;
     }
@@ -154,14 +154,14 @@ impl MarkingMatch {
     /// Compares annotated markings with those that the estimated camera shows of its own field.
     /// Short markings are skipped.
     #[must_use]
-    pub fn of(
+    pub fn compare(
         field: &FieldModel,
         annotated: &[AnnotatedLine],
         estimate: FieldView,
         size: ImageSize,
     ) -> Self {
         // The estimate may use another field (size or template); match lines by name.
-        let mut of_estimate = seen_lines(estimate.field, estimate.camera, size);
+        let mut of_estimate = visible_lines(estimate.field, estimate.camera, size);
         let twins = same_names(&field.lines, &estimate.field.lines, |line| line.id.as_str());
         let seen: Seen = twins
             .iter()
@@ -170,9 +170,9 @@ impl MarkingMatch {
                     .unwrap_or_default()
             })
             .collect();
-        let plain = NamedMatch::of(field, annotated, &seen, size, Some);
+        let plain = NamedMatch::compare(field, annotated, &seen, size, Some);
         // Rotate the names of the annotation; that is equivalent to rotating the estimate.
-        let turned = NamedMatch::of(field, annotated, &seen, size, |line| {
+        let turned = NamedMatch::compare(field, annotated, &seen, size, |line| {
             let twin = Symmetry::Turn180.line_twin(field, &field.lines[line])?;
             field.lines.iter().position(|other| other.id == twin.id)
         });
@@ -192,7 +192,7 @@ impl MarkingMatch {
 impl NamedMatch {
     /// Matches annotated markings with visible ones. `renamed` gives the name under which a marking
     /// is looked up.
-    fn of(
+    fn compare(
         field: &FieldModel,
         annotated: &[AnnotatedLine],
         seen: &Seen,
@@ -283,7 +283,7 @@ mod tests {
         let truth = broadcast(30.0, -12.0, 2000.0);
         let annotated = annotated_lines(&field, &truth, SIZE);
         assert!(annotated.len() > 8, "{}", annotated.len());
-        let right = MarkingMatch::of(&field, &annotated, view(&field, &truth), SIZE);
+        let right = MarkingMatch::compare(&field, &annotated, view(&field, &truth), SIZE);
         assert!((right.jaccard(1.0) - 1.0).abs() < 1e-12, "{right:?}");
         // From the other side, turned by half a turn, the same picture with the other names.
         let base = CameraBase::new(
@@ -296,7 +296,7 @@ mod tests {
             SIZE.centre(),
         );
         let opposite = PtzCamera::new(base, truth.ptz());
-        let turned = MarkingMatch::of(&field, &annotated, view(&field, &opposite), SIZE);
+        let turned = MarkingMatch::compare(&field, &annotated, view(&field, &opposite), SIZE);
         assert!((turned.jaccard(1.0) - 1.0).abs() < 1e-9, "{turned:?}");
     }
 
@@ -354,7 +354,7 @@ mod tests {
         let truth = broadcast(0.0, -12.0, 2000.0);
         let annotated = annotated_lines(&field, &truth, SIZE);
         let off = broadcast((10.0f64 / 2000.0).to_degrees(), -12.0, 2000.0);
-        let found = MarkingMatch::of(&field, &annotated, view(&field, &off), SIZE);
+        let found = MarkingMatch::compare(&field, &annotated, view(&field, &off), SIZE);
         let worst = found.plain.worst_px.iter().copied().fold(0.0, f64::max);
         assert!((4.5..6.5).contains(&worst), "{found:?}");
         assert!(found.jaccard(20.0) > found.jaccard(4.0));
@@ -385,7 +385,7 @@ mod tests {
     fn a_camera_that_looks_away_finds_nothing() {
         let field = soccer();
         let annotated = annotated_lines(&field, &broadcast(0.0, -12.0, 2000.0), SIZE);
-        let found = MarkingMatch::of(
+        let found = MarkingMatch::compare(
             &field,
             &annotated,
             view(&field, &broadcast(0.0, 60.0, 2000.0)),

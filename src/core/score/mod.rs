@@ -28,12 +28,12 @@ mod view;
 
 pub use camera_error::{CameraError, camera_error, horizontal_view};
 pub use click_scatter::ClickScatter;
-pub use coverage::{SigmaCoverage, squared_sigmas};
+pub use coverage::{SigmaCoverage, squared_mahalanobis};
 
 pub(crate) use distribution::chi_squared_quantile;
 pub use distribution::{median_normal_size, median_rayleigh, rayleigh_share};
 pub use field_grid::field_grid;
-pub use ground::seen_field;
+pub use ground::visible_field;
 pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
 pub use marking_match::{AnnotatedLine, MarkingMatch, NamedMatch, annotated_lines};
 pub use overlap::{iou_part, iou_segments, iou_whole};

@@ -7,8 +7,8 @@
 //! true camera and back by the estimated one, and compared with itself; parts outside the picture
 //! count as well. The literature rasterises to whole yards; here polygons are clipped exactly.
 
-use super::ground::{field_corners, seen_field};
-use super::polygon::{Ring, area, shared};
+use super::ground::{field_corners, visible_field};
+use super::polygon::{Ring, area, intersect};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec2, Vec3};
@@ -23,8 +23,8 @@ pub fn iou_part(
     size: ImageSize,
 ) -> Option<f64> {
     intersection_over_union(
-        &seen_field(field, truth, size),
-        &seen_field(field, estimate, size),
+        &visible_field(field, truth, size),
+        &visible_field(field, estimate, size),
     )
 }
 
@@ -62,10 +62,10 @@ pub fn iou_segments(
     estimate: &PtzCamera,
     size: ImageSize,
 ) -> Option<f64> {
-    let seen = seen_field(field, truth, size);
+    let seen = visible_field(field, truth, size);
     let mut scores: Vec<f64> = Vec::new();
     for segment in segments(field) {
-        let shown = shared(&[segment], &seen);
+        let shown = intersect(&[segment], &seen);
         if area(&shown) < LEAST_SEGMENT_M2 {
             continue;
         }
@@ -120,7 +120,7 @@ fn carry(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec2> 
 }
 
 pub(super) fn intersection_over_union(one: &[Ring], other: &[Ring]) -> Option<f64> {
-    let both = area(&shared(one, other));
+    let both = area(&intersect(one, other));
     let union = area(one) + area(other) - both;
     (union > 0.0).then(|| (both / union).clamp(0.0, 1.0))
 }

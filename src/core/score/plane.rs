@@ -46,7 +46,7 @@ impl PlaneView {
 
     /// The view of a camera without its distortion.
     #[must_use]
-    pub fn of_camera(camera: &PtzCamera, size: ImageSize) -> Option<Self> {
+    pub fn from_camera(camera: &PtzCamera, size: ImageSize) -> Option<Self> {
         let (base, focal_px) = (camera.base(), camera.ptz().focal_px);
         let principal = base.principal_point;
         let image_from_cam = Mat3::new(
@@ -88,7 +88,7 @@ impl PlaneView {
     /// The part of the field that the picture shows: a convex polygon (world x and y, m), empty if
     /// it shows nothing.
     #[must_use]
-    pub fn seen_field(&self, field: &FieldModel) -> Vec<Vec2> {
+    pub fn visible_field(&self, field: &FieldModel) -> Vec<Vec2> {
         let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
         let h = &self.image_from_ground;
         let (x, y, depth) = (h.row(0), h.row(1), h.row(2));
@@ -114,7 +114,7 @@ impl PlaneView {
     #[must_use]
     pub fn iou_part(&self, field: &FieldModel, estimate: &Self) -> Option<f64> {
         let ring = |view: &Self| -> Vec<Ring> {
-            Some(view.seen_field(field))
+            Some(view.visible_field(field))
                 .filter(|ring| ring.len() >= 3)
                 .into_iter()
                 .collect()
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase, Ptz};
     use crate::field::builtin;
-    use crate::score::{iou_part, iou_whole, seen_field};
+    use crate::score::{iou_part, iou_whole, visible_field};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -172,7 +172,7 @@ mod tests {
         ] {
             let (truth, estimate) = (camera(truth.0, truth.1), camera(estimate.0, estimate.1));
             let [true_view, view] =
-                [truth, estimate].map(|camera| PlaneView::of_camera(&camera, SIZE).unwrap());
+                [truth, estimate].map(|camera| PlaneView::from_camera(&camera, SIZE).unwrap());
             // Scale and sign of a homography are arbitrary.
             let turned = PlaneView::new(&(true_view.image_from_ground * -7.0), SIZE).unwrap();
             assert!((turned.image_from_ground - true_view.image_from_ground).amax() < 1e-9);
@@ -187,11 +187,11 @@ mod tests {
                 "{whole}"
             );
             assert_eq!(true_view.iou_part(&field, &true_view), Some(1.0));
-            let seen = seen_field(&field, &truth, SIZE);
+            let seen = visible_field(&field, &truth, SIZE);
             let corners = |ring: &[Vec2]| {
                 ring.iter().fold(Vec2::zeros(), |sum, point| sum + point) / ring.len() as f64
             };
-            assert!((corners(&true_view.seen_field(&field)) - corners(&seen[0])).norm() < 1e-6);
+            assert!((corners(&true_view.visible_field(&field)) - corners(&seen[0])).norm() < 1e-6);
         }
     }
 
@@ -205,7 +205,7 @@ mod tests {
             SIZE,
         )
         .unwrap();
-        assert!(away.seen_field(&field).is_empty());
+        assert!(away.visible_field(&field).is_empty());
         assert_eq!(away.iou_part(&field, &away), None);
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn area(rings: &[Ring]) -> f64 {
 
 /// The intersection of two sets of polygons, as polygons that do not overlap. Inputs without holes
 /// give no holes.
-pub(super) fn shared(one: &[Ring], other: &[Ring]) -> Vec<Ring> {
+pub(super) fn intersect(one: &[Ring], other: &[Ring]) -> Vec<Ring> {
     let points = |rings: &[Ring]| -> Vec<Vec<[f64; 2]>> {
         let enclosing = rings.iter().filter(|ring| ring.len() >= 3);
         enclosing
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn intersections_of_known_polygons() {
         let both =
-            |a: &Ring, b: &Ring| area(&shared(std::slice::from_ref(a), std::slice::from_ref(b)));
+            |a: &Ring, b: &Ring| area(&intersect(std::slice::from_ref(a), std::slice::from_ref(b)));
         let unit = square(0.0, 0.0, 1.0);
         assert!((both(&unit, &square(0.5, 0.25, 1.0)) - 0.375).abs() < 1e-14);
         assert!(
@@ -123,7 +123,7 @@ mod tests {
             [0.0, 3.0],
         ]);
         let bar = ring(&[[-1.0, 2.0], [4.0, 2.0], [4.0, 2.5], [-1.0, 2.5]]);
-        let parts = shared(&[u], &[bar]);
+        let parts = intersect(&[u], &[bar]);
         assert_eq!(parts.len(), 2);
         assert!((area(&parts) - 1.0).abs() < 1e-14);
     }

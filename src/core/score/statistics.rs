@@ -47,7 +47,7 @@ impl Summary {
     /// Summarises values; none without any. Values that are not finite count as infinitely large,
     /// so that a failure never improves a summary. The same seed gives the same intervals.
     #[must_use]
-    pub fn of(values: &[f64], seed: u64) -> Option<Self> {
+    pub fn from_values(values: &[f64], seed: u64) -> Option<Self> {
         if values.is_empty() {
             return None;
         }
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn statistics_of_a_few_known_numbers() {
-        let summary = Summary::of(&[4.0, 1.0, 3.0, 2.0], 0).unwrap();
+        let summary = Summary::from_values(&[4.0, 1.0, 3.0, 2.0], 0).unwrap();
         assert_eq!((summary.count, summary.mean, summary.median), (4, 2.5, 2.5));
         assert!((summary.std - (5.0f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(
@@ -118,8 +118,8 @@ mod tests {
             (1.0, 1.75, 3.25, 4.0)
         );
         assert!((summary.p90 - 3.7).abs() < 1e-12);
-        assert_eq!(Summary::of(&[], 0), None);
-        let one = Summary::of(&[7.0], 0).unwrap();
+        assert_eq!(Summary::from_values(&[], 0), None);
+        let one = Summary::from_values(&[7.0], 0).unwrap();
         assert_eq!(
             (one.mean, one.std, one.median, one.mean_interval),
             (7.0, 0.0, 7.0, [7.0, 7.0])
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_failure_never_makes_it_better() {
-        let summary = Summary::of(&[1.0, f64::NAN, 2.0], 0).unwrap();
+        let summary = Summary::from_values(&[1.0, f64::NAN, 2.0], 0).unwrap();
         assert_eq!(
             (summary.median, summary.max, summary.mean),
             (2.0, f64::INFINITY, f64::INFINITY)
@@ -139,13 +139,13 @@ mod tests {
     fn the_interval_of_the_mean_is_as_wide_as_theory_says_and_repeats() {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         let values: Vec<f64> = (0..400).map(|_| rng.sample(StandardNormal)).collect();
-        let summary = Summary::of(&values, 11).unwrap();
+        let summary = Summary::from_values(&values, 11).unwrap();
         let half = 0.5 * (summary.mean_interval[1] - summary.mean_interval[0]);
         // 1.96 σ / √n.
         assert!((half - 0.098).abs() < 0.012, "{half}");
         assert!(summary.mean_interval[0] < summary.mean && summary.mean < summary.mean_interval[1]);
         let median_half = 0.5 * (summary.median_interval[1] - summary.median_interval[0]);
         assert!((0.09..0.17).contains(&median_half), "{median_half}");
-        assert_eq!(Summary::of(&values, 11), Some(summary));
+        assert_eq!(Summary::from_values(&values, 11), Some(summary));
     }
 }

@@ -142,7 +142,7 @@ fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warni
             *ranges.focal_px.start(),
             *ranges.focal_px.end(),
         ]
-        .map(rounded);
+        .map(format_rounded);
         format!("focal length {focal} px (usual {from} to {upto})")
     } else {
         return context.motion.warning(&ptz, &solution.slack());
@@ -173,10 +173,10 @@ fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning
         "as neighbours do"
     };
     let message = if (one / two).ln().abs() > 0.02 {
-        let (low, high) = (rounded(one.min(two)), rounded(one.max(two)));
+        let (low, high) = (format_rounded(one.min(two)), format_rounded(one.max(two)));
         format!(
             "Two focal lengths fit: {low} and {high} px. Using {}, {why}.",
-            rounded(one)
+            format_rounded(one)
         )
     } else {
         format!(
@@ -213,12 +213,12 @@ fn uncertain_corner(
     if worst.is_from_base() {
         return Some(Warning {
             code: WarningCode::BaseUncertain,
-            message: of_base(&worst),
+            message: describe_uncertain_base(&worst),
             clicks: Vec::new(),
         });
     }
     let separation_px = solution.separation_px?;
-    let one_more = OneMoreClick::of(camera, solution, context.image_size);
+    let one_more = OneMoreClick::new(camera, solution, context.image_size);
     let landmarks = || {
         used.iter()
             .filter(|observation| observation.shape.point().is_some())
@@ -236,7 +236,7 @@ fn uncertain_corner(
         let sum = landmarks().fold(Vec2::zeros(), |sum, click| {
             sum + click.image.offset_from(ImagePoint::default())
         });
-        let middle = ImagePoint::default().moved(sum / landmarks().count() as f64);
+        let middle = ImagePoint::default().translate(sum / landmarks().count() as f64);
         let distance_px = GOOD_SEPARATION_PX * scale;
         let better = one_more
             .best_corner_at_distance(middle, distance_px)
@@ -266,7 +266,7 @@ fn uncertain_corner(
     );
     let inwards = worst
         .corner
-        .moved((camera.base().principal_point.offset_from(worst.corner)) * TOWARDS_MIDDLE);
+        .translate((camera.base().principal_point.offset_from(worst.corner)) * TOWARDS_MIDDLE);
     let better = one_more.corner_with_click_at(inwards).filter(gains);
     let way_out = better.map_or_else(String::new, |better| {
         format!(" A point near that corner would give ±{}.", short(better))
@@ -279,7 +279,7 @@ fn uncertain_corner(
 }
 
 /// The message if most of the worst corner's uncertainty comes from the base.
-fn of_base(worst: &CornerSigma) -> String {
+fn describe_uncertain_base(worst: &CornerSigma) -> String {
     format!(
         "The base is uncertain: ±{} of the ±{} px at the worst corner come from it. Points in more wide frames help.",
         short(worst.base_px),
@@ -299,7 +299,7 @@ struct OneMoreClick<'a> {
 }
 
 impl<'a> OneMoreClick<'a> {
-    fn of(camera: &'a PtzCamera, solution: &'a FrameSolution, image_size: ImageSize) -> Self {
+    fn new(camera: &'a PtzCamera, solution: &'a FrameSolution, image_size: ImageSize) -> Self {
         let sigma_px = solution
             .residuals
             .iter()
@@ -329,7 +329,7 @@ impl<'a> OneMoreClick<'a> {
         const DIRECTIONS: u32 = 16;
         (0..DIRECTIONS)
             .map(|direction| f64::from(direction) / f64::from(DIRECTIONS) * std::f64::consts::TAU)
-            .map(|angle| from.moved(Vec2::new(angle.cos(), angle.sin()) * distance_px))
+            .map(|angle| from.translate(Vec2::new(angle.cos(), angle.sin()) * distance_px))
             .filter(|pixel| self.image_size.contains(*pixel))
             .filter_map(|pixel| self.corner_with_click_at(pixel))
             .min_by(f64::total_cmp)
@@ -337,7 +337,7 @@ impl<'a> OneMoreClick<'a> {
 }
 
 /// A positive number, rounded: "2,410".
-fn rounded(value: f64) -> String {
+fn format_rounded(value: f64) -> String {
     thousands(value.round() as usize)
 }
 
@@ -376,7 +376,7 @@ mod tests {
         let observe = |(click, pixel): (usize, &[f64; 2])| {
             let pixel = ImagePoint::from(*pixel);
             let at = camera.plane_from_image(pixel, 0.0).unwrap();
-            Observation::of_point(at, pixel, sigma_px, click)
+            Observation::from_point(at, pixel, sigma_px, click)
         };
         let observations: Vec<Observation> = pixels.iter().enumerate().map(observe).collect();
         solve_frame(camera.base(), &observations, &SolveContext::new(SIZE)).unwrap()

@@ -48,7 +48,7 @@ impl SolveContext {
 
     /// The camera that decides between equally good candidates: the start, else the nearest
     /// neighbour, else the prior.
-    pub(super) fn expected(&self) -> Option<Ptz> {
+    pub(super) fn expected_ptz(&self) -> Option<Ptz> {
         self.start
             .or(self.neighbours.first().copied())
             .or(self.prior.map(|prior| prior.ptz))

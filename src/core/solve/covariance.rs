@@ -44,7 +44,7 @@ impl Uncertainty {
     ///
     /// # Errors
     /// [`SolveError::Undetermined`] if they leave a combination of the parameters undetermined.
-    pub fn of(
+    pub fn from_observations(
         camera: &PtzCamera,
         observations: &[Observation],
         prior: Option<&PtzPrior>,
@@ -85,7 +85,7 @@ impl Uncertainty {
     ///
     /// # Errors
     /// [`SolveError::Undetermined`] if the picture shows too little.
-    pub fn of_known(
+    pub fn from_covariance(
         camera: &PtzCamera,
         covariance: Mat3,
         image_size: ImageSize,
@@ -118,7 +118,7 @@ impl Uncertainty {
         own_covariance_deg: &Mat3,
         image_size: ImageSize,
     ) -> Result<Self, SolveError> {
-        Self::of_known(
+        Self::from_covariance(
             camera,
             covariance_in_radians(own_covariance_deg),
             image_size,
@@ -178,7 +178,7 @@ impl Uncertainty {
     /// distant point above the horizon. None beyond the fold of the distortion model.
     #[must_use]
     pub fn overlay_at(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<Matrix2<f64>> {
-        self.overlay_at_world(camera, shown_at(camera, pixel)?)
+        self.overlay_at_world(camera, world_point_from_image(camera, pixel)?)
     }
 
     /// 1-σ of the overlay at a pixel, px: the root of the covariance's trace, an RMS distance.
@@ -354,7 +354,7 @@ impl OverlayPoint {
 
     /// The overlay point of what a pixel shows ([`shown_at`]).
     fn at_pixel(camera: &PtzCamera, pixel: ImagePoint) -> Option<Self> {
-        Self::at_world(camera, shown_at(camera, pixel)?)
+        Self::at_world(camera, world_point_from_image(camera, pixel)?)
     }
 }
 
@@ -383,12 +383,12 @@ pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigm
         .filter_map(|(number, (x, y))| {
             let at = image_size
                 .centre()
-                .moved(Vec2::new(x, y).component_mul(&quarter));
+                .translate(Vec2::new(x, y).component_mul(&quarter));
             let ray = camera.ray_from_image(at).ok()?.direction();
-            Some(Observation::of_point(ray, at, sigma_px, number))
+            Some(Observation::from_point(ray, at, sigma_px, number))
         })
         .collect();
-    Uncertainty::of(&camera, &points, None)
+    Uncertainty::from_observations(&camera, &points, None)
         .map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
 }
 
@@ -416,7 +416,7 @@ fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
                 middle_of(column, COLUMNS, image_size.width),
                 middle_of(row, ROWS, image_size.height),
             );
-            shown_at(camera, ImagePoint::new(x, y))
+            world_point_from_image(camera, ImagePoint::new(x, y))
         })
         .collect();
     let is_near = |at: &&Vec3| (*at - camera.base().position_m).norm() <= FIELD_M;
@@ -438,14 +438,14 @@ pub(super) fn corners(camera: &PtzCamera, image_size: ImageSize) -> [Option<Over
     image_size.corners().map(|corner| {
         (0..10).find_map(|step| {
             let towards = corner.offset_from(middle) * (1.0 - 0.1 * f64::from(step));
-            OverlayPoint::at_pixel(camera, middle.moved(towards))
+            OverlayPoint::at_pixel(camera, middle.translate(towards))
         })
     })
 }
 
 /// The point in `world` that a pixel shows: on the plane z = 0, at most [`FAR_M`] deep, or at the
 /// depth [`FAR_M`] above the horizon. None beyond the fold of the distortion model.
-fn shown_at(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
+fn world_point_from_image(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
     // The direction has z = 1 in `cam`, so multiples of it are depths along the optical axis, m.
     let ideal = camera.cam_plane_from_image(pixel).ok()?;
     let direction = camera
@@ -533,7 +533,7 @@ mod tests {
             },
             Ptz::from_degrees(-12.0, -9.0, 2300.0),
         );
-        let uncertainty = Uncertainty::of_known(&camera, Mat3::zeros(), SIZE).unwrap();
+        let uncertainty = Uncertainty::from_covariance(&camera, Mat3::zeros(), SIZE).unwrap();
         (camera, uncertainty)
     }
 

@@ -172,7 +172,7 @@ mod tests {
     fn observations(points: &[(&str, [f64; 2])]) -> Vec<Observation> {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let observation = |(click, (name, at)): (usize, &(&str, [f64; 2]))| {
-            Observation::of_line(&field, name, ImagePoint::from(*at), SIZE, click).unwrap()
+            Observation::from_line(&field, name, ImagePoint::from(*at), SIZE, click).unwrap()
         };
         points.iter().enumerate().map(observation).collect()
     }

@@ -57,7 +57,7 @@ where
     };
     let (no_shared, no_own) = (SVector::zeros(), SVector::zeros());
     let here = stepped(&no_shared, &no_own);
-    let linearised = residual.linearised(&here).ok_or(DerivativeError::NoValue)?;
+    let linearised = residual.linearise(&here).ok_or(DerivativeError::NoValue)?;
     let value = value_after(&no_shared, &no_own)?;
     if linearised.value != value {
         return Err(DerivativeError::Value {
@@ -132,7 +132,7 @@ mod tests {
             (*at >= 0.0).then(|| Vector1::new(at * at))
         }
 
-        fn linearised(&self, at: &f64) -> Option<Linearised<1, 0, 1>> {
+        fn linearise(&self, at: &f64) -> Option<Linearised<1, 0, 1>> {
             Some(Linearised {
                 value: self.value(at)?,
                 by_shared: nalgebra::SMatrix::zeros(),

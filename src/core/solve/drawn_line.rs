@@ -94,7 +94,7 @@ impl DrawnLine {
             return None;
         }
         let (middle, along) = (
-            first.moved(mean),
+            first.translate(mean),
             eigen.eigenvectors.column(most).into_owned(),
         );
         let share = |point: &&ImagePoint| point.offset_from(middle).dot(&along);
@@ -118,7 +118,7 @@ impl StraightLine {
     pub fn crossing(&self, other: &Self) -> Option<ImagePoint> {
         let sine = self.along.perp(&other.along);
         let share = other.middle.offset_from(self.middle).perp(&other.along) / sine;
-        let crossing = self.middle.moved(self.along * share);
+        let crossing = self.middle.translate(self.along * share);
         crossing.is_finite().then_some(crossing)
     }
 

@@ -49,7 +49,7 @@ pub fn solve_frame(
     // image.
     let residuals: Vec<ClickResidual> = used
         .iter()
-        .map(|observation| ClickResidual::of(&camera, observation))
+        .map(|observation| ClickResidual::from_observation(&camera, observation))
         .collect();
     let seen: Vec<Observation> = used
         .iter()
@@ -72,7 +72,7 @@ pub fn solve_frame(
 
     // Three equations determine pan, tilt and focal length; the surplus is what χ² is compared
     // with. An uncertain base adds to the expected χ².
-    let uncertainty = Uncertainty::of(&camera, &seen, context.prior.as_ref())?;
+    let uncertainty = Uncertainty::from_observations(&camera, &seen, context.prior.as_ref())?;
     let mut solution = FrameSolution {
         ptz: chosen.ptz,
         lens: camera.lens(),
@@ -106,7 +106,7 @@ fn as_weighted(
     residual: &ClickResidual,
     loss: Loss,
 ) -> Option<Observation> {
-    let (_, weight) = loss.of(squared_sigmas(
+    let (_, weight) = loss.evaluate(squared_sigmas(
         Some(residual.distance_px()?),
         observation.sigma_px,
     ));
@@ -307,7 +307,7 @@ fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<
         .iter()
         .take_while(|fit| fit.candidate.plausible == plausible && fit.cost <= best_cost + SAME_FIT)
         .count();
-    let expected = context.expected();
+    let expected = context.expected_ptz();
     let surprise = |fit: &Fit| match context.start {
         Some(_) => 0.0,
         None => context.motion.surprise(&fit.candidate.ptz, &PtzStep::ZERO),

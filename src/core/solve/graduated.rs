@@ -19,7 +19,7 @@ use super::least_squares::{Equations, Problem};
 #[must_use]
 pub fn gauss_newton_step<P: Problem>(problem: &P, from: &P::State) -> Option<P::State> {
     let step = problem.equations(from).step(0.0)?;
-    Some(problem.stepped(from, &step))
+    Some(problem.apply_step(from, &step))
 }
 
 #[cfg(test)]
@@ -51,7 +51,7 @@ mod tests {
             Some(Vector1::new(at[0] + at[1] * self.x - self.y))
         }
 
-        fn linearised(&self, at: &Self::State) -> Option<Linearised<1, 0, 2>> {
+        fn linearise(&self, at: &Self::State) -> Option<Linearised<1, 0, 2>> {
             Some(Linearised {
                 value: self.value(at)?,
                 by_shared: SMatrix::zeros(),
@@ -77,7 +77,7 @@ mod tests {
             equations
         }
 
-        fn stepped(&self, from: &Self::State, step: &SVector<f64, 2>) -> Self::State {
+        fn apply_step(&self, from: &Self::State, step: &SVector<f64, 2>) -> Self::State {
             from + step
         }
     }

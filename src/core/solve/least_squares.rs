@@ -35,7 +35,7 @@ pub trait Problem {
     fn equations(&self, at: &Self::State) -> Self::Equations;
 
     /// The parameters after a step.
-    fn stepped(
+    fn apply_step(
         &self,
         from: &Self::State,
         step: &<Self::Equations as Equations>::Step,
@@ -100,7 +100,7 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State, until: Stopping) -> Mi
 
         // Accept a step that does not raise the cost and trust the quadratic model more; otherwise
         // keep the state and damp ten times as much.
-        let next = problem.stepped(&state, &step);
+        let next = problem.apply_step(&state, &step);
         let tried = problem.equations(&next);
         let tried_cost = tried.cost();
         if tried_cost <= cost {
@@ -172,7 +172,7 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
             value,
             by_shared,
             by_own,
-        }) = residual.linearised(at)
+        }) = residual.linearise(at)
         else {
             self.losses.add(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS, loss);
             return;
@@ -205,7 +205,7 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
     /// The Schur complement: the equations of the shared parameters after elimination of the
     /// block's own. None where the residuals do not determine the own parameters.
     #[must_use]
-    pub fn eliminated(&self) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
+    pub fn eliminate_own(&self) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
         let gain = self.cross * self.own.try_inverse()?;
         Some((
             self.shared - gain * self.cross.transpose(),
@@ -265,7 +265,7 @@ impl<const SHARED: usize, const OWN: usize> BorderedEquations<SHARED, OWN> {
     /// complement of the damped system). Rows and columns of parameters that are not free are those
     /// of the identity, so that their step is zero. None where a block's residuals do not determine
     /// its own parameters.
-    pub fn reduced(
+    pub fn eliminate_blocks(
         &self,
         damping: f64,
     ) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
@@ -303,7 +303,7 @@ impl<const SHARED: usize, const OWN: usize> Equations for BorderedEquations<SHAR
     }
 
     fn step(&self, damping: f64) -> Option<Self::Step> {
-        let (matrix, gradient) = self.reduced(damping)?;
+        let (matrix, gradient) = self.eliminate_blocks(damping)?;
         let shared = -matrix.cholesky()?.solve(&gradient);
         let own = self
             .blocks
@@ -358,7 +358,7 @@ mod tests {
                 .then(|| Vector1::new(slopes[0] * self.x + slopes[1] * self.y + offset - self.z))
         }
 
-        fn linearised(&self, at: &Self::State) -> Option<Linearised<1, 2, 1>> {
+        fn linearise(&self, at: &Self::State) -> Option<Linearised<1, 2, 1>> {
             let by_shared = Matrix1x2::new(self.x, self.y);
             Some(Linearised {
                 value: self.value(at)?,
@@ -390,7 +390,7 @@ mod tests {
             }
         }
 
-        fn stepped(
+        fn apply_step(
             &self,
             (slopes, offsets): &Self::State,
             step: &BorderedStep<2, 1>,

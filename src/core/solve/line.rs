@@ -278,7 +278,7 @@ mod tests {
         assert!(distance_px(on).abs() < 1e-9);
         // The halfway line runs away from the camera, up the picture; its left is the picture's
         // left.
-        let left = distance_px(on.moved(Vec2::new(-5.0, 0.0)));
+        let left = distance_px(on.translate(Vec2::new(-5.0, 0.0)));
         assert!(left > 4.5, "{left}");
     }
 }

@@ -34,7 +34,7 @@ impl Loss {
     /// The loss of z², and its derivative by z², which is the weight in iteratively reweighted
     /// least squares.
     #[must_use]
-    pub fn of(self, z_squared: f64) -> (f64, f64) {
+    pub fn evaluate(self, z_squared: f64) -> (f64, f64) {
         match self {
             Self::Squared => (z_squared, 1.0),
             Self::Huber { k } => {
@@ -81,7 +81,7 @@ impl LossSum {
         /// The logarithm is taken before the product grows beyond this.
         const LARGE: f64 = 1e200;
         let Loss::Cauchy { c } = loss else {
-            let (cost, weight) = loss.of(z_squared);
+            let (cost, weight) = loss.evaluate(z_squared);
             self.cost += cost;
             return weight;
         };
@@ -132,9 +132,10 @@ mod tests {
         ] {
             for z_squared in [0.3, 3.9, 4.1, 50.0] {
                 let h = 1e-6;
-                let numeric = (loss.of(z_squared + h).0 - loss.of(z_squared - h).0) / (2.0 * h);
+                let numeric =
+                    (loss.evaluate(z_squared + h).0 - loss.evaluate(z_squared - h).0) / (2.0 * h);
                 assert!(
-                    (loss.of(z_squared).1 - numeric).abs() < 1e-8,
+                    (loss.evaluate(z_squared).1 - numeric).abs() < 1e-8,
                     "{loss:?} {z_squared}"
                 );
             }
@@ -156,7 +157,7 @@ mod tests {
                 f64::from(step % 97).powi(3),
                 kinds[(step as usize / 7) % kinds.len()],
             );
-            let (cost, weight) = loss.of(z_squared);
+            let (cost, weight) = loss.evaluate(z_squared);
             expected += cost;
             assert!((sum.add(z_squared, loss) - weight).abs() < 1e-15);
         }

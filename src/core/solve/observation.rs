@@ -29,7 +29,7 @@ pub struct Observation {
 impl Observation {
     /// A pixel that shows a point of `world`, m, which is no landmark of a field.
     #[must_use]
-    pub const fn of_point(at: Vec3, image: ImagePoint, sigma_px: f64, click: usize) -> Self {
+    pub const fn from_point(at: Vec3, image: ImagePoint, sigma_px: f64, click: usize) -> Self {
         Self {
             image,
             sigma_px,
@@ -44,7 +44,7 @@ impl Observation {
     ///
     /// # Errors
     /// The field has no landmark of this name.
-    pub fn of_landmark(
+    pub fn from_landmark(
         field: &FieldModel,
         name: &str,
         image: ImagePoint,
@@ -57,13 +57,13 @@ impl Observation {
         };
         let landmark = field.landmark(name).ok_or_else(unknown)?;
         let element = field.landmark_element(name).ok_or_else(unknown)?;
-        Self::of_point(
+        Self::from_point(
             Vec3::zeros(),
             image,
             landmark.click_sigma_px * image_size.scale_from_1920(),
             click,
         )
-        .renamed(field, element)
+        .with_element(field, element)
         .ok_or_else(unknown)
     }
 
@@ -71,7 +71,7 @@ impl Observation {
     ///
     /// # Errors
     /// The field has no line of this name.
-    pub fn of_line(
+    pub fn from_line(
         field: &FieldModel,
         name: &str,
         image: ImagePoint,
@@ -83,28 +83,28 @@ impl Observation {
             template: field.template.clone(),
         };
         let element = field.line_element(name).ok_or_else(unknown)?;
-        Self::of_point(
+        Self::from_point(
             Vec3::zeros(),
             image,
             field.line_click_sigma_px * image_size.scale_from_1920(),
             click,
         )
-        .renamed(field, element)
+        .with_element(field, element)
         .ok_or_else(unknown)
     }
 
     /// A pixel at which the middle of a line's paint was measured; `place` is its index. None if
     /// the field has no such line.
     #[must_use]
-    pub fn of_paint(
+    pub fn from_paint(
         field: &FieldModel,
         line: usize,
         image: ImagePoint,
         sigma_px: f64,
         place: usize,
     ) -> Option<Self> {
-        Self::of_point(Vec3::zeros(), image, sigma_px, place)
-            .renamed(field, FieldElement::Paint(line))
+        Self::from_point(Vec3::zeros(), image, sigma_px, place)
+            .with_element(field, FieldElement::Paint(line))
     }
 
     /// Whether it is a measurement of paint, not a click.
@@ -116,26 +116,26 @@ impl Observation {
     /// The same click under another name, or on another size of its field; its noise stays. None if
     /// the field has no such element.
     #[must_use]
-    pub fn renamed(self, field: &FieldModel, element: FieldElement) -> Option<Self> {
+    pub fn with_element(self, field: &FieldModel, element: FieldElement) -> Option<Self> {
         Some(Self {
             element: Some(element),
-            shape: ObservedShape::of_element(field, element)?,
+            shape: ObservedShape::from_element(field, element)?,
             ..self
         })
     }
 
     /// The same click on the same field with another crown.
     #[must_use]
-    pub(super) fn recrowned(&self, from: &FieldModel, to: &FieldModel) -> Self {
+    pub(super) fn change_crown(&self, from: &FieldModel, to: &FieldModel) -> Self {
         Self {
-            shape: self.shape.recrowned(from.crown(), to.crown()),
+            shape: self.shape.change_crown(from.crown(), to.crown()),
             ..*self
         }
     }
 
     /// The same click, held out of the solve.
     #[must_use]
-    pub const fn held_out(self) -> Self {
+    pub const fn hold_out(self) -> Self {
         Self {
             check: true,
             ..self
@@ -176,7 +176,7 @@ impl Residual<2, 0, 3> for Observation {
     }
 
     #[inline]
-    fn linearised(&self, camera: &PtzCamera) -> Option<Linearised<2, 0, 3>> {
+    fn linearise(&self, camera: &PtzCamera) -> Option<Linearised<2, 0, 3>> {
         let (value, mut by_own) = self.shape.residual_by_ptz(camera, self.image)?;
         by_own.column_mut(2).scale_mut(camera.ptz().focal_px);
         Some(Linearised {

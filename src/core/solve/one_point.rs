@@ -72,8 +72,8 @@ pub(super) fn pan_tilts_from_directions(in_base: Vec3, in_cam: Vec3) -> [(Angle,
         let pan = b.x.atan2(b.z) - to_column;
         let tilt = u.y.atan2(u.z) - b.y.atan2(ahead);
         (
-            Angle::from_radians(pan).wrapped(),
-            Angle::from_radians(tilt).wrapped(),
+            Angle::from_radians(pan).wrap(),
+            Angle::from_radians(tilt).wrap(),
         )
     };
     [turn(to_column, ahead), turn(PI - to_column, -ahead)]

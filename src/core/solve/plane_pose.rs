@@ -54,7 +54,7 @@ impl PlanePose {
     /// The local minimum of the squared reprojection errors (px²) of `points`, from this camera as
     /// the start.
     #[must_use]
-    pub fn refined(self, points: &[(Vec2, ImagePoint)], principal_point: ImagePoint) -> Self {
+    pub fn refine(self, points: &[(Vec2, ImagePoint)], principal_point: ImagePoint) -> Self {
         let shown = |(ground, image): &(Vec2, ImagePoint)| ShownGround {
             ground_m: Vec3::new(ground.x, ground.y, 0.0),
             offset_px: image.offset_from(principal_point),
@@ -104,7 +104,7 @@ impl Residual<2, 0, 7> for ShownGround {
         Some(seen.xy() * (pose.focal_px / seen.z) - self.offset_px)
     }
 
-    fn linearised(&self, pose: &PlanePose) -> Option<Linearised<2, 0, 7>> {
+    fn linearise(&self, pose: &PlanePose) -> Option<Linearised<2, 0, 7>> {
         let seen = self.in_cam(pose)?;
         // Derivatives at the point q in `cam`. A left rotation by ω moves q by ω × q = −[q]ₓ ω; a
         // shift of the position by d moves it by −R d; in log f the image offset is its own
@@ -145,13 +145,13 @@ impl Problem for NearestPose {
         equations
     }
 
-    fn stepped(&self, from: &PlanePose, step: &PoseStep) -> PlanePose {
-        stepped(from, step)
+    fn apply_step(&self, from: &PlanePose, step: &PoseStep) -> PlanePose {
+        apply_step(from, step)
     }
 }
 
 /// A camera after a step.
-fn stepped(from: &PlanePose, step: &PoseStep) -> PlanePose {
+fn apply_step(from: &PlanePose, step: &PoseStep) -> PlanePose {
     PlanePose {
         cam_from_world: from_rotation_vector(step.fixed_rows::<3>(0).into()) * from.cam_from_world,
         position_m: from.position_m + step.fixed_rows::<3>(3),
@@ -244,7 +244,7 @@ mod tests {
                 ground_m: Vec3::new(ground[0], ground[1], 0.0),
                 offset_px: Vec2::new(12.0, -80.0),
             };
-            check_derivatives(&point, |_: &SVector<f64, 0>, step| stepped(&pose, step))
+            check_derivatives(&point, |_: &SVector<f64, 0>, step| apply_step(&pose, step))
                 .expect("ground");
         }
     }
@@ -280,7 +280,7 @@ mod tests {
             (points.iter().map(squared).sum::<f64>() / points.len() as f64).sqrt()
         };
         let closed = pose_from_plane(&points, pp).unwrap();
-        let refined = closed.refined(&points, pp);
+        let refined = closed.refine(&points, pp);
         assert!(
             rms_px(&refined, &points) < 0.7 * rms_px(&closed, &points),
             "{closed:?} {refined:?}"
@@ -290,11 +290,12 @@ mod tests {
                 let mut step = PoseStep::zeros();
                 step[parameter] = side;
                 assert!(
-                    rms_px(&stepped(&refined, &step), &points) >= rms_px(&refined, &points) - 1e-12
+                    rms_px(&apply_step(&refined, &step), &points)
+                        >= rms_px(&refined, &points) - 1e-12
                 );
             }
         }
-        let of_exact = pose_from_plane(&exact, pp).unwrap().refined(&exact, pp);
+        let of_exact = pose_from_plane(&exact, pp).unwrap().refine(&exact, pp);
         assert!(
             (of_exact.position_m - camera.base().position_m).norm() < 1e-6,
             "{of_exact:?}"

@@ -67,7 +67,7 @@ impl Residual<3, 0, 3> for PtzPrior {
         Some(off.component_mul(&self.inverse_sigmas()))
     }
 
-    fn linearised(&self, camera: &PtzCamera) -> Option<Linearised<3, 0, 3>> {
+    fn linearise(&self, camera: &PtzCamera) -> Option<Linearised<3, 0, 3>> {
         let by_own = Mat3::from_diagonal(&self.inverse_sigmas());
         Some(Linearised {
             value: self.value(camera)?,

@@ -67,7 +67,7 @@ pub fn refine_until(
         until,
     );
     let ptz = Ptz {
-        pan: found.state.pan.wrapped(),
+        pan: found.state.pan.wrap(),
         ..found.state
     };
     Refined {
@@ -103,13 +103,13 @@ impl<R: Residual<2, 0, 3, State = PtzCamera>> Problem for FrameProblem<'_, R> {
     }
 
     #[inline]
-    fn stepped(&self, ptz: &Ptz, step: &Vec3) -> Ptz {
-        stepped(ptz, step)
+    fn apply_step(&self, ptz: &Ptz, step: &Vec3) -> Ptz {
+        apply_step(ptz, step)
     }
 }
 
 /// Pan, tilt and focal length after a step in (rad, rad, log f).
-pub(super) fn stepped(ptz: &Ptz, step: &Vec3) -> Ptz {
+pub(super) fn apply_step(ptz: &Ptz, step: &Vec3) -> Ptz {
     // At most a factor of three per step: a Gauss–Newton step from a distant start may be far too
     // long.
     let log_focal = step.z.clamp(-1.1, 1.1);
@@ -127,7 +127,7 @@ pub(super) fn cost(camera: &PtzCamera, observations: &[Observation], loss: Loss)
     };
     observations
         .iter()
-        .map(|observation| loss.of(of(observation)).0)
+        .map(|observation| loss.evaluate(of(observation)).0)
         .sum()
 }
 
@@ -171,7 +171,7 @@ mod tests {
                     f64::from(i % 13) / 13.0
                 };
                 let at = if i == 1001 { -direction } else { direction };
-                Observation::of_point(at, ImagePoint::new(x + off, y - off / 2.0), 0.5, 0)
+                Observation::from_point(at, ImagePoint::new(x + off, y - off / 2.0), 0.5, 0)
             })
             .collect();
         let loss = Loss::Cauchy { c: 2.4 };
@@ -201,19 +201,20 @@ mod tests {
             ..fixtures::base()
         };
         let ptz = Ptz::from_degrees(-4.0, -15.0, 1910.0);
-        let stepped =
-            |_: &nalgebra::SVector<f64, 0>, step: &Vec3| PtzCamera::new(base, stepped(&ptz, step));
+        let stepped = |_: &nalgebra::SVector<f64, 0>, step: &Vec3| {
+            PtzCamera::new(base, apply_step(&ptz, step))
+        };
         let field = builtin("soccer")
             .unwrap()
             .model(&BTreeMap::new(), 0.15)
             .unwrap();
         let (image, size) = (ImagePoint::new(880.0, 400.0), ImageSize::new(1920, 1080));
         for name in ["centre_mark", "centre_circle_left", "post_far_left_top"] {
-            let click = Observation::of_landmark(&field, name, image, size, 0).unwrap();
+            let click = Observation::from_landmark(&field, name, image, size, 0).unwrap();
             check_derivatives(&click, stepped).expect(name);
         }
         for name in ["halfway_line", "touchline_far", "centre_circle"] {
-            let click = Observation::of_line(&field, name, image, size, 0).unwrap();
+            let click = Observation::from_line(&field, name, image, size, 0).unwrap();
             check_derivatives(&click, stepped).expect(name);
         }
         let prior = PtzPrior {

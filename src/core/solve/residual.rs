@@ -31,7 +31,7 @@ pub trait Residual<const ROWS: usize, const SHARED: usize, const OWN: usize> {
     fn value(&self, at: &Self::State) -> Option<SVector<f64, ROWS>>;
 
     /// Its numbers and their derivatives by the parameters.
-    fn linearised(&self, at: &Self::State) -> Option<Linearised<ROWS, SHARED, OWN>>;
+    fn linearise(&self, at: &Self::State) -> Option<Linearised<ROWS, SHARED, OWN>>;
 
     /// The loss of this residual, where `usual` is the loss of the problem's clicks.
     fn loss(&self, usual: Loss) -> Loss {

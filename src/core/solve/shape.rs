@@ -65,7 +65,7 @@ impl ShapeJacobian {
 impl ObservedShape {
     /// The shape of a field's landmark, line or paint; none if the field has no such element.
     #[must_use]
-    pub fn of_element(field: &FieldModel, element: FieldElement) -> Option<Self> {
+    pub fn from_element(field: &FieldModel, element: FieldElement) -> Option<Self> {
         match element {
             FieldElement::Landmark(index) => field
                 .landmarks
@@ -199,7 +199,7 @@ impl ObservedShape {
 
     /// The same shape on ground with another crown.
     #[must_use]
-    pub(super) fn recrowned(self, from: Crown, to: Crown) -> Self {
+    pub(super) fn change_crown(self, from: Crown, to: Crown) -> Self {
         match self {
             Self::Point(mut at) => {
                 at.z += to.ground_z(at.y) - from.ground_z(at.y);
@@ -220,13 +220,13 @@ impl ObservedShape {
 
     /// This shape moved by a fraction of the difference between two shapes of its kind.
     #[must_use]
-    pub(super) fn moved(self, from: &Self, to: &Self, share: f64) -> Self {
+    pub(super) fn move_along(self, from: &Self, to: &Self, share: f64) -> Self {
         match (self, from, to) {
             (Self::Point(at), Self::Point(from), Self::Point(to)) => {
                 Self::Point(at + (to - from) * share)
             }
             (Self::Curve(curve), Self::Curve(from), Self::Curve(to)) => {
-                Self::Curve(curve.moved(from.nominal(), to.nominal(), share))
+                Self::Curve(curve.move_along(from.nominal(), to.nominal(), share))
             }
             (shape, ..) => shape,
         }
@@ -234,7 +234,7 @@ impl ObservedShape {
 
     /// A point where a symmetry of the field puts it; none for a curve.
     #[must_use]
-    pub(super) fn mirrored_point(&self, symmetry: Symmetry) -> Option<Self> {
+    pub(super) fn mirror_point(&self, symmetry: Symmetry) -> Option<Self> {
         self.point().map(|at| Self::Point(symmetry.apply(at)))
     }
 }
@@ -267,7 +267,7 @@ mod tests {
         .map(|id| field.line_element(id));
         let elements = landmarks.into_iter().chain(lines);
         elements
-            .map(|element| ObservedShape::of_element(&field, element.unwrap()).unwrap())
+            .map(|element| ObservedShape::from_element(&field, element.unwrap()).unwrap())
             .collect()
     }
 
@@ -381,7 +381,7 @@ mod tests {
             agrees(here.by_k1, &|h| at(distorted(h), PTZ), 1e-5, "k1");
             for (column, towards) in [Vec2::x(), Vec2::y()].into_iter().enumerate() {
                 let shifted = |h: f64| CameraBase {
-                    principal_point: base().principal_point.moved(towards * h),
+                    principal_point: base().principal_point.translate(towards * h),
                     ..base()
                 };
                 agrees(
@@ -422,8 +422,8 @@ mod tests {
             .chain(FieldElement::Line(0).alike(&small))
         {
             let [from, to, there] = [&small, &large, &middle]
-                .map(|field| ObservedShape::of_element(field, element).unwrap());
-            let moved = from.moved(&from, &to, 0.25);
+                .map(|field| ObservedShape::from_element(field, element).unwrap());
+            let moved = from.move_along(&from, &to, 0.25);
             for parameter in [0.0, 0.3, 1.0] {
                 assert!(
                     (moved.nominal_at(parameter) - there.nominal_at(parameter)).norm() < 1e-9,

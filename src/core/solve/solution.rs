@@ -33,7 +33,7 @@ pub struct ClickResidual {
 impl ClickResidual {
     /// The reprojection error of a click under a camera.
     #[must_use]
-    pub fn of(camera: &PtzCamera, observation: &Observation) -> Self {
+    pub fn from_observation(camera: &PtzCamera, observation: &Observation) -> Self {
         let offset_px = observation.shape.offset_px(camera, observation.image);
         Self {
             click: observation.click,
@@ -153,7 +153,7 @@ impl FrameSolution {
 
     /// The clicks that the others, or the camera, contradict, in order.
     #[must_use]
-    pub fn disputed(&self) -> Vec<usize> {
+    pub fn disputed_clicks(&self) -> Vec<usize> {
         let of = |warning: &&Warning| match warning.code {
             WarningCode::Swapped | WarningCode::WrongLine | WarningCode::CheckFailed => true,
             // Two clicks that contradict the base do not show which of them is wrong.

@@ -52,7 +52,7 @@ impl WorldCurve {
 
     /// This curve moved by a fraction of the difference between two nominal curves of its kind.
     #[must_use]
-    pub(super) fn moved(self, from: &Curve, to: &Curve, share: f64) -> Self {
+    pub(super) fn move_along(self, from: &Curve, to: &Curve, share: f64) -> Self {
         let nominal = match (self.nominal, from, to) {
             (
                 Curve::Segment {

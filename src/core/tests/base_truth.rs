@@ -75,10 +75,10 @@ fn frames(
             let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
                 continue;
             };
-            let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * noise_px);
+            let image = exact.translate(Vec2::new(normal(rng), normal(rng)) * noise_px);
             if SIZE.contains(image) && landmark.nominal_m.z == 0.0 {
-                let seen =
-                    Observation::of_landmark(field, landmark.id.as_str(), image, SIZE, 0).unwrap();
+                let seen = Observation::from_landmark(field, landmark.id.as_str(), image, SIZE, 0)
+                    .unwrap();
                 observations.push(Observation {
                     sigma_px: noise_px.max(0.01),
                     ..seen
@@ -118,7 +118,7 @@ fn centred_base(
     options: &BaseOptions,
 ) -> Result<BaseEstimate, BaseError> {
     estimate_base(
-        &CameraClicks::centred(field, frames, SIZE),
+        &CameraClicks::with_centred_principal_point(field, frames, SIZE),
         None,
         options,
         &Progress::default(),
@@ -143,7 +143,7 @@ fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
     };
     let adjusted = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
         adjust_base(
-            &CameraClicks::centred(&field, frames, SIZE),
+            &CameraClicks::with_centred_principal_point(&field, frames, SIZE),
             &start,
             ptz,
             &pinhole,
@@ -177,7 +177,7 @@ fn the_model_is_chosen_alike_if_only_every_fifth_frame_has_paint() {
     let (seen, truth) = frames(&base, &field, 15, 12, 0.5, &mut rng);
     let estimated = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
         estimate_base_on_paint(
-            &CameraClicks::centred(&field, frames, SIZE),
+            &CameraClicks::with_centred_principal_point(&field, frames, SIZE),
             frames,
             (&base, ptz),
             &BaseOptions::default(),
@@ -335,7 +335,7 @@ fn spoil(
                     rng.random_range(60.0..300.0),
                     rng.random_range(-200.0..200.0),
                 );
-                let moved = observation.image.moved(far);
+                let moved = observation.image.translate(far);
                 observation.image =
                     ImagePoint::new(moved.x.clamp(0.0, 1920.0), moved.y.clamp(0.0, 1080.0));
                 wrong.push((index, click));
@@ -510,7 +510,7 @@ fn an_estimation_counts_its_adjustments_and_ends_when_it_is_cancelled() {
         });
         let options = BaseOptions::default();
         let found = estimate_base(
-            &CameraClicks::centred(&field(0.0), &frames, SIZE),
+            &CameraClicks::with_centred_principal_point(&field(0.0), &frames, SIZE),
             None,
             &options,
             &progress,

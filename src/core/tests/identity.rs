@@ -72,8 +72,8 @@ fn labels_and_truth(
                 continue;
             };
             let observation =
-                Observation::of_landmark(field, landmark.id.as_str(), exact, SIZE, 0).unwrap();
-            let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * observation.sigma_px);
+                Observation::from_landmark(field, landmark.id.as_str(), exact, SIZE, 0).unwrap();
+            let image = exact.translate(Vec2::new(normal(rng), normal(rng)) * observation.sigma_px);
             if SIZE.contains(image) {
                 seen.push((
                     Observation {
@@ -109,7 +109,7 @@ fn identify(field: &FieldModel, clicks: &[Observation]) -> Option<IdentityFindin
 
 fn renamed(click: &Observation, field: &FieldModel, landmark: usize) -> Observation {
     click
-        .renamed(field, FieldElement::Landmark(landmark))
+        .with_element(field, FieldElement::Landmark(landmark))
         .unwrap()
 }
 
@@ -409,7 +409,7 @@ fn named_otherwise(
 ) -> Vec<Observation> {
     let spot = |index: usize, (shown, named): &(&str, &str)| {
         let at = field.landmark_in_world(field.landmark(shown).unwrap());
-        Observation::of_landmark(
+        Observation::from_landmark(
             field,
             named,
             camera.image_from_world(at).unwrap(),
@@ -486,7 +486,7 @@ fn two_clicks_on_the_neighbouring_line_are_found() {
             .image_from_world(field.world_from_nominal(line.curve.point_at(t)))
             .unwrap();
         clicks.push(
-            Observation::of_line(&field, "penalty_area_right_far", image, SIZE, clicks.len())
+            Observation::from_line(&field, "penalty_area_right_far", image, SIZE, clicks.len())
                 .unwrap(),
         );
     }
@@ -517,7 +517,7 @@ fn a_mirrored_frame_is_found() {
         let wrong: Vec<Observation> = clicks
             .iter()
             .zip(&truth)
-            .map(|(click, index)| click.renamed(&field, twin(*index)).unwrap())
+            .map(|(click, index)| click.with_element(&field, twin(*index)).unwrap())
             .collect();
         let finding = identify(&field, &wrong).unwrap();
         assert_eq!(finding.kind, IdentityKind::Mirrored(symmetry));
@@ -542,7 +542,7 @@ fn a_click_on_the_neighbouring_line_is_found() {
     ] {
         let at = field.landmark_in_world(field.landmark(name).unwrap());
         let image = camera.image_from_world(at).unwrap();
-        clicks.push(Observation::of_landmark(&field, name, image, SIZE, clicks.len()).unwrap());
+        clicks.push(Observation::from_landmark(&field, name, image, SIZE, clicks.len()).unwrap());
     }
     let on = |name: &str| {
         camera.image_from_world(
@@ -550,7 +550,7 @@ fn a_click_on_the_neighbouring_line_is_found() {
         )
     };
     let image = on("goal_area_right_far").unwrap();
-    clicks.push(Observation::of_line(&field, "penalty_area_right_far", image, SIZE, 4).unwrap());
+    clicks.push(Observation::from_line(&field, "penalty_area_right_far", image, SIZE, 4).unwrap());
     let finding = identify(&field, &clicks).unwrap();
     assert_eq!(finding.renames.len(), 1, "{finding:?}");
     assert_eq!(

@@ -73,7 +73,7 @@ fn drawn_line(field: &FieldModel, camera: &PtzCamera, name: &str) -> Option<Vec<
     let long = seen.first()?.distance_px(*seen.last()?) > 250.0;
     let click = |step: usize| {
         let image = seen[step * (seen.len() - 1) / (POINTS - 1)];
-        let observation = Observation::of_line(field, name, image, SIZE, 0).unwrap();
+        let observation = Observation::from_line(field, name, image, SIZE, 0).unwrap();
         Observation {
             sigma_px: SIGMA_PX,
             ..observation
@@ -97,7 +97,7 @@ fn random_clicks(
     let seen = |name: &str| {
         let at = field.landmark_in_world(field.landmark(name)?);
         let image = camera.image_from_world(at).ok()?;
-        let click = Observation::of_landmark(field, name, image, SIZE, 0).ok()?;
+        let click = Observation::from_landmark(field, name, image, SIZE, 0).ok()?;
         SIZE.contains(image).then_some(vec![click])
     };
     let names = field.landmarks.iter().map(|landmark| landmark.id.as_str());

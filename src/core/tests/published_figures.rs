@@ -25,7 +25,7 @@ fn separable_image_from_ray(camera: &PtzCamera, ray: PanTilt) -> ImagePoint {
     let ptz = camera.ptz();
     let x = ptz.focal_px * (ray.pan - ptz.pan).radians().tan();
     let y = -ptz.focal_px * (ray.tilt - ptz.tilt).radians().tan();
-    camera.base().principal_point.moved(Vec2::new(x, y))
+    camera.base().principal_point.translate(Vec2::new(x, y))
 }
 
 /// The focal length of the authors' released program: the quadratic of appendix 6.1 with d =
@@ -136,18 +136,18 @@ fn what_the_separation_of_two_clicks_is_worth() {
                 let half = loop {
                     let angle = rng.random_range(0.0..std::f64::consts::TAU);
                     let half = Vec2::new(angle.cos(), angle.sin()) * (0.5 * separation_px);
-                    if SIZE.contains(SIZE.centre().moved(half)) {
+                    if SIZE.contains(SIZE.centre().translate(half)) {
                         break half;
                     }
                 };
                 let clicks = [half, -half].map(|half| {
-                    let exact = SIZE.centre().moved(half);
+                    let exact = SIZE.centre().translate(half);
                     let noise = Vec2::new(normal(&mut rng), normal(&mut rng));
                     let inside = |x: f64, upto: u32| x.clamp(0.0, f64::from(upto));
-                    let image = exact.moved(noise);
+                    let image = exact.translate(noise);
                     let image =
                         ImagePoint::new(inside(image.x, SIZE.width), inside(image.y, SIZE.height));
-                    Observation::of_point(far_behind(exact), image, 1.0, 0)
+                    Observation::from_point(far_behind(exact), image, 1.0, 0)
                 });
                 let solution = solve_frame(truth.base(), &clicks, &context).unwrap();
                 let solved = PtzCamera::new(*truth.base(), solution.ptz);

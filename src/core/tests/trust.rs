@@ -69,8 +69,8 @@ fn clicks(
             continue;
         };
         let observation =
-            Observation::of_landmark(field, landmark.id.as_str(), exact, SIZE, 0).unwrap();
-        let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * observation.sigma_px);
+            Observation::from_landmark(field, landmark.id.as_str(), exact, SIZE, 0).unwrap();
+        let image = exact.translate(Vec2::new(normal(rng), normal(rng)) * observation.sigma_px);
         if SIZE.contains(image) {
             seen.push(Observation {
                 image,
@@ -140,7 +140,7 @@ fn stated_regions_hold_what_they_promise() {
         }
         // The last click is held out.
         let last = clicked.len() - 1;
-        clicked[last] = clicked[last].held_out();
+        clicked[last] = clicked[last].hold_out();
         let widest = clicked[..last]
             .iter()
             .map(|click| click.image.distance_px(clicked[0].image))
@@ -234,7 +234,7 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                 })
                 .collect();
             let found = estimate_base(
-                &CameraClicks::centred(&field, &frames, SIZE),
+                &CameraClicks::with_centred_principal_point(&field, &frames, SIZE),
                 None,
                 &options,
                 &Progress::default(),

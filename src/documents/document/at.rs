@@ -47,8 +47,8 @@ impl DocumentAt<'_> {
 
     /// The document rewritten for another folder: see [`Document::relocated`].
     #[must_use]
-    pub fn relocated(self, to_folder: &Path) -> Document {
-        self.document.clone().relocated(self.folder, to_folder)
+    pub fn relocate(self, to_folder: &Path) -> Document {
+        self.document.clone().relocate(self.folder, to_folder)
     }
 }
 

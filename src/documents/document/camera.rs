@@ -329,7 +329,7 @@ impl Camera {
     /// The camera of a solved frame at its pan, tilt and focal length; none without a base or the
     /// frame's `ptz`.
     #[must_use]
-    pub fn pointed(&self, frame: &Frame) -> Option<PtzCamera> {
+    pub fn ptz_camera(&self, frame: &Frame) -> Option<PtzCamera> {
         Some(PtzCamera::new(
             self.base_for(frame)?,
             frame.ptz.as_ref()?.ptz(),

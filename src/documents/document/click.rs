@@ -87,7 +87,7 @@ impl Click {
     pub fn new(target: Target, image: ImagePoint) -> Self {
         Self {
             target: Some(target),
-            ..Self::unnamed(image)
+            ..Self::without_name(image)
         }
     }
 
@@ -105,7 +105,7 @@ impl Click {
 
     /// A click without a name.
     #[must_use]
-    pub fn unnamed(image: ImagePoint) -> Self {
+    pub fn without_name(image: ImagePoint) -> Self {
         Self {
             target: None,
             image,

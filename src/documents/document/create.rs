@@ -1,6 +1,6 @@
 //! Creates a document from a folder of images or a video.
 
-use super::paths::resolved;
+use super::paths::resolve_path;
 use super::{Camera, CameraId, Document, FieldSpec, Frame, VideoFrame, path_between};
 use rayon::prelude::*;
 use std::num::NonZeroUsize;
@@ -62,7 +62,7 @@ pub fn document_from_frames(
 
 /// The path of a file relative to a folder, whether or not either exists.
 fn relative(folder: &Path, file: &Path) -> String {
-    path_between(&resolved(folder), &resolved(file))
+    path_between(&resolve_path(folder), &resolve_path(file))
 }
 
 impl NewDocument {

@@ -150,8 +150,8 @@ impl Document {
 
     /// The camera of a solved frame at its pan, tilt and focal length.
     #[must_use]
-    pub fn pointed(&self, frame: &Frame) -> Option<PtzCamera> {
-        self.camera_of(frame)?.pointed(frame)
+    pub fn ptz_camera(&self, frame: &Frame) -> Option<PtzCamera> {
+        self.camera_of(frame)?.ptz_camera(frame)
     }
 
     /// All masks of a frame, its camera's and its own: boxes excluded from feature detection.

@@ -127,7 +127,7 @@ impl Edit {
 
     /// The same edit with another kind.
     #[must_use]
-    pub fn of_kind(self, kind: EditKind) -> Self {
+    pub fn with_kind(self, kind: EditKind) -> Self {
         Self { kind, ..self }
     }
 

@@ -16,7 +16,7 @@ impl Fields {
     ///
     /// # Errors
     /// One of them is not valid.
-    pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
+    pub fn from_document(document: DocumentAt<'_>) -> Result<Self, FieldError> {
         Self::with(document.document, |spec| {
             document.model_of(spec).map(Arc::new)
         })
@@ -58,15 +58,15 @@ impl Fields {
 
     /// The field that a frame shows.
     #[must_use]
-    pub fn of_frame(&self, document: &Document, frame: &Frame) -> &Arc<FieldModel> {
-        self.of_spec(document.field_of(frame))
+    pub fn for_frame(&self, document: &Document, frame: &Frame) -> &Arc<FieldModel> {
+        self.for_spec(document.field_of(frame))
     }
 
     /// The field of each camera, in the document's order.
     #[must_use]
-    pub fn of_cameras(&self, document: &Document) -> Vec<Arc<FieldModel>> {
+    pub fn per_camera(&self, document: &Document) -> Vec<Arc<FieldModel>> {
         let of_camera =
-            |camera: &Camera| self.of_spec(camera.field.as_ref().unwrap_or(&document.field));
+            |camera: &Camera| self.for_spec(camera.field.as_ref().unwrap_or(&document.field));
         document
             .cameras
             .iter()
@@ -74,7 +74,7 @@ impl Fields {
             .collect()
     }
 
-    fn of_spec(&self, spec: &FieldSpec) -> &Arc<FieldModel> {
+    fn for_spec(&self, spec: &FieldSpec) -> &Arc<FieldModel> {
         let at = self
             .models
             .iter()

@@ -291,7 +291,7 @@ impl Frame {
     #[must_use]
     pub fn from_image(image: &str, camera: CameraId, image_size: ImageSize) -> Self {
         Self {
-            id: FrameId::of_picture(Some(image), None),
+            id: FrameId::from_picture(Some(image), None),
             revision: 0,
             image: Some(image.to_owned()),
             camera,
@@ -320,7 +320,7 @@ impl Frame {
     /// A frame of a video, new.
     #[must_use]
     pub fn from_video(video: VideoFrame, camera: CameraId, image_size: ImageSize) -> Self {
-        let id = FrameId::of_picture(None, Some((&video.path, video.frame_index)));
+        let id = FrameId::from_picture(None, Some((&video.path, video.frame_index)));
         Self {
             id,
             image: None,
@@ -354,7 +354,7 @@ impl Frame {
             .video
             .as_ref()
             .map(|video| (video.path.as_str(), video.frame_index));
-        FrameId::of_picture(self.image.as_deref(), video)
+        FrameId::from_picture(self.image.as_deref(), video)
     }
 
     /// Its name in messages: the image's path, else the video's and the frame's number

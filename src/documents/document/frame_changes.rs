@@ -33,7 +33,7 @@ impl Frames {
 
     /// The positions at which frames changed since an earlier state; none if frames were added,
     /// removed or moved.
-    pub fn changed_in_place(&self, before: &Self) -> Option<Vec<usize>> {
+    pub fn changes_in_place(&self, before: &Self) -> Option<Vec<usize>> {
         let changed = (self.len() == before.len()).then(|| self.differences(before))?;
         changed
             .iter()

@@ -32,7 +32,7 @@ impl FrameId {
 
     /// The id of a frame that has none: twelve hexadecimal digits of a hash of its image's path, or
     /// else of its video's path and the number of the frame.
-    pub(super) fn of_picture(image: Option<&str>, video: Option<(&str, u64)>) -> Self {
+    pub(super) fn from_picture(image: Option<&str>, video: Option<(&str, u64)>) -> Self {
         let hash = Sha256::new();
         let hash = match (image, video) {
             (Some(image), _) => hash.chain_update("image\0").chain_update(image),
@@ -54,7 +54,7 @@ impl FrameId {
         if !is_taken(&self) {
             return self;
         }
-        let is_free = |number: u64| !is_taken(&self.numbered(number));
+        let is_free = |number: u64| !is_taken(&self.with_number(number));
         let (mut taken, mut step) = (1, 1);
         while !is_free(taken + step) {
             taken += step;
@@ -69,11 +69,11 @@ impl FrameId {
                 &mut taken
             }) = between;
         }
-        self.numbered(free)
+        self.with_number(free)
     }
 
     /// The id with a number appended, shortened to the maximum length.
-    fn numbered(&self, number: u64) -> Self {
+    fn with_number(&self, number: u64) -> Self {
         let number = format!("-{number}");
         let end = self.0.floor_char_boundary(MAX_BYTES - number.len());
         Self((self.0[..end].to_owned() + &number).into())
@@ -111,15 +111,15 @@ mod tests {
 
     #[test]
     fn an_id_follows_from_the_picture_and_is_the_same_for_ever() {
-        let image = FrameId::of_picture(Some("images/0001.jpg"), None);
+        let image = FrameId::from_picture(Some("images/0001.jpg"), None);
         assert_eq!(
             image,
-            FrameId::of_picture(Some("images/0001.jpg"), Some(("match.mp4", 3)))
+            FrameId::from_picture(Some("images/0001.jpg"), Some(("match.mp4", 3)))
         );
         assert_eq!(image.as_str(), "48ffd214d244");
-        let video = FrameId::of_picture(None, Some(("match.mp4", 412)));
+        let video = FrameId::from_picture(None, Some(("match.mp4", 412)));
         assert_eq!(video.as_str(), "0859afc6239f");
-        assert_ne!(video, FrameId::of_picture(None, Some(("match.mp4", 413))));
+        assert_ne!(video, FrameId::from_picture(None, Some(("match.mp4", 413))));
     }
 
     #[test]

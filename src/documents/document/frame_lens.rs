@@ -117,7 +117,7 @@ mod tests {
             Ptz::from_degrees(0.0, -10.0, 3000.0),
             base.distortion.radial_at(3000.0),
         );
-        assert_eq!(camera.pointed(&frame).unwrap().base(), &base);
+        assert_eq!(camera.ptz_camera(&frame).unwrap().base(), &base);
     }
 
     #[test]

@@ -42,7 +42,7 @@ impl Frame {
 
     /// Stores the result of a solve.
     pub fn record(&mut self, solved: &FrameSolution) {
-        let proposed = self.proposed();
+        let proposed = self.proposed_camera();
         let by_clicks = self.clicks_decide();
         let source = proposed
             .as_ref()
@@ -65,7 +65,7 @@ impl Frame {
             proposed,
             imported,
             verdict: Some(judge(solved, self.image_size).verdict),
-            disputed: solved.disputed(),
+            disputed: solved.disputed_clicks(),
             warnings: solved
                 .warnings
                 .iter()
@@ -88,7 +88,7 @@ impl Frame {
 
     /// The program's proposal, whether or not it was corrected since.
     #[must_use]
-    pub fn proposed(&self) -> Option<Proposed> {
+    pub fn proposed_camera(&self) -> Option<Proposed> {
         let solution = self.solution.as_ref()?;
         if let Some(kept) = &solution.proposed {
             return Some(kept.clone());
@@ -114,7 +114,7 @@ impl Frame {
     /// kept (see [`Proposed`]): a camera that was imported, say, or set by hand. A frame that is
     /// solved by its clicks, or keeps a proposal already, does not change.
     pub fn keep_camera_as_prior(&mut self) {
-        if self.is_solved_by_clicks() || self.proposed().is_some() {
+        if self.is_solved_by_clicks() || self.proposed_camera().is_some() {
             return;
         }
         // A camera that states no source came with the document.

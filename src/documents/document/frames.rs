@@ -60,7 +60,7 @@ impl State {
     }
 
     /// Advances to a new state in which the frame at a position may differ.
-    fn changed_at(&mut self, position: usize) {
+    fn record_change(&mut self, position: usize) {
         let mut changes = std::mem::take(&mut self.changes);
         if changes.len() == REMEMBERED {
             changes.pop_front();
@@ -74,7 +74,7 @@ impl State {
 
     /// The positions at which frames may differ from those of another state; none unless both
     /// remember a common predecessor.
-    fn changed_between(&self, other: &Self) -> Option<BTreeSet<usize>> {
+    fn possible_differences(&self, other: &Self) -> Option<BTreeSet<usize>> {
         let mut own = self.back().enumerate();
         let (ago, others) = own
             .find_map(|(ago, state)| Some((ago, other.back().position(|other| other == state)?)))?;
@@ -151,7 +151,7 @@ impl Frames {
 
     /// The frame at a position, mutable.
     pub fn get_mut(&mut self, position: usize) -> Option<&mut Shared<Frame>> {
-        self.state.changed_at(position);
+        self.state.record_change(position);
         self.ordered.get_mut(position)
     }
 
@@ -302,7 +302,7 @@ impl Frames {
         if self.is_same(other) {
             return differ;
         }
-        if let Some(changed) = self.state.changed_between(&other.state) {
+        if let Some(changed) = self.state.possible_differences(&other.state) {
             let has_changed = |position: &usize| self.get(*position) != other.get(*position);
             differ.extend(changed.into_iter().filter(has_changed));
             return differ;
@@ -390,7 +390,7 @@ impl Index<usize> for Frames {
 
 impl IndexMut<usize> for Frames {
     fn index_mut(&mut self, position: usize) -> &mut Shared<Frame> {
-        self.state.changed_at(position);
+        self.state.record_change(position);
         &mut self.ordered[position]
     }
 }
@@ -450,7 +450,7 @@ mod tests {
     #[test]
     fn frames_of_one_picture_get_ids_of_their_own() {
         let twice: Frames = [frame("a"), frame("a"), frame("a")].into_iter().collect();
-        let base = FrameId::of_picture(Some("a"), None);
+        let base = FrameId::from_picture(Some("a"), None);
         let ids: Vec<String> = twice.iter().map(|frame| frame.id.to_string()).collect();
         assert_eq!(
             ids,

@@ -166,7 +166,9 @@ mod tests {
     use touchline_core::geometry::ImagePoint;
 
     fn accept(frame: &mut Frame, x: f64) {
-        frame.clicks.push(Click::unnamed(ImagePoint::new(x, 1.0)));
+        frame
+            .clicks
+            .push(Click::without_name(ImagePoint::new(x, 1.0)));
         frame.status = FrameStatus::Reference;
     }
 

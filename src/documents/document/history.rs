@@ -145,7 +145,7 @@ impl<T: Clone> History<T> {
 
     /// The history without the open transaction.
     #[must_use]
-    pub fn committed(&self) -> Self {
+    pub fn without_open_transaction(&self) -> Self {
         Self {
             limit: self.limit,
             done: self.done.clone(),

@@ -331,7 +331,7 @@ mod tests {
         let accepted = theirs.frames.iter_mut().next().unwrap();
         accepted
             .clicks
-            .push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
+            .push(Click::without_name(ImagePoint::new(1.0, 1.0)));
         accepted.status = FrameStatus::Reference;
         comment(&mut ours, "d", " ours");
         let Merged {

@@ -163,7 +163,7 @@ pub use mask::{MaskSource, RangedMask};
 pub use merge::{Merged, merge};
 pub use old_edit::OldChange;
 pub use package::{restore_package, split_into_packages};
-pub use paths::{path_between, resolved};
+pub use paths::{path_between, resolve_path};
 pub use read::{ReadError, document_from_bytes};
 pub use repeat::Repeat;
 pub use schema::SCHEMA;

@@ -60,7 +60,7 @@ fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
 }
 
 /// The initial frames of a package; none for a document that is not a package.
-fn given_frames(document: &Document) -> Option<BTreeSet<FrameId>> {
+fn initial_frames(document: &Document) -> Option<BTreeSet<FrameId>> {
     let names = document.extra.get(KEY)?.get("frames")?.as_array()?;
     Some(
         names
@@ -86,7 +86,7 @@ pub fn restore_package(base: &Document, version: &Document) -> Document {
             take_place(frame, known);
         }
     }
-    let Some(given) = given_frames(version) else {
+    let Some(given) = initial_frames(version) else {
         return whole;
     };
     whole.extra.remove(KEY);

@@ -9,7 +9,7 @@ impl Document {
     ///
     /// Absolute paths stay. Both folders are absolute; across drives a path becomes absolute.
     #[must_use]
-    pub fn relocated(mut self, from_folder: &Path, to_folder: &Path) -> Self {
+    pub fn relocate(mut self, from_folder: &Path, to_folder: &Path) -> Self {
         if from_folder == to_folder {
             return self;
         }
@@ -77,7 +77,7 @@ fn is_absolute(path: &str) -> bool {
 /// no root.
 #[must_use]
 pub fn path_between(folder: &Path, file: &Path) -> String {
-    let (folder, file) = (normalised(folder), normalised(file));
+    let (folder, file) = (normalise(folder), normalise(file));
     let shared = folder.iter().zip(&file).take_while(|(a, b)| a == b).count();
     if shared == 0 {
         return file
@@ -95,7 +95,7 @@ pub fn path_between(folder: &Path, file: &Path) -> String {
 
 /// A path with symbolic links resolved as far as it exists; the rest is kept as it is written.
 #[must_use]
-pub fn resolved(path: &Path) -> PathBuf {
+pub fn resolve_path(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     for ancestor in path.ancestors() {
         if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {
@@ -111,7 +111,7 @@ pub fn resolved(path: &Path) -> PathBuf {
 }
 
 /// The parts of a path with `.` and `..` resolved where that is possible without the disk.
-fn normalised(path: &Path) -> Vec<Component<'_>> {
+fn normalise(path: &Path) -> Vec<Component<'_>> {
     let mut parts = Vec::new();
     for part in path.components() {
         match part {
@@ -165,7 +165,7 @@ mod tests {
             .push(Frame::from_image("a:1.jpg", "main".into(), size).into());
         let moved = document
             .clone()
-            .relocated(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
+            .relocate(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
         assert_eq!(
             moved.frames[0].image.as_deref(),
             Some("../../match/images/1.jpg")
@@ -185,7 +185,7 @@ mod tests {
             moved.frames[1].is_same(&document.frames[1]),
             "untouched frames are shared"
         );
-        let back = moved.relocated(Path::new("/home/a/out/deep"), Path::new("/home/a/match"));
+        let back = moved.relocate(Path::new("/home/a/out/deep"), Path::new("/home/a/match"));
         assert_eq!(back, document);
     }
 }

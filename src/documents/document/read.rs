@@ -215,20 +215,20 @@ impl DocumentJson {
 fn check_header(format: &Value, version: &Value) -> Result<(), ReadError> {
     if format.as_str() != Some(FORMAT_NAME) {
         return Err(ReadError::NotADocument {
-            found: shown(format),
+            found: describe_value(format),
         });
     }
     match version.as_u64() {
         Some(1..=DOCUMENT_VERSION) => Ok(()),
         Some(found) if found > DOCUMENT_VERSION => Err(ReadError::NewerVersion { found }),
         _ => Err(ReadError::NoVersion {
-            found: shown(version),
+            found: describe_value(version),
         }),
     }
 }
 
 /// A JSON value for a message, shortened.
-fn shown(value: &Value) -> String {
+fn describe_value(value: &Value) -> String {
     match value {
         Value::Null => "missing".to_owned(),
         Value::Array(_) => "an array".to_owned(),
@@ -292,7 +292,7 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
 fn place(document: &Value) -> Option<(String, String)> {
     document
         .get("field")
-        .and_then(|field| found(field, "field", &misfit::<FieldSpec>))
+        .and_then(|field| find_failure(field, "field", &misfit::<FieldSpec>))
         .or_else(|| violation_in::<Camera>(document, "cameras", Some("id")))
         .or_else(|| violation_in::<Frame>(document, "frames", Some("image")))
         .or_else(|| violation_in::<Shot>(document, "shots", None))
@@ -305,8 +305,8 @@ fn violation_in<T: DeserializeOwned>(
     name: Option<&str>,
 ) -> Option<(String, String)> {
     elements(document, list).find_map(|(index, element)| {
-        let (place, message) = found(element, &format!("{list}[{index}]"), &misfit::<T>)?;
-        Some((named(place, element, name), message))
+        let (place, message) = find_failure(element, &format!("{list}[{index}]"), &misfit::<T>)?;
+        Some((place_with_name(place, element, name), message))
     })
 }
 
@@ -324,7 +324,7 @@ fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, 
         .enumerate()
 }
 
-fn named(place: String, value: &Value, key: Option<&str>) -> String {
+fn place_with_name(place: String, value: &Value, key: Option<&str>) -> String {
     match key.and_then(|key| value.get(key)?.as_str()) {
         Some(name) => format!("{place} ({name})"),
         None => place,
@@ -336,7 +336,7 @@ fn named(place: String, value: &Value, key: Option<&str>) -> String {
 const MOST_LOOKS: usize = 1_000_000;
 
 /// The place and message of a failure within a value; none if it is valid.
-fn found(
+fn find_failure(
     value: &Value,
     place: &str,
     fails: &dyn Fn(&Value) -> Option<String>,

@@ -49,8 +49,8 @@ impl FramePtz {
     #[must_use]
     pub fn new(ptz: Ptz, lens: Option<Radial>) -> Self {
         Self {
-            pan_deg: ptz.pan.wrapped().degrees(),
-            tilt_deg: ptz.tilt.wrapped().degrees(),
+            pan_deg: ptz.pan.wrap().degrees(),
+            tilt_deg: ptz.tilt.wrap().degrees(),
             focal_px: ptz.focal_px,
             k1: lens.map(|lens| lens.k1),
             k2: lens.map(|lens| lens.k2).filter(|k2| *k2 != 0.0),
@@ -208,7 +208,7 @@ impl PaintEvidence {
     /// What the paint says.
     #[must_use]
     pub fn verdict(&self) -> LineVerdict {
-        LineVerdict::of(self.score, self.open())
+        LineVerdict::from_score(self.score, self.open())
     }
 }
 

@@ -125,7 +125,7 @@ impl Document {
     /// unchanged frames are not compared.
     #[must_use]
     pub fn without_suggestions_since(&self, before: &Self, edited_before: &Self) -> Self {
-        let frames = if let Some(changed) = self.frames.changed_in_place(&before.frames) {
+        let frames = if let Some(changed) = self.frames.changes_in_place(&before.frames) {
             let mut frames = edited_before.frames.clone();
             for position in changed {
                 frames[position] =
@@ -230,7 +230,7 @@ mod tests {
         let mut clicked = frame(FrameStatus::Suggested, true, Some(SolutionSource::Forest));
         clicked
             .clicks
-            .push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
+            .push(Click::without_name(ImagePoint::new(1.0, 1.0)));
         for frame in [
             clicked,
             frame(FrameStatus::New, false, None),

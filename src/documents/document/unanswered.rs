@@ -47,7 +47,9 @@ mod tests {
             (frame.is_unanswered(), frame.no_answer()),
             (true, Some("3 of 30."))
         );
-        frame.clicks.push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
+        frame
+            .clicks
+            .push(Click::without_name(ImagePoint::new(1.0, 1.0)));
         assert_eq!((frame.is_unanswered(), frame.no_answer()), (false, None));
         frame.clicks.clear();
         frame.status = FrameStatus::Rejected;

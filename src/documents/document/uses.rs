@@ -15,7 +15,7 @@ impl Frame {
     /// The probability that its camera is right; none unless the camera is the program's and the
     /// user has neither accepted nor corrected it.
     #[must_use]
-    pub fn suggested_confidence(&self) -> Option<f64> {
+    pub fn suggestion_confidence(&self) -> Option<f64> {
         let is_open = self.is_suggestion() && self.status == FrameStatus::Suggested;
         self.solution.as_ref().filter(|_| is_open)?.confidence
     }
@@ -23,7 +23,7 @@ impl Frame {
     /// The probability that a suggestion is right, where it is more likely wrong.
     #[must_use]
     pub fn unlikely(&self) -> Option<f64> {
-        self.suggested_confidence()
+        self.suggestion_confidence()
             .filter(|confidence| *confidence < LIKELY)
     }
 
@@ -76,7 +76,7 @@ impl Frame {
 
     /// The recorded evidence of the paint, if it contradicts a camera that the user accepted.
     #[must_use]
-    pub fn accepted_off_paint(&self) -> Option<&PaintEvidence> {
+    pub fn evidence_against_acceptance(&self) -> Option<&PaintEvidence> {
         self.contradicting_paint()
             .filter(|_| self.status == FrameStatus::Reference)
     }
@@ -85,14 +85,14 @@ impl Frame {
     /// a suggestion that is at least as likely right as wrong and not contradicted by paint.
     #[must_use]
     pub fn vouches(&self) -> bool {
-        self.suggested_confidence()
+        self.suggestion_confidence()
             .is_none_or(|confidence| confidence >= LIKELY && self.contradicting_paint().is_none())
     }
 
     /// Whether its camera is a failed suggestion.
     #[must_use]
     pub fn is_hopeless(&self) -> bool {
-        self.suggested_confidence()
+        self.suggestion_confidence()
             .is_some_and(|confidence| confidence < HOLDS)
     }
 
@@ -163,7 +163,7 @@ impl Frame {
 
     /// Its status while it is neither accepted nor rejected.
     #[must_use]
-    pub fn undecided(&self) -> FrameStatus {
+    pub fn undecided_status(&self) -> FrameStatus {
         match (self.clicks.is_empty(), self.ptz.is_some()) {
             (true, true) if self.is_suggestion() || self.is_snapped() => FrameStatus::Suggested,
             (true, false) => FrameStatus::New,
@@ -215,7 +215,7 @@ impl Frame {
 
     /// The number of lines with two or more clicks that are not check points.
     #[must_use]
-    pub fn drawn_lines(&self) -> usize {
+    pub fn clicked_line_count(&self) -> usize {
         let mut clicks_on = BTreeMap::new();
         for click in self.clicks.iter().filter(|click| !click.check) {
             if let Some(Target::Line(line)) = &click.target {

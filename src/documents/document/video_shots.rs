@@ -60,7 +60,12 @@ impl VideoShots {
     /// The shots of a video as a search found them: `cuts` has the first frame of every shot but
     /// the first, and how it was found; `last` is the video's last frame.
     #[must_use]
-    pub fn found(document: &Document, video: &str, last: u64, cuts: &[(u64, ShotKind)]) -> Self {
+    pub fn from_cuts(
+        document: &Document,
+        video: &str,
+        last: u64,
+        cuts: &[(u64, ShotKind)],
+    ) -> Self {
         let inside: BTreeSet<(u64, ShotKind)> = cuts
             .iter()
             .copied()
@@ -84,7 +89,7 @@ impl VideoShots {
 
     /// The shots of a video that a document has; none where it has none.
     #[must_use]
-    pub fn of(document: &Document, video: &str) -> Option<Self> {
+    pub fn from_document(document: &Document, video: &str) -> Option<Self> {
         let numbers = numbers(document, video);
         let mut last = numbers.last()?.0;
         let mut starts: Vec<Start> = Vec::new();
@@ -370,7 +375,7 @@ mod tests {
     #[test]
     fn cuts_are_found_added_moved_and_removed() {
         let mut document = document(&["a.mp4"], 1);
-        VideoShots::found(
+        VideoShots::from_cuts(
             &document,
             "a.mp4",
             11,
@@ -385,7 +390,7 @@ mod tests {
         assert_eq!(spans(&document), found);
         assert_eq!(clips(&document).concat(), "111122223333");
 
-        let mut shots = VideoShots::of(&document, "a.mp4").unwrap();
+        let mut shots = VideoShots::from_document(&document, "a.mp4").unwrap();
         assert_eq!(
             (shots.start_of(3), shots.start_of(4), shots.start_of(11)),
             (0, 4, 8)
@@ -409,7 +414,7 @@ mod tests {
         let by_hand = [(6, 9, ShotKind::ByHand), (10, 11, ShotKind::ByHand)];
         assert_eq!(spans(&document)[2..], by_hand);
 
-        let mut shots = VideoShots::of(&document, "a.mp4").unwrap();
+        let mut shots = VideoShots::from_document(&document, "a.mp4").unwrap();
         shots.remove(6).unwrap();
         shots.write(&mut document);
         assert_eq!(clips(&document).concat(), "111122222233");
@@ -418,7 +423,7 @@ mod tests {
     #[test]
     fn a_document_of_some_frames_keeps_the_numbers_of_the_video() {
         let mut document = document(&["a.mp4"], 5);
-        VideoShots::found(
+        VideoShots::from_cuts(
             &document,
             "a.mp4",
             11,
@@ -435,7 +440,7 @@ mod tests {
         );
         assert_eq!(clips(&document).concat(), "123");
         assert_eq!(
-            VideoShots::of(&document, "a.mp4")
+            VideoShots::from_document(&document, "a.mp4")
                 .unwrap()
                 .starts()
                 .map(|(from, _)| from)
@@ -447,17 +452,17 @@ mod tests {
     #[test]
     fn shots_of_two_videos_are_distinguished() {
         let mut document = document(&["a.mp4", "b.mp4"], 4);
-        VideoShots::found(&document, "a.mp4", 11, &[(8, ShotKind::Cut)]).write(&mut document);
-        VideoShots::found(&document, "b.mp4", 11, &[(4, ShotKind::Cut)]).write(&mut document);
+        VideoShots::from_cuts(&document, "a.mp4", 11, &[(8, ShotKind::Cut)]).write(&mut document);
+        VideoShots::from_cuts(&document, "b.mp4", 11, &[(4, ShotKind::Cut)]).write(&mut document);
         assert_eq!(clips(&document).concat(), "112344");
         let starts = |video| {
-            VideoShots::of(&document, video)
+            VideoShots::from_document(&document, video)
                 .unwrap()
                 .starts()
                 .map(|(from, _)| from)
                 .collect::<Vec<_>>()
         };
         assert_eq!((starts("a.mp4"), starts("b.mp4")), (vec![0, 8], vec![0, 4]));
-        assert_eq!(VideoShots::of(&document, "c.mp4"), None);
+        assert_eq!(VideoShots::from_document(&document, "c.mp4"), None);
     }
 }

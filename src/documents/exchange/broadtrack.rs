@@ -13,7 +13,7 @@ use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
 use super::held::{parts, with};
 use super::node::{Node, parse, safe_path};
 use super::options::ImportOptions;
-use super::soccernet::{angles_deg, flipped, flipped_world, pitch_note, rotation_of};
+use super::soccernet::{angles_deg, flip_point, flip_rotation, pitch_note, rotation_of};
 use crate::document::FrameStatus;
 use serde_json::{Map, Value, json};
 use touchline_core::camera::Radial;
@@ -30,8 +30,8 @@ fn unit(pinhole: &Pinhole, size: ImageSize) -> f64 {
 
 fn to_json(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> Value {
     // SoccerNet's axes and angles.
-    let [pan, tilt, roll] = angles_deg(&flipped_world(&pinhole.cam_from_world));
-    let position = flipped(pinhole.position_m);
+    let [pan, tilt, roll] = angles_deg(&flip_rotation(&pinhole.cam_from_world));
+    let position = flip_point(pinhole.position_m);
     let (width, unit, Radial { k1, k2 }) =
         (f64::from(size.width), unit(pinhole, size), pinhole.lens);
     let coefficients = if k2 == 0.0 {
@@ -91,8 +91,8 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
         number("positionZMeters")?,
     );
     let mut pinhole = Pinhole {
-        cam_from_world: flipped_world(&rotation_of(angles)),
-        position_m: flipped(position),
+        cam_from_world: flip_rotation(&rotation_of(angles)),
+        position_m: flip_point(position),
         focal_px: f64::from(size.width) / 2.0 / (view / 2.0).to_radians().tan(),
         principal_point: size.centre(),
         lens: Radial::default(),
@@ -121,7 +121,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     let mut frame = FrameCamera::new(
         name,
         Some(size),
-        Shown::Camera(pinhole.checked("the camera")?),
+        Shown::Camera(pinhole.validate("the camera")?),
     );
     frame.image = Some(safe_path(name)?);
     frame.record = Record {
@@ -170,7 +170,7 @@ impl CameraFormat for BroadTrack {
         ))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "camera file (.json)"
     }
 

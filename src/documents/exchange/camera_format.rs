@@ -98,7 +98,7 @@ pub trait CameraFormat: Sync {
     ) -> Result<Files, ExchangeError>;
 
     /// The description of its files in errors: "camera files".
-    fn wanted(&self) -> &'static str;
+    fn file_description(&self) -> &'static str;
 
     /// Whether a file of a folder is one of its files.
     fn is_wanted(&self, name: &str) -> bool;

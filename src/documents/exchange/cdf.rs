@@ -22,7 +22,7 @@ pub struct Cdf;
 /// Cameras nearer to each other than this count as one, m.
 const SAME_PLACE_M: f64 = 1e-6;
 
-fn needed(what: &'static str, option: &'static str) -> ExchangeError {
+fn missing_option(what: &'static str, option: &'static str) -> ExchangeError {
     ExchangeError::ExportNeeds {
         format: Format::Cdf,
         what,
@@ -66,17 +66,17 @@ impl CameraFormat for Cdf {
         let match_id = recording
             .match_id
             .as_deref()
-            .ok_or_else(|| needed("the match's id", "--match-id"))?;
+            .ok_or_else(|| missing_option("the match's id", "--match-id"))?;
         let start = recording
             .start
             .as_deref()
-            .ok_or_else(|| needed("when the video begins", "--start-time"))?;
+            .ok_or_else(|| missing_option("when the video begins", "--start-time"))?;
         let perspective = recording.perspective.as_deref();
-        let perspective =
-            perspective.ok_or_else(|| needed("the camera's perspective", "--perspective"))?;
+        let perspective = perspective
+            .ok_or_else(|| missing_option("the camera's perspective", "--perspective"))?;
         let rate = context
             .rate
-            .ok_or_else(|| needed("the frame rate", "--fps"))?;
+            .ok_or_else(|| missing_option("the frame rate", "--fps"))?;
         let mut frames = held.iter();
         let Some(first) = frames.next() else {
             return Ok(Files::default());
@@ -121,7 +121,7 @@ impl CameraFormat for Cdf {
         ))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "sheet (.json)"
     }
 

@@ -84,7 +84,7 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
     Ok(Some(FrameCamera::new(
         &name,
         Some(size),
-        Shown::Camera(pinhole.checked("the camera")?),
+        Shown::Camera(pinhole.validate("the camera")?),
     )))
 }
 
@@ -138,7 +138,7 @@ impl CameraFormat for Chan {
         Ok(Files::one("camera.chan", text.into_bytes()))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "camera track (.chan)"
     }
 

@@ -26,7 +26,7 @@ pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
 /// Names the accepted frames whose paint contradicts their cameras; none where there are none.
 pub fn off_paint_note<'a>(frames: impl Iterator<Item = &'a Frame>) -> Option<String> {
     let off: Vec<String> = frames
-        .filter(|frame| frame.accepted_off_paint().is_some())
+        .filter(|frame| frame.evidence_against_acceptance().is_some())
         .map(Frame::name)
         .collect();
     let first = off.first()?;

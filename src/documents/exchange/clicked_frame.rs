@@ -3,7 +3,7 @@
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::options::{ExportOptions, ImportOptions, LabelMap};
-use super::values::clipped;
+use super::values::shorten;
 use crate::document::Click;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -57,7 +57,7 @@ pub type Sizes<'a> = dyn Fn(&str) -> Option<ImageSize> + 'a;
 /// The error about a picture of unknown size.
 #[must_use]
 pub fn size_needed(image: &str) -> Problem {
-    let what = format!("the size of {:?}", clipped(image));
+    let what = format!("the size of {:?}", shorten(image));
     Problem::OptionNeeded {
         what,
         option: "--size WIDTHxHEIGHT or --images FOLDER",
@@ -92,7 +92,7 @@ pub trait ClickFormat: Sync {
     ) -> Result<Files, ExchangeError>;
 
     /// The description of its files in errors.
-    fn wanted(&self) -> &'static str;
+    fn file_description(&self) -> &'static str;
 
     /// Whether a file of a folder is one of its files.
     fn is_wanted(&self, name: &str) -> bool;

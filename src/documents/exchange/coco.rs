@@ -219,7 +219,7 @@ impl ClickFormat for Coco {
         ))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "keypoints (.json)"
     }
 

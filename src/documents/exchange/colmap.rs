@@ -14,7 +14,7 @@ use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
 use super::table::{number, numbers};
-use super::values::{are_oblong_pixels, clipped};
+use super::values::{are_oblong_pixels, shorten};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -54,7 +54,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
             Problem::Kind {
                 what,
                 wanted,
-                found: format!("{:?}", clipped(field)),
+                found: format!("{:?}", shorten(field)),
             }
         };
         field
@@ -72,7 +72,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
         other => {
             let why = "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read";
             return Err(Problem::Unsupported {
-                what: format!("the camera model {:?}", clipped(other)),
+                what: format!("the camera model {:?}", shorten(other)),
                 why,
             });
         }
@@ -111,7 +111,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
     let id = id.parse().map_err(|_| Problem::Kind {
         what: "the camera's number".to_owned(),
         wanted: "a whole number",
-        found: format!("{:?}", clipped(id)),
+        found: format!("{:?}", shorten(id)),
     })?;
     Ok((
         id,
@@ -172,7 +172,7 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
     }
     let unknown = || Problem::Unknown {
         what: "the camera",
-        name: clipped(camera),
+        name: shorten(camera),
     };
     let id: u64 = camera.parse().map_err(|_| unknown())?;
     let (size, focal_px, principal_point, lens) = *cameras.get(&id).ok_or_else(unknown)?;
@@ -187,7 +187,7 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
         lens,
     };
     let name = safe_path(name.trim())?;
-    let pinhole = pinhole.checked("the camera")?;
+    let pinhole = pinhole.validate("the camera")?;
     Ok(FrameCamera {
         image: Some(name.clone()),
         ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole))
@@ -352,7 +352,7 @@ impl CameraFormat for Colmap {
         Ok(files)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "cameras.txt and images.txt"
     }
 

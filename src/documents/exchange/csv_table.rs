@@ -205,7 +205,7 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
         },
     };
     let pinhole = pinhole
-        .checked("the camera")
+        .validate("the camera")
         .map_err(|problem| problem.at_line(row.line()))?;
     let side = |column: &str| -> Result<u32, Problem> {
         side_px(column, row.number(column)?).map_err(|problem| problem.at_line(row.line()))
@@ -282,7 +282,7 @@ impl CameraFormat for Csv {
         Ok(Files::one("cameras.csv", text.into_bytes()))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "table (.csv)"
     }
 

@@ -13,7 +13,7 @@ use super::format::Format;
 use super::node::safe_path;
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
-use super::values::{clipped, frame_number, side_px};
+use super::values::{frame_number, shorten, side_px};
 use crate::document::Click;
 use roxmltree::Document as Xml;
 use std::collections::BTreeMap;
@@ -208,7 +208,7 @@ pub(super) fn parse_annotations(text: &str) -> Result<Xml<'_>, Problem> {
     if root == "annotations" {
         return Ok(xml);
     }
-    let found = format!("it begins with <{}>", clipped(root));
+    let found = format!("it begins with <{}>", shorten(root));
     Err(Problem::NotFormat {
         wanted: "CVAT's XML",
         found,
@@ -264,7 +264,7 @@ impl ClickFormat for Cvat {
         })
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "annotations.xml"
     }
 

@@ -10,7 +10,7 @@ use super::files::{Files, without_ending};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::node::{Node, parse};
 use super::options::{ImportOptions, Pixels};
-use super::soccernet::flipped_world;
+use super::soccernet::flip_rotation;
 use super::unreadable::read_frame_files;
 use super::values::are_oblong_pixels;
 use std::path::Path;
@@ -61,7 +61,7 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
     let centre = -(rotation.transpose() * translation) / CM;
     let shift = Pixels::Centre.to_corner_px();
     let pinhole = Pinhole {
-        cam_from_world: flipped_world(&rotation),
+        cam_from_world: flip_rotation(&rotation),
         position_m: Vec3::new(
             centre.x - court.length_m / 2.0,
             court.width_m / 2.0 - centre.y,
@@ -74,7 +74,7 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
             k2: lens[1],
         },
     };
-    Ok((pinhole.checked("the camera")?, size))
+    Ok((pinhole.validate("the camera")?, size))
 }
 
 impl CameraFormat for DeepSport {
@@ -90,7 +90,7 @@ impl CameraFormat for DeepSport {
         })
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "camera files (camcourt….json)"
     }
 
@@ -104,7 +104,7 @@ impl CameraFormat for DeepSport {
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         let court = options.field.model(Path::new("."))?;
-        read_frame_files(&files.sorted(), without_ending, |stem, bytes| {
+        read_frame_files(&files.sorted_entries(), without_ending, |stem, bytes| {
             let (pinhole, size) = camera(bytes, &court)?;
             let frame = FrameCamera::new(stem, Some(size), Shown::Camera(pinhole));
             Ok(FrameCamera {

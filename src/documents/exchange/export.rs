@@ -8,10 +8,10 @@ use super::export_clicks::export_clicks;
 use super::exported::Exported;
 use super::files::Files;
 use super::format::Format;
-use super::gaps::{in_takes, interpolated};
+use super::gaps::{in_takes, interpolate_gaps};
 use super::options::{ExportOptions, FrameChoice, Gaps};
 use super::registry::{camera_format, click_format};
-use crate::document::{DocumentAt, document_to_string, resolved};
+use crate::document::{DocumentAt, document_to_string, resolve_path};
 
 /// The document in a foreign format, verified by reading it back. Nothing is written to the disk.
 ///
@@ -30,7 +30,7 @@ pub fn export(
             instead: "imported",
         });
     }
-    let mut exported = written(at, format, options)?;
+    let mut exported = export_to_format(at, format, options)?;
     let chosen = at
         .document
         .frames
@@ -42,7 +42,7 @@ pub fn export(
 }
 
 /// The document in a format with a writer.
-fn written(
+fn export_to_format(
     at: DocumentAt<'_>,
     format: Format,
     options: &ExportOptions,
@@ -54,7 +54,7 @@ fn written(
         return match options.gaps {
             Gaps::Keep => export(at, options),
             Gaps::Interpolate(most) => {
-                let (filled, note) = interpolated(at.document, &options.frames, most);
+                let (filled, note) = interpolate_gaps(at.document, &options.frames, most);
                 // All of its frames were chosen, or interpolated between chosen ones.
                 let options = ExportOptions {
                     frames: FrameChoice::everything(),
@@ -96,6 +96,6 @@ fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, Exch
         notes: Vec::new(),
         worst_px: 0.0,
         in_takes: false,
-        dataset: Some((dataset, resolved(at.folder))),
+        dataset: Some((dataset, resolve_path(at.folder))),
     })
 }

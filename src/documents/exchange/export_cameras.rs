@@ -25,13 +25,13 @@ fn frame_camera(
     frame: &Frame,
     size: Option<ImageSize>,
 ) -> Option<FrameCamera> {
-    let camera = document.pointed(frame)?;
+    let camera = document.ptz_camera(frame)?;
     let scale = size.map_or(1.0, |size| {
         f64::from(size.width) / f64::from(frame.image_size.width)
     });
-    let mut pinhole = Pinhole::of(&camera);
+    let mut pinhole = Pinhole::from_ptz_camera(&camera);
     if size.is_some() {
-        pinhole = pinhole.scaled(scale);
+        pinhole = pinhole.scale_by(scale);
     }
     let on_landmark = |click: &Click| {
         let target = click
@@ -135,7 +135,7 @@ pub fn export_cameras(
     options: &ExportOptions,
 ) -> Result<Exported, ExchangeError> {
     let document = at.document;
-    let fields = Fields::of(at)?;
+    let fields = Fields::from_document(at)?;
     let mut left_out = Vec::new();
     let mut chosen: Vec<FrameCamera> = Vec::new();
     let mut videos: Vec<Option<&str>> = Vec::new();
@@ -163,7 +163,7 @@ pub fn export_cameras(
             ));
             continue;
         }
-        let field = fields.of_frame(document, frame);
+        let field = fields.for_frame(document, frame);
         if of_field.as_ref().is_some_and(|known| **known != **field) {
             left_out.push((
                 frame.name(),
@@ -182,7 +182,7 @@ pub fn export_cameras(
     let options = &ExportOptions {
         sensor_width_mm: options
             .sensor_width_mm
-            .or_else(|| shared(document, &chosen, |camera| camera.sensor_width_mm)),
+            .or_else(|| common_value(document, &chosen, |camera| camera.sensor_width_mm)),
         ..options.clone()
     };
     let context = WriteContext {
@@ -203,7 +203,7 @@ pub fn export_cameras(
     let wanted = options
         .stage
         .clone()
-        .or_else(|| shared(document, &chosen, |camera| camera.stage.clone()));
+        .or_else(|| common_value(document, &chosen, |camera| camera.stage.clone()));
     let stage = wanted.as_ref().filter(|_| takes_stage(format));
     let files = match stage {
         Some(stage) => {
@@ -225,7 +225,7 @@ pub fn export_cameras(
     };
     let mut notes = camera_format.notes(&held, &context);
     notes.extend(stage_note(format, options.stage.as_ref(), stage));
-    notes.extend(interpolated_note(&held));
+    notes.extend(interpolation_note(&held));
     notes.extend(crown_note(&chosen, &field));
     if let Some(size) = document.field.assumed_size() {
         notes.push(format!(
@@ -246,7 +246,7 @@ pub fn export_cameras(
 }
 
 /// A value that the document states equally for the cameras of all these frames.
-fn shared<T: PartialEq>(
+fn common_value<T: PartialEq>(
     document: &Document,
     frames: &[FrameCamera],
     of: impl Fn(&Camera) -> Option<T>,
@@ -292,7 +292,7 @@ fn stage_note(format: Format, wanted: Option<&Stage>, stage: Option<&Stage>) -> 
 }
 
 /// The note about frames with interpolated cameras, so that they are not mistaken for labels.
-fn interpolated_note(frames: &[FrameCamera]) -> Option<String> {
+fn interpolation_note(frames: &[FrameCamera]) -> Option<String> {
     let numbers: Vec<u64> = frames
         .iter()
         .filter(|frame| frame.record.source == Some(SolutionSource::Interpolated))
@@ -397,8 +397,8 @@ impl Proof<'_> {
                 continue;
             }
             let camera = document
-                .pointed(frame)
-                .map(|camera| Shown::Camera(Pinhole::of(&camera)));
+                .ptz_camera(frame)
+                .map(|camera| Shown::Camera(Pinhole::from_ptz_camera(&camera)));
             let shown = camera.ok_or_else(|| otherwise(kept))?;
             compare(
                 kept,

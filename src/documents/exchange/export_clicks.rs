@@ -32,7 +32,7 @@ pub fn export_clicks(
     click_format: &dyn ClickFormat,
     options: &ExportOptions,
 ) -> Result<Exported, ExchangeError> {
-    let (document, fields) = (at.document, Fields::of(at)?);
+    let (document, fields) = (at.document, Fields::from_document(at)?);
     let mut left_out = Vec::new();
     let mut of_field: Option<Arc<FieldModel>> = None;
     let mut chosen: Vec<ClickedFrame> = Vec::new();
@@ -41,12 +41,12 @@ pub fn export_clicks(
         .iter()
         .filter(|frame| is_chosen(frame, &options.frames))
     {
-        let field = fields.of_frame(document, frame);
+        let field = fields.for_frame(document, frame);
         let is_projected = options.points == PointSource::Projected;
         let clicks = if is_projected {
             document
-                .pointed(frame)
-                .map(|camera| projected(field, &camera, frame.image_size))
+                .ptz_camera(frame)
+                .map(|camera| project_to_clicks(field, &camera, frame.image_size))
                 .unwrap_or_default()
         } else {
             frame
@@ -142,7 +142,7 @@ fn file_of(frame: &Frame) -> String {
 }
 
 /// Landmarks and points of lines as a camera projects them.
-fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Click> {
+fn project_to_clicks(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Click> {
     let landmarks = project_landmarks(field, camera, size, 0.0).into_iter();
     let landmarks = landmarks
         .map(|shown| Click::landmark(field.landmarks[shown.landmark].id.clone(), shown.image));
@@ -153,7 +153,7 @@ fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Cli
     let lines = project_lines(field, camera, size, &within);
     let lines = lines.iter().flat_map(|polyline| {
         let id = &field.lines[polyline.line].id;
-        subsampled(&polyline.points)
+        subsample_polyline(&polyline.points)
             .into_iter()
             .map(move |point| Click::line(id.clone(), point))
     });
@@ -161,7 +161,7 @@ fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Cli
 }
 
 /// A subsample of a polyline: its ends, and points evenly spaced over its vertices.
-fn subsampled(points: &[ImagePoint]) -> Vec<ImagePoint> {
+fn subsample_polyline(points: &[ImagePoint]) -> Vec<ImagePoint> {
     let last = points.len().saturating_sub(1);
     let steps = last.min(CURVE_POINTS - 1);
     (0..=steps)

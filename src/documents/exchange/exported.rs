@@ -4,7 +4,7 @@ use super::error::ExchangeError;
 use super::files::Files;
 use super::format::Format;
 use super::loss::Loss;
-use crate::document::{Document, document_to_string, resolved};
+use crate::document::{Document, document_to_string, resolve_path};
 use std::path::{Path, PathBuf};
 use touchline_core::files::folder_of;
 
@@ -59,7 +59,7 @@ impl Exported {
         let moved = document_to_string(
             &dataset
                 .clone()
-                .relocated(folder, &resolved(folder_of(path))),
+                .relocate(folder, &resolve_path(folder_of(path))),
         )?;
         Files::one("dataset.json", moved.into_bytes()).write(path, false, force)
     }

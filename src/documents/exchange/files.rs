@@ -53,7 +53,7 @@ impl Files {
 
     /// All files by name, in natural order of the numbers within the names.
     #[must_use]
-    pub fn sorted(&self) -> Vec<(&str, &[u8])> {
+    pub fn sorted_entries(&self) -> Vec<(&str, &[u8])> {
         let mut files: Vec<(&str, &[u8])> = self
             .0
             .iter()
@@ -72,7 +72,7 @@ impl Files {
         mut read: impl FnMut(&str, &[u8]) -> Result<I, Problem>,
     ) -> Result<Vec<T>, ExchangeError> {
         let mut all = Vec::new();
-        for (name, bytes) in self.sorted() {
+        for (name, bytes) in self.sorted_entries() {
             all.extend(read(name, bytes).map_err(|problem| problem.within(name))?);
         }
         Ok(all)
@@ -294,7 +294,7 @@ mod tests {
     fn names(folder: &Path) -> Vec<String> {
         let files = Files::read(folder, &|_| true).unwrap();
         files
-            .sorted()
+            .sorted_entries()
             .into_iter()
             .map(|(name, _)| name.to_owned())
             .collect()

@@ -153,7 +153,7 @@ impl FrameCamera {
     #[must_use]
     pub fn image_from_world(&self, point_in_world: Vec3) -> Option<ImagePoint> {
         match &self.shown {
-            Shown::Camera(pinhole) => pinhole.pointed()?.image_from_world(point_in_world).ok(),
+            Shown::Camera(pinhole) => pinhole.ptz_camera()?.image_from_world(point_in_world).ok(),
             Shown::Ground(image_from_ground) => {
                 if point_in_world.z != 0.0 {
                     return None;
@@ -170,7 +170,7 @@ impl FrameCamera {
 impl KnownLens {
     /// A camera with this lens at the origin that looks along the z axis of `world`.
     #[must_use]
-    pub fn unpointed(&self) -> Pinhole {
+    pub fn camera_at_origin(&self) -> Pinhole {
         Pinhole {
             cam_from_world: Mat3::identity(),
             position_m: Vec3::zeros(),
@@ -194,7 +194,7 @@ impl Pinhole {
 
     /// The camera of a frame at its pan, tilt and focal length.
     #[must_use]
-    pub fn of(camera: &PtzCamera) -> Self {
+    pub fn from_ptz_camera(camera: &PtzCamera) -> Self {
         Self {
             cam_from_world: camera.cam_from_world(),
             position_m: camera.base().position_m,
@@ -209,7 +209,7 @@ impl Pinhole {
     ///
     /// # Errors
     /// One of them is not; `what` names the frame.
-    pub fn checked(self, what: &str) -> Result<Self, Problem> {
+    pub fn validate(self, what: &str) -> Result<Self, Problem> {
         let numbers = [
             self.focal_px,
             self.principal_point.x,
@@ -278,7 +278,7 @@ impl Pinhole {
 
     /// The same as a [`PtzCamera`] at pan and tilt 0. None where k₂ is given without k₁.
     #[must_use]
-    pub fn pointed(&self) -> Option<PtzCamera> {
+    pub fn ptz_camera(&self) -> Option<PtzCamera> {
         let base = CameraBase {
             distortion: self.curve()?,
             ..CameraBase::new(self.position_m, self.cam_from_world, self.principal_point)
@@ -326,7 +326,7 @@ impl Pinhole {
 
     /// The same camera in a picture scaled by a factor.
     #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
+    pub fn scale_by(&self, factor: f64) -> Self {
         Self {
             focal_px: self.focal_px * factor,
             principal_point: ImagePoint::new(

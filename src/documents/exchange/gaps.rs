@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// interpolated linearly in time. A gap that contains a rejected frame, or a frame with a camera
 /// that was not chosen, is not filled. Gaps that were not filled are reported in a note.
 #[must_use]
-pub fn interpolated(
+pub fn interpolate_gaps(
     document: &Document,
     choice: &FrameChoice,
     most: u64,
@@ -229,7 +229,7 @@ pub fn in_takes(
         let exported = export(document.at(at.folder))?;
         let number = index + 1;
         let mut files = Files::default();
-        for (name, bytes) in exported.files.sorted() {
+        for (name, bytes) in exported.files.sorted_entries() {
             files.add(format!("take{number:03}/{name}"), bytes);
         }
         whole = Some(match whole {
@@ -238,15 +238,15 @@ pub fn in_takes(
                 in_takes: true,
                 ..exported
             },
-            Some(whole) => joined(whole, exported, &files),
+            Some(whole) => append_take(whole, exported, &files),
         });
     }
     whole.ok_or_else(|| super::choose::nothing(super::format::Format::Json, &[]))
 }
 
 /// The takes so far, joined with one more.
-fn joined(mut whole: Exported, take: Exported, files: &Files) -> Exported {
-    for (name, bytes) in files.sorted() {
+fn append_take(mut whole: Exported, take: Exported, files: &Files) -> Exported {
+    for (name, bytes) in files.sorted_entries() {
         whole.files.add(name, bytes);
     }
     whole.frames += take.frames;
@@ -307,7 +307,7 @@ mod tests {
 
     #[test]
     fn short_gaps_are_filled_on_request_and_every_filled_frame_says_so() {
-        let (filled, note) = interpolated(&gappy(), &FrameChoice::default(), 5);
+        let (filled, note) = interpolate_gaps(&gappy(), &FrameChoice::default(), 5);
         assert_eq!(
             note.as_deref(),
             Some("not filled: 1 gap longer than 5 frames")
@@ -343,10 +343,15 @@ mod tests {
             assert_eq!(source == Some(SolutionSource::Interpolated), is_filled);
         }
         assert_eq!(
-            interpolated(&gappy(), &FrameChoice::default(), 1).0.frames,
+            interpolate_gaps(&gappy(), &FrameChoice::default(), 1)
+                .0
+                .frames,
             gappy().frames
         );
-        assert_eq!(interpolated(&gappy(), &FrameChoice::default(), 50).1, None);
+        assert_eq!(
+            interpolate_gaps(&gappy(), &FrameChoice::default(), 50).1,
+            None
+        );
     }
 
     #[test]
@@ -359,7 +364,7 @@ mod tests {
         );
         rejected.status = FrameStatus::Rejected;
         document.frames.push(rejected.into());
-        let (filled, note) = interpolated(&document, &FrameChoice::default(), 50);
+        let (filled, note) = interpolate_gaps(&document, &FrameChoice::default(), 50);
         assert_eq!(
             filled
                 .frames
@@ -381,7 +386,7 @@ mod tests {
             Ptz::from_degrees(-178.0, -10.0, 2000.0),
             None,
         ));
-        let (filled, _) = interpolated(&document, &FrameChoice::default(), 5);
+        let (filled, _) = interpolate_gaps(&document, &FrameChoice::default(), 5);
         // 180 and −180 degrees are one direction.
         assert!((filled.frames[2].ptz.as_ref().unwrap().pan_deg.abs() - 180.0).abs() < 1e-9);
         assert!((filled.frames[3].ptz.as_ref().unwrap().pan_deg + 179.0).abs() < 1e-9);
@@ -413,7 +418,7 @@ mod tests {
         let takes = export(Gaps::Takes);
         let names: Vec<(&str, usize)> = takes
             .files
-            .sorted()
+            .sorted_entries()
             .into_iter()
             .map(|(name, bytes)| {
                 (

@@ -25,7 +25,7 @@ pub fn fit_image_from_ground(
     size: ImageSize,
     field: &FieldModel,
 ) -> Option<Mat3> {
-    let camera = pinhole.pointed()?;
+    let camera = pinhole.ptz_camera()?;
     let share = |step: u32, side: u32| (f64::from(step) + 0.5) / f64::from(GRID) * f64::from(side);
     let pixels = (0..GRID).flat_map(|column| (0..GRID).map(move |row| (column, row)));
     let half_m = [0.5 * field.length_m, 0.5 * field.width_m];
@@ -68,7 +68,7 @@ mod tests {
 
     /// How far the homography shows points of the ground from where the camera does at most, px.
     fn worst_px(field: &FieldModel, fitted: &Mat3, pinhole: &Pinhole) -> f64 {
-        let camera = pinhole.pointed().unwrap();
+        let camera = pinhole.ptz_camera().unwrap();
         let ground = field
             .landmarks
             .iter()
@@ -86,7 +86,8 @@ mod tests {
 
     #[test]
     fn crowned_ground_is_shown_nearer_than_by_the_camera_of_flat_ground() {
-        let pinhole = Pinhole::of(&reference().pointed(&reference().frames[0]).unwrap());
+        let pinhole =
+            Pinhole::from_ptz_camera(&reference().ptz_camera(&reference().frames[0]).unwrap());
         let straight = Pinhole {
             lens: touchline_core::camera::Radial::default(),
             ..pinhole

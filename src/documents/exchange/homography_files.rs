@@ -20,7 +20,7 @@ use super::options::{ImportOptions, Pixels};
 use super::picture_size::SizeSource;
 use super::table::numbers;
 use super::unreadable::read_frame_files;
-use super::values::{clipped, side_px};
+use super::values::{shorten, side_px};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use touchline_core::camera::Radial;
@@ -69,7 +69,7 @@ fn corner_from(pixels: Pixels) -> Mat3 {
 }
 
 /// Scaled so that the last entry is one, where it is not zero.
-fn scaled(h: Mat3) -> Mat3 {
+fn normalise_homography(h: Mat3) -> Mat3 {
     if h[(2, 2)] == 0.0 { h } else { h / h[(2, 2)] }
 }
 
@@ -89,7 +89,7 @@ fn template_from_image(frame: &FrameCamera) -> Option<Mat3> {
         return None;
     };
     let ground_from_image = image_from_ground.try_inverse()?;
-    Some(scaled(
+    Some(normalise_homography(
         template_from_ground(TEMPLATE_YD) * ground_from_image * corner_from(Pixels::Centre),
     ))
 }
@@ -215,7 +215,7 @@ impl CameraFormat for Wc14 {
         Ok(files)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "homographies (.homographyMatrix)"
     }
 
@@ -228,7 +228,7 @@ impl CameraFormat for Wc14 {
         files: &Files,
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        read_frame_files(&files.sorted(), stem, |name, bytes| {
+        read_frame_files(&files.sorted_entries(), stem, |name, bytes| {
             let shown = image_from_ground(&matrix(&numbers("the homography", text(bytes)?)?)?)?;
             let shown = Shown::Ground(shown);
             Ok(FrameCamera::new(name, Some(SET_SIZE), shown))
@@ -276,7 +276,7 @@ impl CameraFormat for TsWorldCup {
             };
             files.add(
                 format!("{TS_FOLDER}/{}{TS_ENDING}", frame.name),
-                npy::written(&h),
+                npy::matrix_to_bytes(&h),
             );
             let video = frame.name.split('/').next().unwrap_or_default();
             if !videos.contains(&video) {
@@ -287,7 +287,7 @@ impl CameraFormat for TsWorldCup {
         Ok(files)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "homographies (…_homography.npy)"
     }
 
@@ -301,7 +301,7 @@ impl CameraFormat for TsWorldCup {
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         // The list of videos is written with them.
-        let mut homographies = files.sorted();
+        let mut homographies = files.sorted_entries();
         homographies.retain(|(name, _)| self.is_wanted(name));
         read_frame_files(&homographies, ts_frame_name, |name, bytes| {
             let shown = Shown::Ground(image_from_ground(&npy::matrix(bytes)?)?);
@@ -329,7 +329,7 @@ fn unit_m(node: &Node<'_>) -> Result<f64, Problem> {
         other => Err(Problem::Kind {
             what: "unit".to_owned(),
             wanted: "one of m, yd, cm",
-            found: format!("{:?}", clipped(other)),
+            found: format!("{:?}", shorten(other)),
         }),
     }
 }
@@ -355,7 +355,7 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
         "corner" => Pixels::Corner,
         "centre" => Pixels::Centre,
         other => {
-            let found = format!("{:?}", clipped(other));
+            let found = format!("{:?}", shorten(other));
             return Err(Problem::Kind {
                 what: "pixels".to_owned(),
                 wanted: "corner or centre",
@@ -371,7 +371,7 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
             return Err(Problem::Kind {
                 what: "direction".to_owned(),
                 wanted,
-                found: format!("{:?}", clipped(other)),
+                found: format!("{:?}", shorten(other)),
             });
         }
     };
@@ -419,7 +419,7 @@ impl CameraFormat for HomographyLines {
             let Shown::Ground(image_from_ground) = &frame.shown else {
                 continue;
             };
-            let Some(h) = image_from_ground.try_inverse().map(scaled) else {
+            let Some(h) = image_from_ground.try_inverse().map(normalise_homography) else {
                 continue;
             };
             let rows: Vec<Value> = h
@@ -441,7 +441,7 @@ impl CameraFormat for HomographyLines {
         Ok(Files::one("homographies.jsonl", text.into_bytes()))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "homographies (.jsonl)"
     }
 

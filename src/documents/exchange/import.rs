@@ -9,7 +9,7 @@ use super::import_clicks::import_clicks;
 use super::imported::Imported;
 use super::options::ImportOptions;
 use super::registry::{camera_format, click_format};
-use crate::document::{document_from_bytes, resolved};
+use crate::document::{document_from_bytes, resolve_path};
 use std::path::Path;
 
 /// The size of the authors' field where there is no model of it, yards.
@@ -36,7 +36,7 @@ pub fn import(
     } else {
         path.parent().unwrap_or(path)
     };
-    let folder = resolved(folder);
+    let folder = resolve_path(folder);
     if let Some(camera_format) = camera_format(format) {
         return import_cameras(path, &folder, format, camera_format, options);
     }
@@ -53,7 +53,7 @@ pub fn import(
         });
     }
     let files = Files::read(path, &|_| false)?;
-    let Some((name, bytes)) = files.sorted().into_iter().next() else {
+    let Some((name, bytes)) = files.sorted_entries().into_iter().next() else {
         return Err(ExchangeError::NoFiles {
             path: path.to_path_buf(),
             wanted: "document; name the file itself",

@@ -11,8 +11,8 @@ use super::options::ImportOptions;
 use super::picture_size::{FittedSizes, SizeSource, fit_to_picture};
 use super::pictures::image_of;
 use super::unreadable::{add_unsolved, note_unreadable};
-use super::values::clipped;
-use crate::document::{path_between, resolved};
+use super::values::shorten;
+use crate::document::{path_between, resolve_path};
 use std::collections::BTreeSet;
 use std::path::Path;
 use touchline_core::geometry::ImageSize;
@@ -33,7 +33,7 @@ pub fn import_cameras(
     if files.is_empty() {
         return Err(ExchangeError::NoFiles {
             path: path.to_path_buf(),
-            wanted: camera_format.wanted(),
+            wanted: camera_format.file_description(),
         });
     }
     let mut frames = camera_format.read(&files, &options.with_any_size())?;
@@ -47,7 +47,7 @@ pub fn import_cameras(
     let images = options
         .images
         .as_ref()
-        .map_or_else(|| folder.to_path_buf(), |images| resolved(images));
+        .map_or_else(|| folder.to_path_buf(), |images| resolve_path(images));
     let mut reader = ViewReader {
         path,
         format,
@@ -104,7 +104,7 @@ fn refuse_repeated(frames: &[FrameCamera], path: &Path) -> Result<(), ExchangeEr
     match frames.iter().find(|frame| !names.insert(&frame.name)) {
         Some(frame) => Err(ExchangeError::SameFrame {
             path: path.to_path_buf(),
-            name: clipped(&frame.name),
+            name: shorten(&frame.name),
         }),
         None => Ok(()),
     }
@@ -136,7 +136,7 @@ impl ViewReader<'_> {
         let size = self.size_of(frame, known)?;
         let (fit, factor) = fit_to_picture(frame, size, self.source).ok_or_else(|| {
             ExchangeError::OtherProportions {
-                frame: clipped(&frame.name),
+                frame: shorten(&frame.name),
                 stated: frame.size.unwrap_or(size),
                 picture: size,
             }
@@ -146,12 +146,12 @@ impl ViewReader<'_> {
         }
         let made = camera_of(&fit, size).map_err(|source| ExchangeError::NoCamera {
             path: self.path.to_path_buf(),
-            frame: clipped(&frame.name),
+            frame: shorten(&frame.name),
             source,
         });
         let checked = made.and_then(|view| {
-            view.checked("the camera")
-                .map_err(|problem| problem.within(&clipped(&frame.name)))
+            view.validate("the camera")
+                .map_err(|problem| problem.within(&shorten(&frame.name)))
         });
         Ok(match checked {
             Ok(view) => {

@@ -5,13 +5,13 @@ use super::error::ExchangeError;
 use super::files::Files;
 use super::format::Format;
 use super::imported::Imported;
-use super::labels::{Meaning, counted};
+use super::labels::{Meaning, describe_counts};
 use super::options::ImportOptions;
 use super::pictures::image_of;
-use super::values::clipped;
+use super::values::shorten;
 use crate::document::{
     Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between,
-    resolved,
+    resolve_path,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -36,13 +36,13 @@ pub fn import_clicks(
     if files.is_empty() {
         return Err(ExchangeError::NoFiles {
             path: path.to_path_buf(),
-            wanted: click_format.wanted(),
+            wanted: click_format.file_description(),
         });
     }
     let images = options
         .images
         .as_ref()
-        .map_or_else(|| folder.to_path_buf(), |images| resolved(images));
+        .map_or_else(|| folder.to_path_buf(), |images| resolve_path(images));
     let options = &options.with_any_size();
     let sizes = |name: &str| image_of(name, &images).1.or(options.size);
     let frames = click_format.read(&files, options, &sizes)?;
@@ -87,15 +87,18 @@ pub fn import_clicks(
     if !unmapped.is_empty() {
         if !options.skip_unmapped {
             return Err(ExchangeError::Unmapped {
-                labels: counted(&unmapped),
+                labels: describe_counts(&unmapped),
             });
         }
-        notes.push(format!("left out without meaning: {}", counted(&unmapped)));
+        notes.push(format!(
+            "left out without meaning: {}",
+            describe_counts(&unmapped)
+        ));
     }
     if !twice.is_empty() {
         notes.push(format!(
             "left out because a frame has them more than once: {}",
-            counted(&twice)
+            describe_counts(&twice)
         ));
     }
     notes.extend(points_off_the_field(&field));
@@ -115,11 +118,11 @@ fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeE
         if !names.insert(name) {
             return Err(ExchangeError::SameFrame {
                 path: path.to_path_buf(),
-                name: clipped(name),
+                name: shorten(name),
             });
         }
         if frame.marks.len() > MAX_CLICKS {
-            let (path, frame, found) = (path.to_path_buf(), clipped(name), frame.marks.len());
+            let (path, frame, found) = (path.to_path_buf(), shorten(name), frame.marks.len());
             return Err(ExchangeError::TooManyPoints {
                 path,
                 frame,
@@ -132,8 +135,8 @@ fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeE
         if let Some(mark) = frame.marks.iter().find(|mark| !is_near(mark)) {
             return Err(ExchangeError::NoPlace {
                 path: path.to_path_buf(),
-                frame: clipped(name),
-                label: clipped(&mark.label),
+                frame: shorten(name),
+                label: shorten(&mark.label),
                 x: mark.image.x,
                 y: mark.image.y,
             });
@@ -176,7 +179,7 @@ pub struct Cameras<'a>(pub &'a mut Vec<crate::document::Shared<Camera>>);
 
 impl Cameras<'_> {
     /// The camera of a size; a new one where there is none.
-    pub fn of_size(&mut self, size: ImageSize) -> CameraId {
+    pub fn find_or_add(&mut self, size: ImageSize) -> CameraId {
         if let Some(camera) = self.0.iter().find(|camera| camera.image_size == size) {
             return camera.id.clone();
         }
@@ -209,6 +212,6 @@ fn frame_of(
     Frame {
         status,
         clicks,
-        ..Frame::from_image(&path, cameras.of_size(frame.size), frame.size)
+        ..Frame::from_image(&path, cameras.find_or_add(frame.size), frame.size)
     }
 }

@@ -49,7 +49,7 @@ pub type View = (FrameCamera, ImageSize, Pinhole);
 pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Document {
     let mut document = Document::new(field);
     let mut ids = FreeIds::default();
-    let groups = of_one_place(frames, exact.place_m);
+    let groups = group_by_position(frames, exact.place_m);
     let mut made: Vec<Option<(CameraId, FramePtz)>> = vec![None; frames.len()];
     for group in groups {
         let views: Vec<&Pinhole> = group.iter().map(|&index| &frames[index].2).collect();
@@ -143,7 +143,10 @@ pub(super) fn unsolved_frame(frame: &FrameCamera, camera: CameraId, size: ImageS
 
 /// Groups of frames (by index) that may share a camera: equal position, camera name, size and
 /// principal point.
-fn of_one_place(frames: &[(FrameCamera, ImageSize, Pinhole)], place_m: f64) -> Vec<Vec<usize>> {
+fn group_by_position(
+    frames: &[(FrameCamera, ImageSize, Pinhole)],
+    place_m: f64,
+) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     // A hash grid of the groups' first frames, with cells of the tolerance's size, because a data
     // set may have a different position for every frame. Frames within the tolerance lie in
@@ -291,12 +294,12 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
 pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlanePoseError> {
     let points = match &frame.shown {
         Shown::Camera(pinhole) => return Ok(*pinhole),
-        Shown::Lens(lens) => return Ok(lens.unpointed()),
+        Shown::Lens(lens) => return Ok(lens.camera_at_origin()),
         Shown::Ground(image_from_ground) => grid_on_ground(image_from_ground, size),
         Shown::Nothing => Vec::new(),
     };
     let principal_point = size.centre();
-    let pose = pose_from_plane(&points, principal_point)?.refined(&points, principal_point);
+    let pose = pose_from_plane(&points, principal_point)?.refine(&points, principal_point);
     Ok(Pinhole {
         cam_from_world: pose.cam_from_world,
         position_m: pose.position_m,
@@ -350,7 +353,7 @@ mod tests {
                 SIZE.centre(),
             )
         };
-        let view = Pinhole::of(&PtzCamera::new(
+        let view = Pinhole::from_ptz_camera(&PtzCamera::new(
             base,
             Ptz::from_degrees(ptz.0, ptz.1, ptz.2),
         ));
@@ -371,7 +374,7 @@ mod tests {
         let document = document_of(FieldSpec::new("soccer"), &frames, Exactness::default());
         assert_eq!(document.cameras.len(), 1);
         for (frame, (_, _, view)) in document.frames.iter().zip(&frames) {
-            let camera = document.pointed(frame).unwrap();
+            let camera = document.ptz_camera(frame).unwrap();
             for point in [
                 Vec3::zeros(),
                 Vec3::new(20.0, 10.0, 2.44),
@@ -379,7 +382,7 @@ mod tests {
             ] {
                 let (a, b) = (
                     camera.image_from_world(point),
-                    view.pointed().unwrap().image_from_world(point),
+                    view.ptz_camera().unwrap().image_from_world(point),
                 );
                 let Ok(b) = b else { continue };
                 assert!(a.unwrap().distance_px(b) < 1e-9, "{a:?} {b:?}");

@@ -76,7 +76,7 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
     let moved = imported
         .document
         .clone()
-        .relocated(&imported.folder, open.folder);
+        .relocate(&imported.folder, open.folder);
     let mut cameras = Cameras {
         imported: &moved,
         ids: BTreeMap::new(),
@@ -352,7 +352,7 @@ mod tests {
         let point = touchline_core::geometry::Vec3::new(3.0, 4.0, 0.0);
         let shown = |document: &Document| {
             document
-                .pointed(&document.frames[0])
+                .ptz_camera(&document.frames[0])
                 .unwrap()
                 .image_from_world(point)
                 .unwrap()

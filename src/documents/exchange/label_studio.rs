@@ -205,7 +205,7 @@ impl ClickFormat for LabelStudio {
         ))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "Label Studio export (.json)"
     }
 

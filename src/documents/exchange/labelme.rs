@@ -103,7 +103,7 @@ impl ClickFormat for Labelme {
         Ok(files)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "labelme files (.json)"
     }
 

@@ -174,7 +174,7 @@ impl LabelMap {
 
 /// Labels with how often each occurs, for a message.
 #[must_use]
-pub fn counted(labels: &BTreeMap<String, usize>) -> String {
+pub fn describe_counts(labels: &BTreeMap<String, usize>) -> String {
     labels
         .iter()
         .map(|(label, count)| format!("{label:?} ({count}×)"))

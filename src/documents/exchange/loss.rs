@@ -3,7 +3,7 @@
 use super::frame_camera::{FrameCamera, Shown};
 use std::fmt;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, counted};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, pluralise};
 
 /// The number of points of each line that are compared.
 const LINE_POINTS: usize = 9;
@@ -42,7 +42,7 @@ impl fmt::Display for Loss {
             f,
             "not held: {} ({}); ",
             what.join(", "),
-            counted(*frames, "frame")
+            pluralise(*frames, "frame")
         )?;
         write!(
             f,

@@ -3,7 +3,7 @@
 use super::error::Problem;
 use super::files::text;
 use super::strict_json;
-use super::values::{clipped, side_px};
+use super::values::{shorten, side_px};
 use serde_json::Value;
 use std::fmt;
 
@@ -16,7 +16,8 @@ pub(super) struct Node<'a> {
 
 /// The JSON value of a file.
 pub(super) fn parse(bytes: &[u8]) -> Result<Value, Problem> {
-    strict_json::from_str(text(bytes)?).map_err(|error| Problem::NotJson(strict_json::said(&error)))
+    strict_json::from_str(text(bytes)?)
+        .map_err(|error| Problem::NotJson(strict_json::describe_error(&error)))
 }
 
 impl<'a> Node<'a> {
@@ -59,7 +60,7 @@ impl<'a> Node<'a> {
             Value::Null => "null".to_owned(),
             Value::Bool(value) => value.to_string(),
             Value::Number(number) => number.to_string(),
-            Value::String(text) => format!("the text {:?}", clipped(text)),
+            Value::String(text) => format!("the text {:?}", shorten(text)),
             Value::Array(items) => format!("a list of {}", items.len()),
             Value::Object(_) => "an object".to_owned(),
         };
@@ -120,7 +121,7 @@ impl<'a> Node<'a> {
         let entry = move |(key, value): (&'a String, &'a Value)| {
             (
                 key.as_str(),
-                object.at(value, format_args!("[{:?}]", clipped(key)), false),
+                object.at(value, format_args!("[{:?}]", shorten(key)), false),
             )
         };
         Ok(map.iter().map(entry))
@@ -191,7 +192,7 @@ pub(super) fn safe_path(name: &str) -> Result<String, Problem> {
     let drive = name.as_bytes().get(1) == Some(&b':');
     let leaves = name.split('/').any(|part| part == "..") || name.starts_with('/') || drive;
     if leaves || name.is_empty() || name.contains('\0') {
-        return Err(Problem::LeavesFolder(clipped(&name)));
+        return Err(Problem::LeavesFolder(shorten(&name)));
     }
     Ok(name)
 }

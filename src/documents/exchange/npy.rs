@@ -3,7 +3,7 @@
 
 use super::error::Problem;
 use super::files::refuse_archive;
-use super::values::clipped;
+use super::values::shorten;
 use touchline_core::geometry::Mat3;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -26,7 +26,7 @@ pub struct Array {
 impl Array {
     /// The bytes that `numpy.save` writes for it as float64.
     #[must_use]
-    pub fn written(&self) -> Vec<u8> {
+    pub fn to_bytes(&self) -> Vec<u8> {
         let sides: Vec<String> = self.shape.iter().map(ToString::to_string).collect();
         let comma = if sides.len() == 1 { "," } else { "" };
         let shape = format!("({}{comma})", sides.join(", "));
@@ -52,12 +52,12 @@ impl Array {
 
 /// The bytes that `numpy.save` writes for a matrix of float64.
 #[must_use]
-pub fn written(matrix: &Mat3) -> Vec<u8> {
+pub fn matrix_to_bytes(matrix: &Mat3) -> Vec<u8> {
     Array {
         shape: vec![3, 3],
         values: matrix.transpose().iter().copied().collect(),
     }
-    .written()
+    .to_bytes()
 }
 
 /// The matrix of a file.
@@ -70,7 +70,7 @@ pub fn matrix(bytes: &[u8]) -> Result<Mat3, Problem> {
     if header.shape != "3,3" {
         return Err(Problem::NotFormat {
             wanted,
-            found: format!("the shape is ({})", clipped(header.shape.as_str())),
+            found: format!("the shape is ({})", shorten(header.shape.as_str())),
         });
     }
     let array = header.array(wanted)?;
@@ -185,7 +185,7 @@ impl<'a> Header<'a> {
         else {
             return Err(wrong(format!(
                 "numbers of the type {}",
-                clipped(&self.kind)
+                shorten(&self.kind)
             )));
         };
         let sides = self.shape.split(',').filter(|side| !side.is_empty());
@@ -195,7 +195,7 @@ impl<'a> Header<'a> {
             .flatten()
             .try_fold(1_usize, |count, side| count.checked_mul(*side));
         let (Some(shape), Some(count)) = (shape, count) else {
-            return Err(wrong(format!("the shape is ({})", clipped(&self.shape))));
+            return Err(wrong(format!("the shape is ({})", shorten(&self.shape))));
         };
         if self.data.len() / bytes < count {
             return Err(wrong(format!("it ends after {} bytes", self.length)));
@@ -238,10 +238,10 @@ mod tests {
     #[test]
     fn the_bytes_are_those_of_numpy_and_come_back() {
         let h = Mat3::new(1.5, -2.0, 3.25, 0.0, 1e-17, 5.0, 7.0, 8.0, 1.0);
-        let bytes = written(&h);
+        let bytes = matrix_to_bytes(&h);
         assert_eq!((bytes.len(), bytes[127]), (200, b'\n'));
         assert_eq!(matrix(&bytes).unwrap(), h);
-        let mut fortran = written(&h.transpose());
+        let mut fortran = matrix_to_bytes(&h.transpose());
         let at = bytes
             .windows(5)
             .position(|window| window == b"False")
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn damaged_and_hostile_files_are_named() {
-        let good = written(&Mat3::identity());
+        let good = matrix_to_bytes(&Mat3::identity());
         let swap = |from: &str, to: &str| {
             assert_eq!(from.len(), to.len());
             let mut bytes = good.clone();
@@ -298,7 +298,7 @@ mod tests {
             shape: vec![2, 3, 4],
             values: (0..24).map(f64::from).collect(),
         };
-        let bytes = array.written();
+        let bytes = array.to_bytes();
         assert_eq!(bytes.len(), 128 + 24 * 8);
         assert_eq!(
             (super::array(&bytes).unwrap(), array.row(1)),
@@ -309,8 +309,8 @@ mod tests {
             shape: vec![2],
             values: vec![3.0, -4.0],
         };
-        assert_eq!(super::array(&list.written()).unwrap(), list);
-        let mut whole = list.written();
+        assert_eq!(super::array(&list.to_bytes()).unwrap(), list);
+        let mut whole = list.to_bytes();
         let at = whole
             .windows(3)
             .position(|window| window == b"<f8")
@@ -333,7 +333,7 @@ mod tests {
             .map(|(i, j, k)| at(i, j, k))
             .collect();
         assert_eq!(by_rows(&by_columns, &array.shape), array.values);
-        let good = array.written();
+        let good = array.to_bytes();
         for (shape, found) in [
             ("(-2, 3, 4)", "the shape is (-2,3,4)"),
             ("(9, 99, 99)", "it ends after 320 bytes"),
@@ -359,6 +359,6 @@ mod tests {
             shape: vec![0, 3, 3],
             values: Vec::new(),
         };
-        assert_eq!(super::array(&nothing.written()).unwrap(), nothing);
+        assert_eq!(super::array(&nothing.to_bytes()).unwrap(), nothing);
     }
 }

@@ -10,7 +10,7 @@
 use super::error::Problem;
 use super::files::MAX_FILE_BYTES;
 use super::npy::{self, Array};
-use super::values::clipped;
+use super::values::shorten;
 use flate2::read::DeflateDecoder;
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -108,7 +108,7 @@ impl<'a> Npz<'a> {
             if entries.insert(key, entry).is_some() {
                 return Err(Problem::Twice {
                     what: "the array",
-                    name: clipped(&name),
+                    name: shorten(&name),
                 });
             }
             at = next;
@@ -221,12 +221,12 @@ fn data_of(bytes: &[u8], entry: Entry) -> Option<&[u8]> {
 
 /// The bytes of an archive of arrays, stored as `numpy.savez` does.
 #[must_use]
-pub fn written(arrays: &[(&str, Array)]) -> Vec<u8> {
+pub fn archive_to_bytes(arrays: &[(&str, Array)]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut table = Vec::new();
     for (name, array) in arrays {
         let name = format!("{name}.npy");
-        let data = array.written();
+        let data = array.to_bytes();
         let at = bytes.len() as u32;
         let mut common = Vec::new();
         for number in [VERSION, 0, STORED, 0, FIRST_DAY] {
@@ -279,11 +279,11 @@ mod tests {
 
     /// The same archive with its only array deflated.
     fn deflated(array: &Array) -> Vec<u8> {
-        let data = array.written();
+        let data = array.to_bytes();
         let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
         encoder.write_all(&data).unwrap();
         let packed = encoder.finish().unwrap();
-        let stored = written(&[("K", array.clone())]);
+        let stored = archive_to_bytes(&[("K", array.clone())]);
         let from = LOCAL_BYTES + "K.npy".len();
         let mut bytes = [&stored[..from], &packed, &stored[from + data.len()..]].concat();
         let table = from + packed.len();
@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn stored_and_deflated_arrays_come_back() {
-        let bytes = written(&[
+        let bytes = archive_to_bytes(&[
             ("K", sample()),
             (
                 "t",
@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn damaged_and_hostile_archives_are_named() {
-        let good = written(&[("K", sample())]);
+        let good = archive_to_bytes(&[("K", sample())]);
         let end = good.len() - END_BYTES;
         let table = end - CENTRAL_BYTES - "K.npy".len();
         let with = |at: usize, new: &[u8]| {

@@ -11,7 +11,7 @@ use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
 use super::unreadable::read_frame_files;
-use super::values::{are_oblong_pixels, clipped, side_px};
+use super::values::{are_oblong_pixels, shorten, side_px};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use touchline_core::camera::Radial;
@@ -124,7 +124,7 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
         if found.insert(key.clone(), values).is_some() {
             return Err(at(Problem::Twice {
                 what: "the key",
-                name: clipped(&key),
+                name: shorten(&key),
             }));
         }
     }
@@ -191,7 +191,7 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
             k2: coefficient(1),
         },
     };
-    Ok((pinhole.checked("the camera")?, size))
+    Ok((pinhole.validate("the camera")?, size))
 }
 
 impl CameraFormat for OpenCvYaml {
@@ -209,7 +209,7 @@ impl CameraFormat for OpenCvYaml {
         Ok(files)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "camera files (.yml)"
     }
 
@@ -222,7 +222,7 @@ impl CameraFormat for OpenCvYaml {
         files: &Files,
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        read_frame_files(&files.sorted(), stem, |name, bytes| {
+        read_frame_files(&files.sorted_entries(), stem, |name, bytes| {
             let (pinhole, size) = camera(bytes)?;
             Ok(FrameCamera::new(name, Some(size), Shown::Camera(pinhole)))
         })

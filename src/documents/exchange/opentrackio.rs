@@ -368,7 +368,7 @@ fn read_line(
     Ok(FrameCamera::new(
         &name,
         Some(size),
-        Shown::Camera(pinhole.checked("the camera")?),
+        Shown::Camera(pinhole.validate("the camera")?),
     ))
 }
 
@@ -416,7 +416,7 @@ impl CameraFormat for OpenTrackIo {
         Ok(Files::one("camera.jsonl", text.into_bytes()))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "samples (.jsonl)"
     }
 
@@ -425,7 +425,7 @@ impl CameraFormat for OpenTrackIo {
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {
-        let sorted = files.sorted();
+        let sorted = files.sorted_entries();
         let lines = sorted
             .iter()
             .filter_map(|(_, bytes)| text(bytes).ok())

@@ -31,7 +31,7 @@ impl FrameChoice {
 
     /// Frames that the user clicked or accepted; unreviewed suggestions are excluded.
     #[must_use]
-    pub fn reviewed() -> Self {
+    pub fn reviewed_frames() -> Self {
         Self {
             statuses: vec![FrameStatus::Reference, FrameStatus::Draft],
             ..Self::default()

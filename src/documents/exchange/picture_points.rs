@@ -34,7 +34,7 @@ impl PicturePoints {
     /// The points of a frame at a position of its document: those of its picture's name, else those
     /// of its number.
     #[must_use]
-    pub fn of_frame(&self, frame: &Frame, position: usize) -> &[ImagePoint] {
+    pub fn for_frame(&self, frame: &Frame, position: usize) -> &[ImagePoint] {
         let name = frame.image.as_deref().map(picture_name);
         let by_name = name.and_then(|name| self.by_name.get(name));
         let by_number = || self.by_number.get(&frame.number_at(position));
@@ -76,7 +76,7 @@ fn picture_name(path: &str) -> &str {
 /// It cannot be read, is of none of these formats, has no point, or a number is none.
 pub fn read_picture_points(path: &Path) -> Result<PicturePoints, ExchangeError> {
     let files = Files::read(path, &|_| false)?;
-    let Some((name, bytes)) = files.sorted().into_iter().next() else {
+    let Some((name, bytes)) = files.sorted_entries().into_iter().next() else {
         return Err(ExchangeError::NoFiles {
             path: path.to_path_buf(),
             wanted: "points; name the file itself",
@@ -225,24 +225,24 @@ mod tests {
     fn boxes_of_all_formats_have_their_feet() {
         let foot = [ImagePoint::new(110.0, 240.0)];
         let mot = points_of(b"1,7,100,200,20,40,1,-1,-1,-1\n2,7,0,0,2,2,1,-1,-1,-1\n").unwrap();
-        assert_eq!(mot.of_frame(&video_frame(0), 5), foot);
+        assert_eq!(mot.for_frame(&video_frame(0), 5), foot);
         assert_eq!(
-            (mot.count(), mot.of_frame(&video_frame(2), 0).len()),
+            (mot.count(), mot.for_frame(&video_frame(2), 0).len()),
             (2, 0)
         );
         let csv = points_of(b"frame,x,y,w,h\n17,100,200,20,40\n").unwrap();
-        assert_eq!(csv.of_frame(&video_frame(17), 0), foot);
+        assert_eq!(csv.for_frame(&video_frame(17), 0), foot);
         let csv = points_of(b"frame,x,y\nimages/0017.png,110,240\n").unwrap();
         let picture = Frame::from_image("frames/0017.jpg", "main".into(), SIZE);
-        assert_eq!(csv.of_frame(&picture, 0), foot);
+        assert_eq!(csv.for_frame(&picture, 0), foot);
         let cvat = points_of(
             br#"<annotations><image name="a/0017.jpg"><box xtl="100" ytl="200" xbr="120" ybr="240"/></image>
             <track><box frame="3" outside="0" xtl="100" ytl="200" xbr="120" ybr="240"/>
             <box frame="4" outside="1" xtl="0" ytl="0" xbr="1" ybr="1"/></track></annotations>"#,
         )
         .unwrap();
-        assert_eq!(cvat.of_frame(&picture, 0), foot);
-        assert_eq!(cvat.of_frame(&video_frame(3), 0), foot);
+        assert_eq!(cvat.for_frame(&picture, 0), foot);
+        assert_eq!(cvat.for_frame(&video_frame(3), 0), foot);
         assert_eq!(cvat.count(), 2);
     }
 

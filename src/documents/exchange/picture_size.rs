@@ -59,11 +59,11 @@ fn has_its_centre_in(frame: &FrameCamera, picture: ImageSize) -> bool {
 
 fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera {
     let shown = match frame.shown {
-        Shown::Camera(pinhole) => Shown::Camera(pinhole.scaled(factor)),
+        Shown::Camera(pinhole) => Shown::Camera(pinhole.scale_by(factor)),
         Shown::Ground(image_from_ground) => {
             Shown::Ground(Mat3::from_diagonal(&Vec3::new(factor, factor, 1.0)) * image_from_ground)
         }
-        Shown::Lens(lens) => Shown::Lens(lens.unpointed().scaled(factor).known_lens()),
+        Shown::Lens(lens) => Shown::Lens(lens.camera_at_origin().scale_by(factor).known_lens()),
         Shown::Nothing => Shown::Nothing,
     };
     FrameCamera {
@@ -110,7 +110,8 @@ mod tests {
     const HALF: ImageSize = ImageSize::new(960, 540);
 
     fn camera(size: ImageSize, principal_point: ImagePoint) -> FrameCamera {
-        let pointed = Pinhole::of(&awkward().pointed(&awkward().frames[0]).unwrap());
+        let pointed =
+            Pinhole::from_ptz_camera(&awkward().ptz_camera(&awkward().frames[0]).unwrap());
         FrameCamera::new(
             "a",
             Some(size),

@@ -11,7 +11,7 @@
 //! Videos are the same if they have the same path, or the same name and not two existing files of
 //! different lengths. A track that names no video belongs to the only video of the document.
 
-use crate::document::{DocumentAt, Frame, VideoFrame, resolved};
+use crate::document::{DocumentAt, Frame, VideoFrame, resolve_path};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ impl<'a> Places<'a> {
                     .or_insert(Some(index));
             }
             if let Some(video) = &frame.video {
-                let file = resolved(&video.file_path(open.folder));
+                let file = resolve_path(&video.file_path(open.folder));
                 places.by_number.insert((file, video.frame_index), index);
             }
         }
@@ -108,7 +108,7 @@ impl<'a> Places<'a> {
     }
 
     fn find_video(&self, path: &str, folder: &Path) -> Option<&PathBuf> {
-        let file = resolved(&folder.join(path));
+        let file = resolve_path(&folder.join(path));
         if let Some(same) = self.videos.iter().find(|video| **video == file) {
             return Some(same);
         }
@@ -138,7 +138,7 @@ pub fn names_video(path: &str) -> bool {
 }
 
 fn image_file(frame: &Frame, folder: &Path) -> Option<PathBuf> {
-    frame.image_path(folder).map(|image| resolved(&image))
+    frame.image_path(folder).map(|image| resolve_path(&image))
 }
 
 fn image_stem(frame: &Frame) -> Option<String> {

@@ -31,7 +31,7 @@ pub fn recognize_format(path: &Path) -> Result<Format, ExchangeError> {
     let sample = RefCell::new(Sample::default());
     let files = Files::read(path, &|name| sample.borrow_mut().takes(name))?;
     let found: BTreeSet<Format> = files
-        .sorted()
+        .sorted_entries()
         .into_iter()
         .filter_map(|(name, bytes)| {
             let format = format_of_file(name, bytes)?;
@@ -254,7 +254,7 @@ mod tests {
             };
             let folder = tempfile::tempdir().unwrap();
             let files = exported(&document, format).files;
-            let names = files.sorted();
+            let names = files.sorted_entries();
             let path = if format.is_folder() {
                 folder.path().join("files")
             } else {

@@ -33,13 +33,13 @@ pub struct PnlCalib;
 
 /// A point of our world in theirs; the same map leads back.
 #[must_use]
-pub fn flipped(point: Vec3) -> Vec3 {
+pub fn flip_point(point: Vec3) -> Vec3 {
     Vec3::new(point.x, -point.y, -point.z)
 }
 
 /// A rotation from the other world, theirs instead of ours or the reverse.
 #[must_use]
-pub fn flipped_world(cam_from_world: &Mat3) -> Mat3 {
+pub fn flip_rotation(cam_from_world: &Mat3) -> Mat3 {
     cam_from_world * Mat3::from_diagonal(&Vec3::new(1.0, -1.0, -1.0))
 }
 
@@ -95,8 +95,8 @@ pub fn pitch_note(context: &WriteContext<'_>) -> Option<String> {
 }
 
 fn to_json(pinhole: &Pinhole) -> Value {
-    let [pan, tilt, roll] = angles_deg(&flipped_world(&pinhole.cam_from_world));
-    let position = flipped(pinhole.position_m);
+    let [pan, tilt, roll] = angles_deg(&flip_rotation(&pinhole.cam_from_world));
+    let position = flip_point(pinhole.position_m);
     json!({
         "pan_degrees": pan,
         "tilt_degrees": tilt,
@@ -148,8 +148,8 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
     ];
     let [x, y]: [f64; 2] = node.key("principal_point")?.numbers()?;
     Pinhole {
-        cam_from_world: flipped_world(&rotation_of(angles)),
-        position_m: flipped(Vec3::from(node.key("position_meters")?.numbers::<3>()?)),
+        cam_from_world: flip_rotation(&rotation_of(angles)),
+        position_m: flip_point(Vec3::from(node.key("position_meters")?.numbers::<3>()?)),
         focal_px: fx,
         principal_point: ImagePoint::new(x, y),
         lens: Radial {
@@ -157,7 +157,7 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
             k2: radial[1],
         },
     }
-    .checked("the camera")
+    .validate("the camera")
 }
 
 /// Usual aspect ratios (width / height) of pictures.
@@ -197,7 +197,7 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
 }
 
 fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
-    read_frame_files(&files.sorted(), frame_name, read_file)
+    read_frame_files(&files.sorted_entries(), frame_name, read_file)
 }
 
 /// The name of a file's frame: without folders, prefix and ending.
@@ -282,7 +282,7 @@ impl CameraFormat for SoccerNet {
         Ok(files)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "camera files (camera_….json)"
     }
 
@@ -312,7 +312,7 @@ impl CameraFormat for PnlCalib {
         SoccerNet.write(held, context)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "camera files (.json)"
     }
 
@@ -326,7 +326,7 @@ impl CameraFormat for PnlCalib {
         files: &Files,
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let sorted = files.sorted();
+        let sorted = files.sorted_entries();
         let [(name, bytes)] = sorted[..] else {
             return read_files(files);
         };
@@ -416,7 +416,7 @@ mod tests {
     fn a_mirrored_or_turned_world_would_be_seen() {
         // A camera on the main side at height 18 m is at positive y and negative z in their world.
         assert_eq!(
-            flipped(Vec3::new(1.0, -60.0, 18.0)),
+            flip_point(Vec3::new(1.0, -60.0, 18.0)),
             Vec3::new(1.0, 60.0, -18.0)
         );
         let straight_down = rotation_of([30.0, 0.0, 0.0]);
@@ -445,7 +445,7 @@ mod tests {
     #[test]
     fn damaged_files_are_named_in_one_line() {
         let good = to_json(&Pinhole {
-            cam_from_world: flipped_world(&rotation_of([12.5, 78.8, 0.0])),
+            cam_from_world: flip_rotation(&rotation_of([12.5, 78.8, 0.0])),
             position_m: Vec3::new(0.0, -60.0, 18.0),
             focal_px: 2410.0,
             principal_point: ImagePoint::new(960.0, 540.0),

@@ -116,7 +116,7 @@ impl ClickFormat for SoccerNetLines {
         Ok(files)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "line annotations (.json)"
     }
 

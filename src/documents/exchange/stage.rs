@@ -20,7 +20,11 @@ fn world_from_stage(stage: &Stage) -> Mat3 {
     Mat3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0)
 }
 
-fn moved(frame: &FrameCamera, position: impl Fn(Vec3) -> Vec3, rotation: &Mat3) -> FrameCamera {
+fn transform_camera(
+    frame: &FrameCamera,
+    position: impl Fn(Vec3) -> Vec3,
+    rotation: &Mat3,
+) -> FrameCamera {
     let Shown::Camera(pinhole) = &frame.shown else {
         return frame.clone();
     };
@@ -38,13 +42,13 @@ fn moved(frame: &FrameCamera, position: impl Fn(Vec3) -> Vec3, rotation: &Mat3) 
 /// A frame's camera in the axes of a stage.
 pub fn in_stage(frame: &FrameCamera, stage: &Stage) -> FrameCamera {
     let axes = world_from_stage(stage);
-    moved(frame, |at| axes.transpose() * (at - stage.origin_m), &axes)
+    transform_camera(frame, |at| axes.transpose() * (at - stage.origin_m), &axes)
 }
 
 /// A frame's camera in the field's axes, from those of a stage.
 pub fn in_world(frame: &FrameCamera, stage: &Stage) -> FrameCamera {
     let axes = world_from_stage(stage);
-    moved(frame, |at| axes * at + stage.origin_m, &axes.transpose())
+    transform_camera(frame, |at| axes * at + stage.origin_m, &axes.transpose())
 }
 
 #[cfg(test)]
@@ -74,7 +78,7 @@ mod tests {
         )
         .unwrap();
         assert!(exported.worst_px < 1e-6, "{}", exported.worst_px);
-        let text = String::from_utf8(exported.files.sorted()[0].1.to_vec()).unwrap();
+        let text = String::from_utf8(exported.files.sorted_entries()[0].1.to_vec()).unwrap();
         let sample: serde_json::Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
         let transform = &sample["transforms"][0];
         let near = |value: &serde_json::Value, wanted: f64| {

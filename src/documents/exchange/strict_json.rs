@@ -5,7 +5,7 @@ use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 use std::fmt;
 
-use super::values::clipped;
+use super::values::shorten;
 
 /// Reads a value.
 ///
@@ -16,7 +16,7 @@ pub fn from_str(text: &str) -> Result<Value, serde_json::Error> {
 }
 
 /// The error in words that help the user to correct it.
-pub fn said(error: &serde_json::Error) -> String {
+pub fn describe_error(error: &serde_json::Error) -> String {
     error
         .to_string()
         .replace(
@@ -90,7 +90,7 @@ impl<'de> Visitor<'de> for Keys {
             if map.contains_key(&key) {
                 return Err(A::Error::custom(format_args!(
                     "the key {:?} occurs twice",
-                    clipped(&key)
+                    shorten(&key)
                 )));
             }
             map.insert(key, value);

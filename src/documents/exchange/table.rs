@@ -2,7 +2,7 @@
 
 use super::error::Problem;
 use super::files::text;
-use super::values::{clipped, frame_number};
+use super::values::{frame_number, shorten};
 use std::fmt::Write as _;
 use std::ops::Range;
 use touchline_core::geometry::is_formula;
@@ -87,7 +87,7 @@ impl Table {
             if header[..index].contains(name) {
                 return Err(Problem::Twice {
                     what: "the column",
-                    name: clipped(name),
+                    name: shorten(name),
                 });
             }
         }
@@ -186,7 +186,7 @@ pub fn number(what: &str, field: &str) -> Result<f64, Problem> {
     let wrong = |_| Problem::Kind {
         what: what.to_owned(),
         wanted: "a number",
-        found: format!("{:?}", clipped(field)),
+        found: format!("{:?}", shorten(field)),
     };
     let value = parsed.map_err(wrong)?;
     if value.is_finite() {

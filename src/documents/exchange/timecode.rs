@@ -27,7 +27,7 @@ fn nominal(rate: Rate) -> u64 {
 
 /// The number of dropped frame numbers per minute, except every tenth minute: 2 at 29.97, 4 at
 /// 59.94; none at other rates.
-fn dropped_a_minute(rate: Rate) -> Option<u64> {
+fn drops_per_minute(rate: Rate) -> Option<u64> {
     let nominal = nominal(rate);
     (rate.seconds == 1001 && nominal.is_multiple_of(30)).then_some(nominal / 15)
 }
@@ -39,7 +39,7 @@ impl Timecode {
     #[must_use]
     pub fn from_start(start: Option<Self>, frame_index: u64, rate: Rate) -> Self {
         let dropped =
-            dropped_a_minute(rate).filter(|_| start.is_none_or(|start| start.is_drop_frame));
+            drops_per_minute(rate).filter(|_| start.is_none_or(|start| start.is_drop_frame));
         let before = start.map_or(0, |start| start.count(nominal(rate), dropped));
         let nominal = nominal(rate);
         let mut number = before.saturating_add(frame_index);

@@ -8,10 +8,10 @@ use super::error::{ExchangeError, Problem};
 use super::frame_camera::{FrameCamera, Shown, Unreadable};
 use super::import_clicks::Cameras;
 use super::into_document::unsolved_frame;
-use super::values::clipped;
+use super::values::shorten;
 use crate::document::{Document, Frame, Shared};
 use touchline_core::files::plain;
-use touchline_core::geometry::{ImageSize, counted};
+use touchline_core::geometry::{ImageSize, pluralise};
 
 /// The most files that a note names.
 const MAX_NAMED: usize = 3;
@@ -68,7 +68,7 @@ pub fn note_unreadable(frames: &[FrameCamera]) -> Option<String> {
         has_files &= file.is_some();
         if named.len() < MAX_NAMED {
             let name = file.as_deref().unwrap_or(&frame.name);
-            named.push(format!("{} ({})", clipped(name), plain(problem)));
+            named.push(format!("{} ({})", shorten(name), plain(problem)));
         }
     }
     if unreadable > MAX_NAMED {
@@ -79,7 +79,7 @@ pub fn note_unreadable(frames: &[FrameCamera]) -> Option<String> {
     (unreadable > 0).then(|| {
         format!(
             "{unreadable} of {} {verb} no camera that can be read: {}",
-            counted(frames.len(), kind),
+            pluralise(frames.len(), kind),
             named.join(", ")
         )
     })
@@ -101,7 +101,7 @@ pub fn add_unsolved(document: &mut Document, frames: &[FrameCamera], sizes: &[Op
             continue;
         }
         let size = known.unwrap_or(size);
-        let camera = Cameras(&mut document.cameras).of_size(size);
+        let camera = Cameras(&mut document.cameras).find_or_add(size);
         all.push(unsolved_frame(frame, camera, size).into());
     }
     all.extend(solved);

@@ -318,7 +318,7 @@ impl CameraFormat for Usda {
         Ok(Files::one("camera.usda", text.into_bytes()))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "stage (.usda)"
     }
 

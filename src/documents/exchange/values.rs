@@ -48,7 +48,7 @@ pub fn frame_number(what: &str, value: f64) -> Result<u64, Problem> {
 
 /// The beginning of a text, for a message.
 #[must_use]
-pub fn clipped(text: &str) -> String {
+pub fn shorten(text: &str) -> String {
     const LONGEST: usize = 60;
     let mut clipped: String = text.chars().take(LONGEST).collect();
     if clipped.len() < text.len() {
@@ -84,7 +84,7 @@ mod tests {
         for bad in [-1.0, 0.5, 1e13, f64::NAN] {
             assert!(frame_number("n", bad).is_err(), "{bad}");
         }
-        assert_eq!(clipped(&"é".repeat(61)), format!("{}…", "é".repeat(60)));
-        assert_eq!(clipped("short"), "short");
+        assert_eq!(shorten(&"é".repeat(61)), format!("{}…", "é".repeat(60)));
+        assert_eq!(shorten("short"), "short");
     }
 }

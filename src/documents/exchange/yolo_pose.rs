@@ -30,7 +30,7 @@ const DATA: &str = "data.yaml";
 const PADDING: f64 = 0.01;
 
 /// The index of each keypoint's mirror image.
-fn flipped(names: &[String], field: &FieldModel) -> Vec<usize> {
+fn mirror_indices(names: &[String], field: &FieldModel) -> Vec<usize> {
     let twin = |name: &String| {
         let there = field
             .landmark_element(name)?
@@ -47,7 +47,7 @@ fn flipped(names: &[String], field: &FieldModel) -> Vec<usize> {
 }
 
 fn data_yaml(names: &[String], field: &FieldModel) -> String {
-    let flipped: Vec<String> = flipped(names, field)
+    let flipped: Vec<String> = mirror_indices(names, field)
         .iter()
         .map(ToString::to_string)
         .collect();
@@ -201,7 +201,7 @@ impl ClickFormat for YoloPose {
         Ok(files)
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "labels (labels/….txt)"
     }
 

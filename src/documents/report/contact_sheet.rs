@@ -1,14 +1,14 @@
 //! A contact sheet of frames for visual inspection: the picture with the lines of the estimated
 //! camera, and the field from above.
 
-use super::figure::{Anchor, Drawing, FigureError, Rgb, SCALE, Shape, painted};
+use super::figure::{Anchor, Drawing, FigureError, Rgb, SCALE, Shape, png_with_background};
 use image::RgbImage;
 use image::imageops::{FilterType, replace, resize};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{Curve, FieldModel};
 use touchline_core::geometry::{ImageSize, Vec2};
 use touchline_core::markings::{MarkingOptions, project_lines};
-use touchline_core::score::seen_field;
+use touchline_core::score::visible_field;
 
 const COLUMNS: usize = 3;
 /// Width of the sheet and of a tile, and the gap between tiles, figure px.
@@ -91,7 +91,7 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
             [left, top + picture_height + CAPTION],
         );
     }
-    let png = painted(&drawing, |canvas| {
+    let png = png_with_background(&drawing, |canvas| {
         for (small, [x, y]) in &pictures {
             replace(canvas, small, i64::from(*x), i64::from(*y));
         }
@@ -153,7 +153,7 @@ fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]
         });
     }
     let mut outline = |camera: &PtzCamera, width: f64, colour: Rgb| {
-        for ring in seen_field(field, camera, frame.size()) {
+        for ring in visible_field(field, camera, frame.size()) {
             let points = ring
                 .iter()
                 .chain(ring.first())

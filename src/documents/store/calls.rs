@@ -8,10 +8,10 @@ use tempfile::NamedTempFile;
 use touchline_core::files::{open_regular, temporary_file_in};
 
 /// Makes a call. In the store's tests it may fail instead.
-fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+fn try_call<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     #[cfg(test)]
     {
-        super::faults::tried(call)
+        super::faults::try_call(call)
     }
     #[cfg(not(test))]
     {
@@ -21,8 +21,8 @@ fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
 
 /// Makes a call that flushes the file or folder at a path. In the store's tests, what is flushed
 /// survives a simulated power cut.
-fn flushed(path: &Path, call: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
-    tried(call)?;
+fn try_flush(path: &Path, call: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
+    try_call(call)?;
     #[cfg(test)]
     super::faults::note_flushed(path);
     #[cfg(not(test))]
@@ -32,22 +32,22 @@ fn flushed(path: &Path, call: impl FnOnce() -> io::Result<()>) -> io::Result<()>
 
 /// Opens one of the store's own files for reading and writing, or creates it.
 pub(super) fn open(path: &Path) -> io::Result<File> {
-    tried(|| open_regular(path, OpenOptions::new().read(true).write(true).create(true)))
+    try_call(|| open_regular(path, OpenOptions::new().read(true).write(true).create(true)))
 }
 
 /// Creates a file; an error if the name is in use. A link there is not followed.
 pub(super) fn make_new(path: &Path) -> io::Result<File> {
-    tried(|| OpenOptions::new().write(true).create_new(true).open(path))
+    try_call(|| OpenOptions::new().write(true).create_new(true).open(path))
 }
 
 /// Creates a temporary file in a folder.
 pub(super) fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
-    tried(|| temporary_file_in(folder))
+    try_call(|| temporary_file_in(folder))
 }
 
 /// Truncates a file and moves to its end.
 pub(super) fn truncate(file: &mut File, bytes: u64) -> io::Result<()> {
-    tried(|| file.set_len(bytes))?;
+    try_call(|| file.set_len(bytes))?;
     file.seek(SeekFrom::Start(bytes)).map(drop)
 }
 
@@ -56,24 +56,24 @@ pub(super) fn write_all(file: &mut File, bytes: &[u8]) -> io::Result<()> {
     // In tests, two calls: a fault may come after half of the bytes.
     let half = if cfg!(test) { bytes.len() / 2 } else { 0 };
     if half > 0 {
-        tried(|| file.write_all(&bytes[..half]))?;
+        try_call(|| file.write_all(&bytes[..half]))?;
     }
-    tried(|| file.write_all(&bytes[half..]))
+    try_call(|| file.write_all(&bytes[half..]))
 }
 
 /// Flushes a file's content and metadata to disk.
 pub(super) fn flush(file: &File, path: &Path) -> io::Result<()> {
-    flushed(path, || file.sync_all())
+    try_flush(path, || file.sync_all())
 }
 
 /// Flushes a file's content to disk.
 pub(super) fn flush_data(file: &File, path: &Path) -> io::Result<()> {
-    flushed(path, || file.sync_data())
+    try_flush(path, || file.sync_data())
 }
 
 /// Flushes a folder's entries. Does nothing on systems other than Unix, which cannot.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
-    flushed(folder, || {
+    try_flush(folder, || {
         if cfg!(unix) {
             File::open(folder)?.sync_all()
         } else {
@@ -96,20 +96,20 @@ pub(super) fn persist(file: NamedTempFile, path: &Path, replace: bool) -> io::Re
                 _ => refused.file.persist(path).map(drop),
             })
     };
-    tried(|| persist().map_err(|refused| refused.error))
+    try_call(|| persist().map_err(|refused| refused.error))
 }
 
 /// Renames a file.
 pub(super) fn rename(from: &Path, to: &Path) -> io::Result<()> {
-    tried(|| fs::rename(from, to))
+    try_call(|| fs::rename(from, to))
 }
 
 /// Gives a file a second name.
 pub(super) fn link(path: &Path, second: &Path) -> io::Result<()> {
-    tried(|| fs::hard_link(path, second))
+    try_call(|| fs::hard_link(path, second))
 }
 
 /// Deletes a file.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
-    tried(|| fs::remove_file(path))
+    try_call(|| fs::remove_file(path))
 }

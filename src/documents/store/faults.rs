@@ -74,7 +74,7 @@ fn calls() -> usize {
 }
 
 /// Makes a call, unless it is planned to fail.
-pub(super) fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+pub(super) fn try_call<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     let (number, fault, refusal) = PLAN.with_borrow_mut(|plan| {
         plan.calls += 1;
         (plan.calls - 1, plan.fault, plan.refusal)
@@ -163,12 +163,12 @@ fn start() -> Document {
     document
 }
 
-fn clicked(before: &Document, number: usize) -> Document {
+fn add_click(before: &Document, number: usize) -> Document {
     let mut after = before.clone();
     let frame = &mut after.frames[number % 2];
     frame
         .clicks
-        .push(Click::unnamed(ImagePoint::new(number as f64, 0.5)));
+        .push(Click::without_name(ImagePoint::new(number as f64, 0.5)));
     frame.revision += 1;
     after
 }
@@ -178,7 +178,7 @@ fn states() -> Vec<Document> {
     (0..=STEPS)
         .scan(start(), |state, number| {
             let now = state.clone();
-            *state = clicked(state, number);
+            *state = add_click(state, number);
             Some(now)
         })
         .collect()
@@ -265,7 +265,7 @@ fn try_session(folder: &Path, again: bool, session: &mut Session) -> Option<()> 
     let mut history = History::default();
     for number in clicks(&document)..STEPS {
         history.begin(&document, Step::on_document("Click"));
-        let after = clicked(&document, number);
+        let after = add_click(&document, number);
         history.commit(&after);
         let edit = Edit::between(&document, &after, "Click");
         session.made = number + 1;

@@ -26,7 +26,7 @@ impl OrphanEdits {
     /// Merges the edits with a document: a three-way merge if the base is known. Otherwise frames
     /// that the user edited replace those in the document.
     #[must_use]
-    pub fn merged_into(&self, document: &Document) -> Merged {
+    pub fn merge_with(&self, document: &Document) -> Merged {
         match self.document() {
             Some((base, ours)) => merge(base, &ours, document),
             None => graft(&self.edits, document),

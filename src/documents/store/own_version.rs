@@ -211,12 +211,12 @@ mod tests {
             ["Changes in a.jpg", "Changes in b.jpg"]
         );
         let read = read_own_version(&path).unwrap();
-        assert_eq!(read.merged_into(&base).document.frames, own.frames);
+        assert_eq!(read.merge_with(&base).document.frames, own.frames);
         fs::remove_file(base_of(&path)).unwrap();
         assert_eq!(
             read_own_version(&path)
                 .unwrap()
-                .merged_into(&base)
+                .merge_with(&base)
                 .document
                 .frames[0]
                 .comment,

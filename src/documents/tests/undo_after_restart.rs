@@ -61,7 +61,7 @@ impl Editor {
 
     fn journal(&mut self, before: &Document, name: &str, kind: EditKind) {
         self.document.count_edits_since(before);
-        let edit = Edit::between(before, &self.document, name).of_kind(kind);
+        let edit = Edit::between(before, &self.document, name).with_kind(kind);
         if !edit.is_empty() {
             self.store.append(&[edit]).unwrap();
         }

@@ -16,7 +16,7 @@ use touchline_documents::document::{
 };
 use touchline_vision::synthetic::{
     ClickOptions, ClickTarget, PathStep, Preset, ShootOptions, StadiumOptions, camera_path,
-    drawn_clicks, stadium,
+    generate_clicks, stadium,
 };
 
 /// Time between frames, s: 25 frames per second.
@@ -47,7 +47,7 @@ impl DrawnClip {
     ///
     /// # Errors
     /// The motion cannot be read, or a picture cannot be written.
-    pub fn drawn(
+    pub fn draw(
         options: &ExperimentOptions,
         data: Option<&Path>,
         progress: &(dyn Fn() + Sync),
@@ -166,7 +166,7 @@ impl DrawnClip {
             seed: frame as u64,
         };
         let size = self.document.frames[frame].image_size;
-        drawn_clicks(
+        generate_clicks(
             &self.field,
             &self.truth[frame],
             size,
@@ -184,7 +184,7 @@ impl DrawnClip {
 
 /// Number of frames of the clip.
 pub const fn frame_count(options: &ExperimentOptions) -> usize {
-    options.sized(800, 60)
+    options.full_or_quick(800, 60)
 }
 
 fn name(number: usize) -> String {
@@ -202,7 +202,7 @@ fn there_and_back(real: &RealMotion, count: usize) -> Vec<PathStep> {
             (2 * last - way, true)
         };
         let motion = real.motion_at(at);
-        let motion = if is_back { motion.reversed() } else { motion };
+        let motion = if is_back { motion.reverse() } else { motion };
         PathStep {
             time_s: number as f64 * STEP_S,
             ptz: real.ptz[at],

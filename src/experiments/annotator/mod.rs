@@ -5,7 +5,7 @@
 mod clip;
 mod ways;
 
-use super::progress::{Progress, counted};
+use super::progress::{Progress, step_counter};
 use super::{ExperimentError, ExperimentOptions};
 pub use clip::corners_apart_px;
 use clip::{CLICK_SIGMA_PX, DrawnClip, frame_count};
@@ -14,10 +14,10 @@ use std::time::Instant;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::Vec3;
 use touchline_core::geometry::quantile;
-use touchline_core::score::{SigmaCoverage, squared_sigmas};
+use touchline_core::score::{SigmaCoverage, squared_mahalanobis};
 use touchline_documents::document::{Frame, FramePtz};
 use touchline_documents::report::{Cell, Report, Table};
-use ways::{Labelled, Outcome, forest, no_click, tracked, two_clicks};
+use ways::{Labelled, Outcome, click_and_track, forest, no_click, two_clicks};
 
 /// A camera is wrong if its overlay is off by more than this at a corner, px at 1920 px width.
 const WRONG_PX: f64 = 10.0;
@@ -38,7 +38,11 @@ pub fn run(
     motion: Option<&Path>,
     progress: Progress<'_>,
 ) -> Result<Report, ExperimentError> {
-    let clip = DrawnClip::drawn(options, motion, &counted(frame_count(options), progress))?;
+    let clip = DrawnClip::draw(
+        options,
+        motion,
+        &step_counter(frame_count(options), progress),
+    )?;
     let mut report = Report::new("annotator", "What each step is worth to the annotator");
     report.text(&format!(
         "{} frames of 1280 × 720 px, 25 a second, along {}, drawn with the preset `hard`, with a score bug that no mask covers. A simulated \
@@ -77,7 +81,9 @@ pub fn run(
         ("forest, aligned to the paint", &|| {
             forest(&clip, true).map(Ok)
         }),
-        ("tracked through the clip", &|| tracked(&clip).map(Ok)),
+        ("tracked through the clip", &|| {
+            click_and_track(&clip).map(Ok)
+        }),
         ("no click: base found, then tracked", &|| no_click(&clip)),
     ];
     let mut refusals = Vec::new();
@@ -193,7 +199,7 @@ fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) ->
         answers.len().into(),
     ];
     cells.extend([0.5, 0.9, 0.99].map(|share| Cell::Number(quantile(&corners, share))));
-    match SigmaCoverage::of(&sigmas) {
+    match SigmaCoverage::from_squared_distances(&sigmas) {
         Some(coverage) => {
             cells.extend([coverage.within_68, coverage.error_over_sigma].map(Cell::Number));
         }
@@ -227,5 +233,5 @@ fn in_sigmas(frame: &Frame, ptz: Ptz, truth: Ptz) -> Option<f64> {
         (ptz.tilt - truth.tilt).degrees(),
         ptz.focal_px - truth.focal_px,
     );
-    squared_sigmas(error, &covariance)
+    squared_mahalanobis(error, &covariance)
 }

@@ -98,7 +98,7 @@ impl Labelled {
 
     /// The frame that the program advises to label next, if the clip consisted only of the frames
     /// `places`.
-    fn advised(&self, clip: &DrawnClip, places: &[usize]) -> Option<usize> {
+    fn advised_frame(&self, clip: &DrawnClip, places: &[usize]) -> Option<usize> {
         let frames = places
             .iter()
             .map(|at| self.document.frames[*at].clone())
@@ -107,9 +107,9 @@ impl Labelled {
             frames,
             ..self.document.clone()
         };
-        let coverage = Coverage::of_cameras(
+        let coverage = Coverage::measure_cameras(
             some.at(clip.folder()),
-            &TrainingFrames::of_solved(&some).frames,
+            &TrainingFrames::from_solved_frames(&some).frames,
         );
         label_advice(&some, &coverage)
             .next
@@ -163,7 +163,7 @@ pub fn two_clicks(clip: &DrawnClip) -> Labelled {
 ///
 /// # Errors
 /// A picture cannot be read.
-pub fn tracked(clip: &DrawnClip) -> Result<Labelled, ExperimentError> {
+pub fn click_and_track(clip: &DrawnClip) -> Result<Labelled, ExperimentError> {
     let mut labelled = Labelled::nothing(clip);
     labelled.click_near(clip, clip.truth.len() / 2, 4);
     let mut evidence = ClipEvidence::default();
@@ -249,7 +249,7 @@ pub fn forest(clip: &DrawnClip, is_snapped: bool) -> Result<Labelled, Experiment
         let queried: Vec<usize> = (0..clip.truth.len()).filter(meanwhile).collect();
         propose_some(clip, &mut labelled, &queried, &store, is_snapped)?;
         let Some(next) = labelled
-            .advised(clip, &queried)
+            .advised_frame(clip, &queried)
             .or_else(|| labelled.most_doubtful(queried))
         else {
             break;
@@ -282,7 +282,7 @@ fn propose_some(
     };
     let mut reader = FrameReader::new();
     // Train a forest on all frames labelled so far.
-    let training = TrainingFrames::of(&before, false);
+    let training = TrainingFrames::from_document(&before, false);
     let studied = study(
         &pictures,
         &mut reader,
@@ -305,7 +305,7 @@ fn propose_some(
     let mut proposals = proposals.unwrap_or_default();
     // Check the proposals against the painted lines, and record those that remain.
     let at = before.at(clip.folder());
-    let evidence = LineEvidence::of(at, &mut reader, is_snapped)?;
+    let evidence = LineEvidence::from_document(at, &mut reader, is_snapped)?;
     evidence.judge(at, &mut reader, &mut proposals, asking.pose.min_confidence);
     for proposal in proposals {
         if let Some(frame) = labelled.document.frames.by_id_mut(&proposal.frame) {

@@ -26,10 +26,10 @@ pub struct Reference<'a> {
 }
 
 impl<'a> Reference<'a> {
-    pub fn of(known: &'a KnownFrame) -> Self {
+    pub fn from_known_frame(known: &'a KnownFrame) -> Self {
         Self {
             known,
-            rows: DescriptorRows::of(&known.features.descriptors),
+            rows: DescriptorRows::from_descriptors(&known.features.descriptors),
         }
     }
 }
@@ -45,7 +45,7 @@ pub struct Matched<'a> {
 impl<'a> Matched<'a> {
     /// Matches a frame to references.
     pub fn to(query: &'a KnownFrame, references: &[Reference<'_>], seed: u64) -> Self {
-        let rows = DescriptorRows::of(&query.features.descriptors);
+        let rows = DescriptorRows::from_descriptors(&query.features.descriptors);
         let nearest = references
             .iter()
             .map(|reference| nearest(&rows, &reference.rows))

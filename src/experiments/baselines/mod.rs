@@ -6,7 +6,7 @@ pub(super) mod methods;
 mod times;
 
 use super::answers::{FrameAnswer, Tally, frame_table, tally_table};
-use super::forests::{ForestKind, trained_on, without_test};
+use super::forests::{ForestKind, train_forest, without_test};
 use super::progress::Progress;
 use super::sequences::introduce_again;
 use super::sets::{FrameSet, SetKind};
@@ -71,7 +71,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         &COUNTS
     };
     let counts = no_more_than(most, wanted);
-    let stride = inputs.options.sized(4, 2);
+    let stride = inputs.options.full_or_quick(4, 2);
     introduce_again(
         &mut report,
         sets,
@@ -103,7 +103,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         }
     }
     write(&mut report, sets, &by_count);
-    let times = times::measured(sets, inputs.options.quick)?;
+    let times = times::measure_times(sets, inputs.options.quick)?;
     times::write(&mut report, &times);
     if sets[0].kind == SetKind::Drawn {
         times::claims(&mut report);
@@ -132,14 +132,15 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
     order.shuffle(&mut rng(set.seed, [70, place.split as u64]));
     let references: Vec<Reference<'_>> = order
         .iter()
-        .map(|&frame| Reference::of(&set.frames[frame]))
+        .map(|&frame| Reference::from_known_frame(&set.frames[frame]))
         .collect();
     let forests: Vec<[Option<(Forest, SeenRange)>; 2]> = by_count
         .iter()
         .map(|(count, _)| {
             let known = &references[..(*count).min(references.len())];
-            ForestKind::BOTH
-                .map(|kind| trained_on(known.iter().map(|one| one.known), &kind.training(set.seed)))
+            ForestKind::BOTH.map(|kind| {
+                train_forest(known.iter().map(|one| one.known), &kind.training(set.seed))
+            })
         })
         .collect();
     let counts: Vec<usize> = by_count
@@ -205,7 +206,7 @@ fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
     for (method, (_, name)) in METHODS.into_iter().enumerate() {
         let tallies: Vec<(f64, Tally)> = by_count
             .iter()
-            .map(|(count, answers)| (*count as f64, Tally::of(answers[method].iter())))
+            .map(|(count, answers)| (*count as f64, Tally::from_answers(answers[method].iter())))
             .collect();
         let aside = ASIDE.powi(method as i32 - METHODS.len() as i32 / 2);
         let points = tallies
@@ -220,8 +221,8 @@ fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
         figure = figure.with(
             Series::new(name, method + 1, points)
                 .with_bars(bars)
-                .marked(mark)
-                .lined(line),
+                .with_mark(mark)
+                .with_line(line),
         );
         // The figure has all of them, the table the fewest and the most references.
         let ends = [tallies.first(), tallies.last()].into_iter().flatten();

@@ -5,7 +5,7 @@ use super::methods::{Matched, Reference};
 use super::{DEFAULT, HOMOGRAPHY, MARKS, METHODS, PUBLISHED, no_more_than};
 use crate::ExperimentError;
 use crate::contrast::{Contrast, Statement};
-use crate::forests::{ForestKind, trained_on};
+use crate::forests::{ForestKind, train_forest};
 use crate::paper::TABLE_2_SECONDS;
 use crate::sequences::on_both;
 use crate::sets::{FrameSet, KnownFrame, as_picture};
@@ -39,7 +39,7 @@ pub struct Times {
 ///
 /// # Errors
 /// A picture cannot be read, or its features cannot be found.
-pub fn measured(sets: &[FrameSet], quick: bool) -> Result<Times, ExperimentError> {
+pub fn measure_times(sets: &[FrameSet], quick: bool) -> Result<Times, ExperimentError> {
     let Some((set, split)) = sets
         .first()
         .and_then(|set| Some((set, set.splits.first()?)))
@@ -66,7 +66,7 @@ pub fn measured(sets: &[FrameSet], quick: bool) -> Result<Times, ExperimentError
         .collect();
     let answer_ms = counts
         .into_iter()
-        .map(|count| (count, of_count(&references[..count], &tested, set.seed)))
+        .map(|count| (count, median_times(&references[..count], &tested, set.seed)))
         .collect();
     Ok(Times {
         features_ms: features_ms(&tested)?,
@@ -93,20 +93,24 @@ fn features_ms(tested: &[&KnownFrame]) -> Result<f64, ExperimentError> {
 }
 
 /// Median times (ms) of the methods with these references.
-fn of_count(references: &[&KnownFrame], tested: &[&KnownFrame], seed: u64) -> [f64; METHODS.len()] {
+fn median_times(
+    references: &[&KnownFrame],
+    tested: &[&KnownFrame],
+    seed: u64,
+) -> [f64; METHODS.len()] {
     // Preparation is not timed: descriptors of references and trained forests are ready.
     let ready: Vec<Reference<'_>> = references
         .iter()
-        .map(|known| Reference::of(known))
+        .map(|known| Reference::from_known_frame(known))
         .collect();
     let forests = ForestKind::BOTH.map(|kind| {
         (
-            trained_on(references.iter().copied(), &kind.training(seed)),
+            train_forest(references.iter().copied(), &kind.training(seed)),
             kind.asking(seed),
         )
     });
     let looked: Vec<_> = references.iter().map(|known| known.truth.ptz()).collect();
-    let ranges = SeenRange::of(&looked).map(|seen| seen.plausible());
+    let ranges = SeenRange::from_cameras(&looked).map(|seen| seen.plausible());
     let options = PoseOptions {
         ranges,
         seed,
@@ -188,8 +192,8 @@ pub fn write(report: &mut Report, times: &Times) {
         let (mark, line) = MARKS[method];
         figure = figure.with(
             Series::new(name, method + 1, points)
-                .marked(mark)
-                .lined(line),
+                .with_mark(mark)
+                .with_line(line),
         );
     }
     report.time_figure(

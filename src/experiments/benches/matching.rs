@@ -19,7 +19,10 @@ const COUNTS: [usize; 2] = [500, 1500];
 fn main() {
     set_num_threads(1).unwrap();
     let [query, reference] = descriptors(COUNTS[0]);
-    let ours = nearest(&DescriptorRows::of(&query), &DescriptorRows::of(&reference));
+    let ours = nearest(
+        &DescriptorRows::from_descriptors(&query),
+        &DescriptorRows::from_descriptors(&reference),
+    );
     let theirs = brute_force(&matrix(&query), &matrix(&reference));
     for (ours, theirs) in ours.iter().zip(theirs) {
         assert_eq!(
@@ -66,7 +69,8 @@ fn brute_force(query: &Mat, reference: &Mat) -> Vector<Vector<DMatch>> {
 
 #[divan::bench(args = COUNTS)]
 fn matrix_product(bencher: Bencher<'_, '_>, count: usize) {
-    let [query, reference] = descriptors(count).map(|descriptors| DescriptorRows::of(&descriptors));
+    let [query, reference] =
+        descriptors(count).map(|descriptors| DescriptorRows::from_descriptors(&descriptors));
     bencher.bench(|| nearest(&query, &reference));
 }
 

@@ -101,7 +101,11 @@ impl Described {
     ///
     /// # Errors
     /// A picture cannot be read, or its features cannot be extracted.
-    pub fn of(set: &FrameSet, kind: FeatureKind, stride: usize) -> Result<Self, ExperimentError> {
+    pub fn from_set(
+        set: &FrameSet,
+        kind: FeatureKind,
+        stride: usize,
+    ) -> Result<Self, ExperimentError> {
         let mut set = set.clone();
         for split in &mut set.splits {
             let queried = split.test_frames.iter().copied().step_by(stride);
@@ -169,7 +173,7 @@ impl Compared {
         let frames = set.frames.iter();
         Self::Numbers(
             frames
-                .map(|known| DescriptorRows::of(&known.features.descriptors))
+                .map(|known| DescriptorRows::from_descriptors(&known.features.descriptors))
                 .collect(),
         )
     }

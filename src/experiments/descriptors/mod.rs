@@ -14,7 +14,7 @@ use super::answers::{FrameAnswer, Tally, frame_table, tally_table};
 use super::contrast::{Contrast, Statement};
 use super::forests::{ForestKind, Trained};
 use super::paper::SIFT_SURF;
-use super::progress::{Progress, counted};
+use super::progress::{Progress, step_counter};
 use super::sequences::{introduce_again, on_both};
 use super::sets::SetKind;
 use super::{ExperimentError, SharedInputs};
@@ -62,7 +62,7 @@ impl Method {
             Self::Forest(kind) => {
                 let mut asking = kind.asking(set.seed);
                 asking.predict.max_squared_distance = described.kind.forest_gate();
-                Trained::of(set, repeat, &kind.training(set.seed)).ask_plainly(&asking)
+                Trained::train(set, repeat, &kind.training(set.seed)).ask_plainly(&asking)
             }
             Self::Neighbours => ask_neighbours(described, repeat),
         }
@@ -83,7 +83,7 @@ impl Way {
     }
 
     /// The mean `IoU` that the paper states for it.
-    fn stated(&self) -> Option<f64> {
+    fn stated_iou(&self) -> Option<f64> {
         let [sift, surf] = SIFT_SURF;
         match (self.method, self.features) {
             (Method::Forest(ForestKind::Published), FeatureKind::Sift) => Some(sift),
@@ -103,7 +103,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         "descriptors",
         &sets[0].heading("Descriptors: SIFT, SURF, ORB, AKAZE"),
     );
-    let stride = inputs.options.sized(2, 2);
+    let stride = inputs.options.full_or_quick(2, 2);
     introduce_again(
         &mut report,
         sets,
@@ -128,11 +128,11 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             answers: Vec::new(),
         }));
     }
-    let step = counted(sets.len() * ways.len(), progress);
+    let step = step_counter(sets.len() * ways.len(), progress);
     for (repeat, set) in sets.iter().enumerate() {
         for kind in FeatureKind::ALL {
             // One kind at a time, so that only its features are in memory.
-            let described = Described::of(set, kind, stride)?;
+            let described = Described::from_set(set, kind, stride)?;
             for way in ways.iter_mut().filter(|way| way.features == kind) {
                 way.answers.extend(way.method.ask(&described, repeat));
                 step();
@@ -144,7 +144,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     if sets[0].kind != SetKind::Own {
         let stated = ways
             .iter()
-            .map(|way| way.stated().map(|iou| Cell::Fixed(iou, 2)).into());
+            .map(|way| way.stated_iou().map(|iou| Cell::Fixed(iou, 2)).into());
         table = table.with_column("paper_iou", "paper: IoU", stated);
     }
     report.table("kinds", "By method and kind of features.", table);
@@ -180,7 +180,12 @@ fn claim(report: &mut Report) {
 fn tabulate(ways: &[Way]) -> Table {
     let tallies: Vec<(Cell, Tally)> = ways
         .iter()
-        .map(|way| (way.features.name().into(), Tally::of(way.answers.iter())))
+        .map(|way| {
+            (
+                way.features.name().into(),
+                Tally::from_answers(way.answers.iter()),
+            )
+        })
         .collect();
     let mut by_features = tally_table(("features", "features"), &tallies);
     let mut table = Table::new(&[("method", "method")]);

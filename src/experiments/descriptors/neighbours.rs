@@ -19,7 +19,7 @@ pub fn ask_neighbours(described: &Described, repeat: usize) -> Vec<FrameAnswer> 
             .iter()
             .map(|&training_frame| set.frames[training_frame].truth.ptz())
             .collect();
-        let Some(seen) = SeenRange::of(&seen) else {
+        let Some(seen) = SeenRange::from_cameras(&seen) else {
             return Vec::new();
         };
         let options = PoseOptions {

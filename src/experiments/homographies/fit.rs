@@ -78,7 +78,7 @@ impl Sampled {
 
     fn observations(&self) -> Vec<Observation> {
         let landmark = |(click, (ground, image)): (usize, &(Vec2, ImagePoint))| {
-            Observation::of_point(Vec3::new(ground.x, ground.y, 0.0), *image, 1.0, click)
+            Observation::from_point(Vec3::new(ground.x, ground.y, 0.0), *image, 1.0, click)
         };
         self.points.iter().enumerate().map(landmark).collect()
     }
@@ -97,7 +97,7 @@ impl Sampled {
 
     /// Fits position, rotation and focal length, with square pixels and the principal point in the
     /// middle. None if no camera above the ground gives this homography.
-    pub fn fitted(&self, field: &FieldModel) -> Option<Fitted> {
+    pub fn fit_camera(&self, field: &FieldModel) -> Option<Fitted> {
         let principal = SIZE.centre();
         let pose = pose_from_plane(&self.points, principal).ok()?;
         if !(pose.position_m.z > 0.0) {
@@ -125,7 +125,7 @@ impl Sampled {
             start: None,
         }];
         let adjusted = adjust_base(
-            &CameraClicks::centred(field, &frames, SIZE),
+            &CameraClicks::with_centred_principal_point(field, &frames, SIZE),
             &base,
             &[Some(ptz)],
             &PINHOLE,
@@ -139,7 +139,7 @@ impl Sampled {
     }
 
     /// Fits pan, tilt and focal length under a fixed base, from `start`.
-    fn pointed(&self, base: &CameraBase, start: Ptz) -> Fitted {
+    fn fit_ptz(&self, base: &CameraBase, start: Ptz) -> Fitted {
         let refined = refine(base, start, &self.observations(), Loss::Squared, None);
         let camera = PtzCamera::new(*base, refined.ptz);
         Fitted {
@@ -223,7 +223,7 @@ pub fn groups(
         if (own.base().position_m - base.position_m).norm() > NEIGHBOURS_M {
             return false;
         }
-        sampled[frame].pointed(base, level_ptz(&own)).rms_px <= within_px
+        sampled[frame].fit_ptz(base, level_ptz(&own)).rms_px <= within_px
     };
     let mut left: Vec<usize> = (0..sampled.len()).collect();
     let try_base = |base: CameraBase| {
@@ -294,7 +294,7 @@ fn together(
         ..AdjustOptions::default()
     };
     adjust_base(
-        &CameraClicks::centred(field, &frames, SIZE),
+        &CameraClicks::with_centred_principal_point(field, &frames, SIZE),
         &group.base,
         &start,
         &PINHOLE,
@@ -319,7 +319,7 @@ pub fn under_one_base(sampled: &[Sampled], fitted: &[Fitted]) -> Vec<f64> {
         SIZE.centre(),
     );
     let of = |(sampled, fitted): (&Sampled, &Fitted)| {
-        sampled.pointed(&base, level_ptz(&fitted.camera)).rms_px
+        sampled.fit_ptz(&base, level_ptz(&fitted.camera)).rms_px
     };
     sampled.par_iter().zip(fitted).map(of).collect()
 }
@@ -363,12 +363,12 @@ mod tests {
         let sampled: Vec<Sampled> = cameras
             .iter()
             .map(|camera| {
-                Sampled::new(&PlaneView::of_camera(camera, SIZE).unwrap(), &field).unwrap()
+                Sampled::new(&PlaneView::from_camera(camera, SIZE).unwrap(), &field).unwrap()
             })
             .collect();
         let fitted: Vec<Fitted> = sampled
             .iter()
-            .map(|sampled| sampled.fitted(&field).unwrap())
+            .map(|sampled| sampled.fit_camera(&field).unwrap())
             .collect();
         for (camera, fitted) in cameras.iter().zip(&fitted) {
             assert!(fitted.rms_px < 1e-4, "{}", fitted.rms_px);

@@ -98,7 +98,7 @@ pub fn run(
         ))
         .with(
             Series::cumulative("one base for all", 2, &one_base, one_base.len())
-                .lined(Line::Dashed),
+                .with_line(Line::Dashed),
         );
     report.figure(
         "residuals",
@@ -168,15 +168,15 @@ pub fn run(
         Axis::linear("place in the set"),
         Axis::linear("across (m)"),
     )
-    .with(Series::new("frames", 1, placed(&fitted, 0..fitted.len())).lined(Line::None))
+    .with(Series::new("frames", 1, camera_y_points(&fitted, 0..fitted.len())).with_line(Line::None))
     .with(
         Series::new(
             "frames of groups",
             2,
-            placed(&fitted, shown.iter().flat_map(|g| g.frames.iter().copied())),
+            camera_y_points(&fitted, shown.iter().flat_map(|g| g.frames.iter().copied())),
         )
-        .lined(Line::None)
-        .marked(Mark::Cross),
+        .with_line(Line::None)
+        .with_mark(Mark::Cross),
     );
     report.figure(
         "order",
@@ -196,8 +196,8 @@ pub fn run(
 fn score(read: &Homographies, name: &str, image_from_ground: &Mat3) -> Option<Scored> {
     let view = PlaneView::new(image_from_ground, SIZE)?;
     let sampled = Sampled::new(&view, &read.field)?;
-    let fitted = sampled.fitted(&read.field)?;
-    let estimate = PlaneView::of_camera(&fitted.camera, SIZE)?;
+    let fitted = sampled.fit_camera(&read.field)?;
+    let estimate = PlaneView::from_camera(&fitted.camera, SIZE)?;
     Some(Scored {
         name: name.to_owned(),
         iou_part: view.iou_part(&read.field, &estimate)?,
@@ -234,7 +234,7 @@ fn fit_table(scored: &[Scored]) -> Table {
         // Negated where more is better, so that the upper percentiles are the worst ones.
         let sign = if more_is_better { -1.0 } else { 1.0 };
         let values: Vec<f64> = scored.iter().map(|scored| sign * of(scored)).collect();
-        let Some(summary) = Summary::of(&values, 0) else {
+        let Some(summary) = Summary::from_values(&values, 0) else {
             continue;
         };
         let mut row: Vec<Cell> = vec![name.into(), summary.count.into()];
@@ -282,7 +282,7 @@ fn frame_table(scored: &[Scored]) -> Table {
 }
 
 /// The position of each frame in the set (from 1), and its camera's y, m.
-fn placed(fitted: &[Fitted], frames: impl Iterator<Item = usize>) -> Vec<[f64; 2]> {
+fn camera_y_points(fitted: &[Fitted], frames: impl Iterator<Item = usize>) -> Vec<[f64; 2]> {
     frames
         .map(|frame| [(frame + 1) as f64, fitted[frame].camera.base().position_m.y])
         .collect()
@@ -374,10 +374,10 @@ fn positions(fitted: &[Fitted], groups: &[SharedBase]) -> Figure {
         Axis::linear("along the field (m)"),
         Axis::linear("across (m)"),
     )
-    .with(Series::new("frames", 1, alone.collect()).lined(Line::None))
+    .with(Series::new("frames", 1, alone.collect()).with_line(Line::None))
     .with(
         Series::new("groups", 2, shared.collect())
-            .lined(Line::None)
-            .marked(Mark::Cross),
+            .with_line(Line::None)
+            .with_mark(Mark::Cross),
     )
 }

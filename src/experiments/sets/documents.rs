@@ -47,13 +47,13 @@ impl OwnDocuments {
 ///
 /// # Errors
 /// A field is not valid, a picture cannot be read, or no frame can be tested against another.
-pub fn of_own(
+pub fn read_own_documents(
     own: &OwnDocuments,
     progress: &(dyn Fn() + Sync),
 ) -> Result<FrameSet, ExperimentError> {
     match &own.test {
-        Some(test) => of_two(&own.train, test, progress),
-        None => of_clips(&own.train, progress),
+        Some(test) => split_by_document(&own.train, test, progress),
+        None => split_by_clip(&own.train, progress),
     }
 }
 
@@ -85,7 +85,7 @@ impl Gathered {
         let solved: Vec<usize> = (0..document.frames.len())
             .filter(|&index| {
                 let frame = &document.frames[index];
-                frame.status != FrameStatus::Rejected && document.pointed(frame).is_some()
+                frame.status != FrameStatus::Rejected && document.ptz_camera(frame).is_some()
             })
             .collect();
         let found = pictures.each(&mut FrameReader::new(), &solved, |index, _, features| {
@@ -96,7 +96,7 @@ impl Gathered {
         for (index, features) in found.unwrap_or_default() {
             let frame = &*document.frames[index];
             let (Some(truth), Some(source)) =
-                (document.pointed(frame), frame.picture_source(folder))
+                (document.ptz_camera(frame), frame.picture_source(folder))
             else {
                 continue;
             };
@@ -146,7 +146,7 @@ impl Gathered {
     }
 
     /// The frames of a camera in the clips for which `clip` is true.
-    pub fn of_camera(
+    pub fn frames_of_camera(
         &self,
         range: Range<usize>,
         camera: &str,
@@ -170,7 +170,7 @@ fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
 }
 
 /// Tests the frames of one document against those of the others.
-fn of_two(
+fn split_by_document(
     train: &[OwnDocument],
     test: &OwnDocument,
     progress: &(dyn Fn() + Sync),
@@ -186,8 +186,8 @@ fn of_two(
         .into_iter()
         .map(|camera| Split {
             name: format!("camera {camera}"),
-            training_frames: gathered.of_camera(0..taught, camera, |_| true),
-            test_frames: gathered.of_camera(tested.clone(), camera, |_| true),
+            training_frames: gathered.frames_of_camera(0..taught, camera, |_| true),
+            test_frames: gathered.frames_of_camera(tested.clone(), camera, |_| true),
         });
     let splits: Vec<Split> = splits
         .filter(|split| !split.training_frames.is_empty() && !split.test_frames.is_empty())
@@ -211,7 +211,7 @@ fn of_two(
 }
 
 /// Tests each clip against the other clips of its camera.
-fn of_clips(
+fn split_by_clip(
     documents: &[OwnDocument],
     progress: &(dyn Fn() + Sync),
 ) -> Result<FrameSet, ExperimentError> {
@@ -238,8 +238,9 @@ fn of_clips(
                 splits.push(Split {
                     name,
                     training_frames: gathered
-                        .of_camera(range.clone(), camera, |other| other != clip),
-                    test_frames: gathered.of_camera(range.clone(), camera, |other| other == clip),
+                        .frames_of_camera(range.clone(), camera, |other| other != clip),
+                    test_frames: gathered
+                        .frames_of_camera(range.clone(), camera, |other| other == clip),
                 });
             }
         }

@@ -114,7 +114,7 @@ pub fn highlights_in(
         let of_second = number >= SEQUENCES_OF_FIRST_GAME;
         let begins_s =
             SEQUENCE_EVERY_S * number as f64 + if of_second { SECOND_GAME_S } else { 0.0 };
-        let path = Path::drawn(stated, size, &mut draw);
+        let path = Path::from_sequence(stated, size, &mut draw);
         for frame in (0..frames).step_by(stride) {
             let step = path.step(frame as f64 / (frames - 1) as f64, begins_s);
             let of_all = number * frames + frame;
@@ -163,7 +163,7 @@ pub fn highlights_in(
 
 /// Number of frames of a synthetic sequence.
 pub fn frames_a_sequence(options: &ExperimentOptions) -> usize {
-    options.sized(SEQUENCE_FRAMES, 6)
+    options.full_or_quick(SEQUENCE_FRAMES, 6)
 }
 
 /// The seed of a scene. Scenes of neighbouring seeds differ.
@@ -227,7 +227,7 @@ const SLOWEST: f64 = 0.8;
 const SAMPLES: usize = 29;
 
 impl Path {
-    fn drawn(stated: &Sequence, size: ImageSize, draw: &mut rand_pcg::Pcg64Mcg) -> Self {
+    fn from_sequence(stated: &Sequence, size: ImageSize, draw: &mut rand_pcg::Pcg64Mcg) -> Self {
         let scale = f64::from(size.width) / f64::from(SIZE.width);
         let phases = std::array::from_fn(|_| std::array::from_fn(|_| draw.random_range(0.0..TAU)));
         let reach = std::array::from_fn(|axis| {
@@ -297,7 +297,7 @@ mod tests {
     #[test]
     fn a_path_has_the_range_that_the_table_states_and_the_motion_of_its_steps() {
         for (number, stated) in TABLE_2.iter().enumerate() {
-            let path = Path::drawn(stated, SIZE, &mut rng(7, [1, number as u64]));
+            let path = Path::from_sequence(stated, SIZE, &mut rng(7, [1, number as u64]));
             let steps: Vec<PathStep> = (0..SAMPLES)
                 .map(|at| path.step(at as f64 / (SAMPLES - 1) as f64, 0.0))
                 .collect();

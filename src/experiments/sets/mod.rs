@@ -7,11 +7,11 @@ mod motion;
 mod published;
 mod worldcup;
 
-pub use documents::{OwnDocument, OwnDocuments, of_own};
+pub use documents::{OwnDocument, OwnDocuments, read_own_documents};
 pub use drawn::as_picture;
 pub use highlights::{Scenery, frames_a_sequence, highlights, highlights_in};
 pub use motion::{MOTION_FILE, RealMotion, motion};
-pub use published::{PublishedKind, published, published_folder};
+pub use published::{PublishedKind, published_folder, read_published};
 pub use worldcup::{frames_a_game, worldcup};
 
 use super::ExperimentError;
@@ -138,7 +138,7 @@ impl FrameSet {
     }
 
     /// The same set without features on players and graphics, as if a detector had found these.
-    pub fn masked(&self) -> Self {
+    pub fn without_masked_features(&self) -> Self {
         let mut set = self.clone();
         for frame in set.frames.iter_mut().filter(|frame| !frame.is_masked) {
             let features = std::mem::take(&mut frame.features);

@@ -94,7 +94,7 @@ impl RealMotion {
     }
 
     /// The same motion for pictures of another width.
-    fn scaled(&self, size: ImageSize) -> Self {
+    fn scale_to(&self, size: ImageSize) -> Self {
         let scale = f64::from(size.width) / f64::from(PUBLISHED_SIZE.width);
         let principal = self.base.principal_point;
         let principal_point = ImagePoint::new(principal.x * scale, principal.y * scale);
@@ -136,7 +136,7 @@ pub fn motion(
     progress: &(dyn Fn() + Sync),
 ) -> Result<FrameSet, ExperimentError> {
     let size = picture_size(options);
-    let scaled = real.scaled(size);
+    let scaled = real.scale_to(size);
     let shoot = Preset::Paper.shoot();
     let [length_m, width_m] = RealMotion::FIELD_M;
     let sides = BTreeMap::from([

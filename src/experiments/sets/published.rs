@@ -4,7 +4,7 @@ use super::documents::{Gathered, OwnDocument};
 use super::{FrameSet, SetKind, Split};
 use crate::ExperimentError;
 use crate::given::folder_with;
-use crate::progress::{Progress, counted};
+use crate::progress::{Progress, step_counter};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use touchline_documents::exchange::read_authors_folder;
@@ -79,7 +79,7 @@ pub fn published_folder(data: &Path, kind: PublishedKind) -> Option<PathBuf> {
 ///
 /// # Errors
 /// An annotation or a picture cannot be read.
-pub fn published(
+pub fn read_published(
     folder: &Path,
     kind: PublishedKind,
     progress: Progress,
@@ -91,7 +91,7 @@ pub fn published(
         folder: folder.to_path_buf(),
     };
     let mut gathered = Gathered::default();
-    let range = gathered.add(&own, &counted(own.document.frames.len(), progress))?;
+    let range = gathered.add(&own, &step_counter(own.document.frames.len(), progress))?;
     let (splits, whole) = splits(&gathered, &range, kind);
     let [length, width] = read.field_yd;
     let source = if read.field_model.is_some() {
@@ -136,10 +136,10 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
         let apart = kind == PublishedKind::Highlights && clips.len() > 1;
         whole &= apart;
         for clip in clips {
-            let of_clip = gathered.of_camera(range.clone(), camera, |other| other == clip);
+            let of_clip = gathered.frames_of_camera(range.clone(), camera, |other| other == clip);
             let (training_frames, test_frames) = if apart {
                 (
-                    gathered.of_camera(range.clone(), camera, |other| other != clip),
+                    gathered.frames_of_camera(range.clone(), camera, |other| other != clip),
                     of_clip,
                 )
             } else {
@@ -204,7 +204,7 @@ mod tests {
         );
         assert_eq!(found(&highlights, PublishedKind::WorldCup), None);
 
-        let set = published(&highlights, PublishedKind::Highlights, &|_, _| {}).unwrap();
+        let set = read_published(&highlights, PublishedKind::Highlights, &|_, _| {}).unwrap();
         assert_eq!(
             (set.kind, set.names()),
             (SetKind::Published, vec!["seq1", "seq2"])
@@ -219,7 +219,7 @@ mod tests {
             ),
             (&[3, 4, 5][..], &[0, 1, 2][..])
         );
-        let set = published(&highlights, PublishedKind::WorldCup, &|_, _| {}).unwrap();
+        let set = read_published(&highlights, PublishedKind::WorldCup, &|_, _| {}).unwrap();
         assert_eq!(
             (
                 &set.splits[1].training_frames[..],
@@ -229,7 +229,7 @@ mod tests {
         );
 
         fs::remove_file(highlights.join("seq2/2.png")).unwrap();
-        let error = published(&highlights, PublishedKind::Highlights, &|_, _| {})
+        let error = read_published(&highlights, PublishedKind::Highlights, &|_, _| {})
             .unwrap_err()
             .to_string();
         assert!(error.contains("seq2/2.png"), "{error}");

@@ -25,7 +25,7 @@ pub struct Integral {
 impl Integral {
     /// Sums a picture in grey, reduced by a whole factor. Columns and rows that fill no block are
     /// dropped.
-    pub fn of(picture: &Picture, factor: u32) -> Self {
+    pub fn from_picture(picture: &Picture, factor: u32) -> Self {
         let (full, factor) = (picture.size(), factor.max(1) as usize);
         let full_width = full.width as usize;
         let (width, height) = (full_width / factor, full.height as usize / factor);
@@ -87,12 +87,12 @@ mod tests {
     fn boxes_are_summed_and_reduced_pixels_are_blocks() {
         let pixels = (0..35u8).flat_map(|value| [value, value, value, 255]);
         let picture = Picture::new(ImageSize::new(7, 5), pixels.collect()).unwrap();
-        let full = Integral::of(&picture, 1);
+        let full = Integral::from_picture(&picture, 1);
         // Columns 2 and 3 of rows 1 to 3.
         let sum = f64::from(9 + 10 + 16 + 17 + 23 + 24);
         assert_eq!(full.sum([2, 4], [1, 4]), 256.0 * sum);
         assert_eq!(full.sum([3, 3], [0, 5]), 0.0);
-        let half = Integral::of(&picture, 2);
+        let half = Integral::from_picture(&picture, 2);
         assert_eq!((half.width(), half.height()), (3, 2));
         assert_eq!(half.sum([1, 2], [1, 2]), full.sum([2, 4], [2, 4]));
         assert_eq!(half.white(), 4.0 * full.white());

@@ -35,7 +35,7 @@ pub fn extract_surf(picture: &Picture, masks: &[PixelBox], most: usize) -> Featu
     let image_size = picture.size();
     let widest = FeatureOptions::default().max_width_px;
     let factor = image_size.width.div_ceil(widest).max(1);
-    let grey = Integral::of(picture, factor);
+    let grey = Integral::from_picture(picture, factor);
     // In the corner convention a reduced picture differs from the full one by a factor alone.
     let full_px = f64::from(factor);
     let in_picture = |blob: &Blob| ImagePoint::new(blob.x * full_px, blob.y * full_px);
@@ -249,7 +249,7 @@ mod tests {
             (21, 21),
             (30, 30),
         ] {
-            let even = Picture::filled(ImageSize::new(width, height), [90, 120, 60, 255]);
+            let even = Picture::with_colour(ImageSize::new(width, height), [90, 120, 60, 255]);
             assert!(
                 extract_surf(&even, &[], 10).is_empty(),
                 "{width} × {height}"
@@ -258,7 +258,12 @@ mod tests {
             assert!(extract_surf(&wild, &[], 10).len() <= 10);
         }
         assert!(
-            extract_surf(&Picture::filled(ImageSize::new(300, 200), [9; 4]), &[], 10).is_empty()
+            extract_surf(
+                &Picture::with_colour(ImageSize::new(300, 200), [9; 4]),
+                &[],
+                10
+            )
+            .is_empty()
         );
     }
 }

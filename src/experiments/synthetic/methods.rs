@@ -67,7 +67,7 @@ pub fn reproject_by_eq_2(
         let noise = noisy.image.offset_from(seen.image);
         let offset = project_by_eq_2(ray_in_base(base, seen), &ptz);
         Correspondence {
-            image: base.principal_point.moved(offset + noise),
+            image: base.principal_point.translate(offset + noise),
             ..*seen
         }
     };
@@ -114,7 +114,7 @@ pub fn refine_exactly(base: &CameraBase, start: Ptz, seen: &[Correspondence]) ->
         .iter()
         .enumerate()
         .map(|(click, correspondence)| {
-            Observation::of_point(correspondence.world, correspondence.image, 1.0, click)
+            Observation::from_point(correspondence.world, correspondence.image, 1.0, click)
         })
         .collect();
     refine(base, start, &observations, Loss::Squared, None).ptz
@@ -204,14 +204,14 @@ pub fn cramer_rao_bound(camera: &PtzCamera, seen: &[Correspondence], sigma_px: f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::setting::{base, correspondences, drawn_ptz, rng};
+    use crate::setting::{base, correspondences, random_ptz, rng};
 
     #[test]
     fn without_noise_each_model_is_exact_on_its_own_points_only() {
         let mut worst = [0.0f64; 4];
         for index in 0..8 {
             let mut rng = rng(5, [1, index]);
-            let camera = PtzCamera::new(base(), drawn_ptz(&mut rng));
+            let camera = PtzCamera::new(base(), random_ptz(&mut rng));
             let seen = correspondences(&camera, &mut rng);
             let pair = farthest_pair(&seen);
             let base = camera.base();
@@ -245,7 +245,7 @@ mod tests {
         let seen: Vec<Correspondence> = offsets
             .iter()
             .map(|(x, y)| {
-                let image = camera.base().principal_point.moved(Vec2::new(*x, *y));
+                let image = camera.base().principal_point.translate(Vec2::new(*x, *y));
                 let world = camera.base().position_m
                     + camera.world_direction_from_image(image).unwrap() * 80.0;
                 Correspondence {

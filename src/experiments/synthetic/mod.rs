@@ -15,8 +15,8 @@ mod pixel_noise;
 mod wrong_base;
 
 use super::ExperimentOptions;
-use super::progress::{Progress, counted};
-use super::setting::{Correspondence, OUTSIDE, RAYS, SIZE, base, correspondences, drawn_ptz, rng};
+use super::progress::{Progress, step_counter};
+use super::setting::{Correspondence, OUTSIDE, RAYS, SIZE, base, correspondences, random_ptz, rng};
 use collected::{Collected, Errors};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -25,8 +25,11 @@ use touchline_documents::report::Report;
 
 /// Runs the experiment.
 pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
-    let (cameras, trials) = (options.sized(100, 12), options.sized(100, 12));
-    let step = counted(cameras * (pixel_noise::STEPS + wrong_base::STEPS), progress);
+    let (cameras, trials) = (
+        options.full_or_quick(100, 12),
+        options.full_or_quick(100, 12),
+    );
+    let step = step_counter(cameras * (pixel_noise::STEPS + wrong_base::STEPS), progress);
     let setting = Setting {
         seed: options.seed,
         cameras,
@@ -56,7 +59,7 @@ impl Setting<'_> {
     /// A random camera and its points, the same for all noise levels.
     fn camera(&self, index: usize) -> (PtzCamera, Vec<Correspondence>) {
         let mut rng = rng(self.seed, [1, index as u64]);
-        let camera = PtzCamera::new(base(), drawn_ptz(&mut rng));
+        let camera = PtzCamera::new(base(), random_ptz(&mut rng));
         let seen = correspondences(&camera, &mut rng);
         (camera, seen)
     }

@@ -268,18 +268,18 @@ fn figure(part: &Part, by_noise: &[(f64, [Collected; METHODS.len()])]) -> Figure
         let series = |colour: usize| Series::new(name, colour, points.collect());
         figure = figure.with(match method {
             EQ_2_ALL => series(1).with_bars(bars.collect()),
-            EQ_2_FEW => series(2).marked(Mark::Triangle),
+            EQ_2_FEW => series(2).with_mark(Mark::Triangle),
             // On the same line as the first method and the bound, so that marks must do.
-            EXACT => series(3).marked(Mark::Cross).lined(Line::None),
-            BOUND => series(0).marked(Mark::None).lined(Line::Dashed),
-            MIXED => series(6).marked(Mark::Triangle).lined(Line::Dashed),
-            _ => series(4).marked(Mark::Square),
+            EXACT => series(3).with_mark(Mark::Cross).with_line(Line::None),
+            BOUND => series(0).with_mark(Mark::None).with_line(Line::Dashed),
+            MIXED => series(6).with_mark(Mark::Triangle).with_line(Line::Dashed),
+            _ => series(4).with_mark(Mark::Square),
         });
     }
     let bound = part.paper_below;
     let name = format!("paper: {}", part.describe_bound());
     let line = Series::new(&name, 0, vec![[0.0, bound], [paper_sigma, bound]]);
-    figure.with(line.marked(Mark::None).lined(Line::Dotted))
+    figure.with(line.with_mark(Mark::None).with_line(Line::Dotted))
 }
 
 #[cfg(test)]

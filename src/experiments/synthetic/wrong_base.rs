@@ -245,7 +245,7 @@ fn figure(part: &Part, measured: &Measured) -> Figure {
         Figure::new(part.title, x, Axis::log("error (°)")).with(series("rotation", 1, rotation));
     if part.letter == ROTATION.letter {
         let numbers = series("pan and tilt as numbers", 2, pan_tilt);
-        figure.with(numbers.marked(Mark::Triangle).lined(Line::Dashed))
+        figure.with(numbers.with_mark(Mark::Triangle).with_line(Line::Dashed))
     } else {
         figure
     }

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use touchline_core::files::folder_of;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    Camera, CameraId, Document, Frame, FrameId, Frames, History, Shared, Suggestion, resolved,
+    Camera, CameraId, Document, Frame, FrameId, Frames, History, Shared, Suggestion, resolve_path,
 };
 use touchline_documents::store::{
     Access, Location, Opened, PROJECT_FILE, open, read, write_document,
@@ -74,7 +74,7 @@ impl MatchToCollect<'_> {
         }
         made.frames = merge_frames(&made.frames, &labelled);
         let location = Location::for_new_document(&folder.join(""))?;
-        let made = made.relocated(&self.source_folder(), location.folder());
+        let made = made.relocate(&self.source_folder(), location.folder());
         if !is_there {
             write_document(&location, &made, false)?;
             collected.document = Some(made);
@@ -140,7 +140,7 @@ impl MatchToCollect<'_> {
 
     /// The folder that the paths in parts begin at. The frames themselves need not be there.
     fn source_folder(&self) -> PathBuf {
-        let frames = resolved(&path_in_plan(self.plan_path, &self.of_match.frames));
+        let frames = resolve_path(&path_in_plan(self.plan_path, &self.of_match.frames));
         folder_of(&frames).to_path_buf()
     }
 }

@@ -8,7 +8,8 @@ use thiserror::Error;
 use touchline_core::files::folder_of;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    Camera, Document, FieldSpec, WriteError, document_to_string, generator, path_between, resolved,
+    Camera, Document, FieldSpec, WriteError, document_to_string, generator, path_between,
+    resolve_path,
 };
 use touchline_documents::store::{self, Location, StoreError};
 use touchline_vision::media::{MediaError, sha256_of_bytes, sha256_of_file};
@@ -77,7 +78,7 @@ pub fn make_plan(
     processor: &str,
     progress: &Progress<'_, ()>,
 ) -> Result<Plan, MakePlanError> {
-    let folder = resolved(folder_of(plan));
+    let folder = resolve_path(folder_of(plan));
     let mut made = Plan::new(generator(), processor.to_owned());
     for of_season in &season.matches {
         let mut planned = plan_match(of_season, &folder)?;
@@ -200,7 +201,7 @@ fn path_for(path: &Path, folder: &Path) -> String {
     if path.is_absolute() {
         return path.to_string_lossy().into_owned();
     }
-    path_between(folder, &resolved(path))
+    path_between(folder, &resolve_path(path))
 }
 
 #[cfg(test)]

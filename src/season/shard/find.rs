@@ -88,7 +88,7 @@ impl Work<'_> {
         if hash_of_project(&location, &document)? != planned.sha256 {
             return Err(ShardError::FileChanged { path });
         }
-        let mut document = document.relocated(location.folder(), &self.source.folder);
+        let mut document = document.relocate(location.folder(), &self.source.folder);
         if let Some(forest) = &self.of_match.forest {
             let forest = self.read_forest(forest, &mut document)?;
             let about = self.about(&document);
@@ -98,7 +98,7 @@ impl Work<'_> {
                 forest,
             });
         }
-        let training = TrainingFrames::of_solved(&document).frames;
+        let training = TrainingFrames::from_solved_frames(&document).frames;
         let (options, store) = (LearnOptions::default(), FeatureStore::in_memory());
         let pictures = FramePictures {
             document: &document,

@@ -98,7 +98,7 @@ impl Work<'_> {
         reader: &mut FrameReader,
     ) -> Result<(), ShardError> {
         let model = read_model(forest, "the forest of the match's find part")?;
-        let between: BTreeSet<usize> = KeyWindow::of(document.at(&self.source.folder))
+        let between: BTreeSet<usize> = KeyWindow::from_document(document.at(&self.source.folder))
             .into_iter()
             .flat_map(|window| window.between)
             .collect();

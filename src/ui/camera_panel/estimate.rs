@@ -31,10 +31,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             "Every model of lens and crown is fitted to all groups of points but one, in turn.",
         );
         command(panel, ui, "Stop", Command::DropEstimatedBase);
-    } else if let Some(found) = state.proposed() {
-        proposed(panel, ui, found);
+    } else if let Some(found) = state.proposed_base() {
+        show_proposal(panel, ui, found);
         evidence::show(panel, ui, found);
-    } else if let Some(found) = state.applied().filter(|found| found.camera == camera.id) {
+    } else if let Some(found) = state
+        .applied_base()
+        .filter(|found| found.camera == camera.id)
+    {
         summary(ui, found);
         start(panel, ui, camera);
         evidence::show(panel, ui, found);
@@ -64,7 +67,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         panel.actions.push(Action::Command(Command::BaseOnPaint));
     }
     // The button is emphasised when an estimate is the next step.
-    let again = panel.app.operations.base_estimate.applied().is_some();
+    let again = panel.app.operations.base_estimate.applied_base().is_some();
     let says = if again {
         "Estimate again"
     } else {
@@ -88,12 +91,12 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         {
             panel.actions.push(Action::Command(Command::EstimateBase));
         }
-        ui.label(RichText::new(counted(&ready)).color(ui.palette().weak));
+        ui.label(RichText::new(describe_readiness(&ready)).color(ui.palette().weak));
     });
 }
 
 /// The number of frames and points that an estimate would use.
-fn counted(ready: &BaseReadiness) -> String {
+fn describe_readiness(ready: &BaseReadiness) -> String {
     let plural =
         |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let left_out = if ready.left_out > 0 {
@@ -109,7 +112,7 @@ fn counted(ready: &BaseReadiness) -> String {
 }
 
 /// Shows a result that is not applied yet. The main button of the panel decides about it.
-fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
+fn show_proposal(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     let card = Frame::new()
         .fill(ui.palette().raised)
         .corner_radius(6)
@@ -119,7 +122,7 @@ fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         summary(ui, found);
         ui.add_space(theme::SPACE);
         if panel.app.current().base.is_some() {
-            let key = panel.app.settings.keys.shown(Command::Compare);
+            let key = panel.app.settings.keys.key_label(Command::Compare);
             let text =
                 format!("Picture and numbers show this base. Hold {key} for the current one.");
             ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());

@@ -76,7 +76,7 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         b.1.unwrap_or(f64::INFINITY)
             .total_cmp(&a.1.unwrap_or(f64::INFINITY))
     });
-    left_out(panel, ui, &found.camera);
+    show_left_out_frames(panel, ui, &found.camera);
     list(panel, ui, &fits, 3.0 * found.estimate.median_px);
 }
 
@@ -101,7 +101,7 @@ pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         section(ui, "FRAMES, RMS");
         list(panel, ui, &frames, f64::INFINITY);
     }
-    left_out(panel, ui, &camera.id);
+    show_left_out_frames(panel, ui, &camera.id);
 }
 
 /// A list of frames without gaps. Errors above `loud_px` are emphasised.
@@ -193,7 +193,7 @@ fn rows_of_frames(
 }
 
 /// Shows the frames that are left out, each with a button that puts it back.
-fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
+fn show_left_out_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
     let Some(open) = panel.app.open() else { return };
     let frames = open.document.frames.iter().enumerate();
     let out: Vec<(usize, String)> = frames
@@ -296,10 +296,10 @@ fn disagreements(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         &format!("DISAGREE  {}", open.len() + found.estimate.mirrored.len()),
     );
     for mirrored in &found.estimate.mirrored {
-        mirrored_frame(panel, ui, mirrored);
+        show_mirrored_frame(panel, ui, mirrored);
     }
     for disputed in open {
-        disputed_click(panel, ui, disputed);
+        show_disputed_click(panel, ui, disputed);
     }
 }
 
@@ -320,7 +320,7 @@ fn is_unsettled(panel: &Panel<'_>, disputed: &DisputedClick) -> bool {
 }
 
 /// A frame that fits much better if all its names are mirrored, and the button that mirrors them.
-fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) {
+fn show_mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) {
     let Some(name) = panel
         .app
         .open()
@@ -367,7 +367,7 @@ fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) 
 }
 
 /// A click that contradicts the others, and the name that would fit better, if there is one.
-fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) {
+fn show_disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) {
     let Some(frame) = panel.app.open().and_then(|open| open.frame(disputed.frame)) else {
         return;
     };

@@ -61,11 +61,16 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 })
                 .show(ui, |ui| {
                     ui.set_width(ui.available_width());
-                    of_frames(panel, ui, &camera);
+                    show_frame_count(panel, ui, &camera);
                     // The sport must be chosen before the first click, so the field comes first;
                     // once the base is known, it comes last.
                     let settled = camera.base().is_some()
-                        || panel.app.operations.base_estimate.found().is_some();
+                        || panel
+                            .app
+                            .operations
+                            .base_estimate
+                            .estimated_base()
+                            .is_some();
                     if !settled {
                         field::show(panel, ui);
                     }
@@ -81,7 +86,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     }
                     numbers::lens(panel, ui, &camera);
                     numbers::sigma(panel, ui, &camera);
-                    if panel.app.operations.base_estimate.found().is_none() {
+                    if panel
+                        .app
+                        .operations
+                        .base_estimate
+                        .estimated_base()
+                        .is_none()
+                    {
                         evidence::frames_of_document(panel, ui, &camera);
                     }
                     if settled {
@@ -135,9 +146,9 @@ fn load(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Shows how many frames the camera has, or how many are selected, and the button that assigns some
 /// to another camera.
-fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+fn show_frame_count(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(open) = panel.app.open() else { return };
-    let frames = open.counts().of_camera(&camera.id);
+    let frames = open.counts().count_of_camera(&camera.id);
     let selected = panel.app.session.frames_selected.len();
     let (all, cameras) = (open.document.frames.len(), open.document.cameras.len());
     let description = match selected {

@@ -63,7 +63,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
 fn describe(panel: &Panel<'_>, sheet: &AcceptSheet) -> String {
     match (&sheet.bulk.of_stretch, panel.app.open()) {
         (Some(left), Some(open)) => {
-            let says = left.describe(sheet.bulk.taken().count(), open);
+            let says = left.describe(sheet.bulk.ticked_rows().count(), open);
             match sheet.bulk.late {
                 0 => says,
                 late => format!("{says} {late} changed since they were counted and stay."),
@@ -93,7 +93,7 @@ fn describe_suggestions(
         });
         return format!("No suggestion has this confidence.{best}");
     };
-    let count = bulk.taken().count();
+    let count = bulk.ticked_rows().count();
     let plural = if count == 1 { "" } else { "s" };
     let shown = if bulk.preview().len() < bulk.rows.len() {
         "The most doubtful and samples of the others are shown"
@@ -263,7 +263,7 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
 
 /// The buttons. The main one has the focus at first, so that Enter accepts.
 fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) {
-    let count = bulk.taken().count();
+    let count = bulk.ticked_rows().count();
     let accept = ui.add_enabled(
         count > 0,
         Button::new(format!("Accept {count}")).fill(ui.palette().accent_ground),
@@ -276,7 +276,7 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
     } else {
         "Leave them as suggestions. (Esc)"
     };
-    let undo = panel.app.settings.keys.shown(Command::Undo);
+    let undo = panel.app.settings.keys.key_label(Command::Undo);
     if accept
         .on_hover_text(format!(
             "Accept all of these at once. {undo} undoes it. (Enter)"

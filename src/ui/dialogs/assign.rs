@@ -8,7 +8,7 @@ use crate::ui::{
 use egui::{Button, Context, Id, Label, RichText, ScrollArea, TextEdit, Ui, vec2};
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{Action, CameraChoice, EditAction, Navigation};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::CameraId;
 
 /// Height of the list of cameras, points; longer lists scroll.
@@ -125,7 +125,7 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
         .max_height(LIST)
         .show(ui, |ui| {
             for camera in &open.document.cameras {
-                let frames = open.counts().of_camera(&camera.id);
+                let frames = open.counts().count_of_camera(&camera.id);
                 let known = if camera.base().is_some() {
                     ""
                 } else {
@@ -133,7 +133,7 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
                 };
                 let button = Button::new(camera.id.as_str())
                     .right_text(
-                        RichText::new(format!("{}{known}", counted(frames, "frame")))
+                        RichText::new(format!("{}{known}", pluralise(frames, "frame")))
                             .small()
                             .color(ui.palette().weak),
                     )

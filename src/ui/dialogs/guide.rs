@@ -134,7 +134,7 @@ fn picture(line: &str) -> Option<(&str, &str)> {
 fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
     let memory = Id::unique(("picture of the guide", name));
     let known = ui.data(|data| data.get_temp::<TextureHandle>(memory));
-    let Some(texture) = known.or_else(|| decoded(ui.ctx(), name)) else {
+    let Some(texture) = known.or_else(|| decode_picture(ui.ctx(), name)) else {
         return;
     };
     ui.data_mut(|data| data.insert_temp(memory, texture.clone()));
@@ -150,7 +150,7 @@ fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
 }
 
 /// Decodes a picture of the guide into a texture. `None` if the guide has no picture of this name.
-fn decoded(ctx: &Context, name: &str) -> Option<TextureHandle> {
+fn decode_picture(ctx: &Context, name: &str) -> Option<TextureHandle> {
     let (_, bytes) = guide::PICTURES.iter().find(|(known, _)| *known == name)?;
     decode_texture(ctx, name, bytes)
 }
@@ -250,7 +250,7 @@ mod tests {
         let ctx = Context::default();
         for (caption, name) in &named {
             assert!(caption.len() > 20, "{name}");
-            let size = decoded(&ctx, name).map(|texture| texture.size());
+            let size = decode_picture(&ctx, name).map(|texture| texture.size());
             assert!(
                 size.is_some_and(|[width, _]| width >= 900),
                 "{name}: {size:?}"

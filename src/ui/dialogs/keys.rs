@@ -111,7 +111,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     for group in [MenuGroup::Frame, MenuGroup::Camera, MenuGroup::Help] {
                         table(panel, &mut columns[1], group, chosen);
                     }
-                    fixed(&mut columns[1]);
+                    show_fixed_keys(&mut columns[1]);
                 });
             });
     });
@@ -137,7 +137,7 @@ fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup, chosen: Option<Co
 
 /// Shows the keys of a command as a button; a click waits for a new key.
 fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
-    let shown = shown(&panel.app.settings.keys, command);
+    let shown = key_list(&panel.app.settings.keys, command);
     let text = match (waits, shown.is_empty()) {
         (true, _) => RichText::new("press a key").color(ui.palette().strong),
         (false, true) => RichText::new("none").color(ui.palette().weak),
@@ -159,7 +159,7 @@ fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
 }
 
 /// All keys of a command.
-fn shown(keys: &Keymap, command: Command) -> String {
+fn key_list(keys: &Keymap, command: Command) -> String {
     let chords: Vec<String> = keys
         .chords(command)
         .iter()
@@ -169,7 +169,7 @@ fn shown(keys: &Keymap, command: Command) -> String {
 }
 
 /// Lists what cannot be changed.
-fn fixed(ui: &mut Ui) {
+fn show_fixed_keys(ui: &mut Ui) {
     theme::title(ui, "POINTER AND FIXED KEYS");
     Grid::new("fixed keys")
         .num_columns(2)

@@ -159,7 +159,7 @@ fn to_guide(panel: &mut Panel<'_>, ui: &mut Ui) {
         return;
     };
     let button = Button::new(RichText::new("Guide").small().color(ui.palette().weak)).small();
-    let key = panel.app.settings.keys.shown(Command::Guide);
+    let key = panel.app.settings.keys.key_label(Command::Guide);
     let tip = format!(
         "Open the user guide at “{}”; closing it leads back here. ({key})",
         page.title()

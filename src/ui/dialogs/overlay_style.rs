@@ -38,7 +38,7 @@ fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
         .shown_field_spec()
         .map(|spec| spec.template.clone())
         .unwrap_or_default();
-    let sport = Sport::of_template(&template);
+    let sport = Sport::from_template(&template);
     ui.label(sport.map_or_else(
         || "Colour".to_owned(),
         |sport| format!("Colour for {}", sport.name.to_lowercase()),

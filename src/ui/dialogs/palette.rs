@@ -84,7 +84,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
         state.highlighted = 0;
     }
     // Typing starts again from the first row; arrows move on from the present one.
-    let found = found(panel.app, &state.typed);
+    let found = find_commands(panel.app, &state.typed);
     let last = found.len().saturating_sub(1);
     state.highlighted = state.highlighted.saturating_add_signed(step).min(last);
     ui.add_space(theme::SPACE);
@@ -118,7 +118,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
 
 /// The matching commands: available ones first, then by score; in the order of the menus while
 /// nothing is typed.
-fn found(app: &App, typed: &str) -> Vec<Command> {
+fn find_commands(app: &App, typed: &str) -> Vec<Command> {
     let candidates = Command::all().filter(|command| *command != Command::Palette);
     let mut scored: Vec<((bool, Reverse<u32>), Command)> = candidates
         .filter_map(|command| {
@@ -201,7 +201,7 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
         FontId::proportional(11.0),
         ui.palette().weak,
     );
-    let key = app.settings.keys.shown(command);
+    let key = app.settings.keys.key_label(command);
     painter.text(
         pos2(rect.right() - 8.0, middle),
         Align2::RIGHT_CENTER,
@@ -231,19 +231,22 @@ mod tests {
                 Command::all().max_by_key(|command| (score(typed, *command), *command == wanted));
             assert_eq!(best, Some(wanted), "{typed}");
         }
-        assert!(found(&app, "zzzz").is_empty());
-        assert_eq!(found(&app, " ").len(), Command::all().count() - 1);
+        assert!(find_commands(&app, "zzzz").is_empty());
+        assert_eq!(find_commands(&app, " ").len(), Command::all().count() - 1);
     }
 
     #[test]
     fn other_words_find_a_command_and_what_can_be_done_now_comes_first() {
         let app = App::default();
         for word in ["basketball", "sport", "pitch", "NBA"] {
-            assert!(found(&app, word).contains(&Command::ChooseSport), "{word}");
+            assert!(
+                find_commands(&app, word).contains(&Command::ChooseSport),
+                "{word}"
+            );
         }
-        assert!(found(&app, "shortcuts").contains(&Command::Keys));
+        assert!(find_commands(&app, "shortcuts").contains(&Command::Keys));
         // Nothing is open, so commands that need a document come last.
-        let found = found(&app, "");
+        let found = find_commands(&app, "");
         let first_refused = found
             .iter()
             .position(|command| app.why_not(*command).is_some())

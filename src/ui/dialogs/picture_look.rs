@@ -63,7 +63,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 }
                 let tip = format!(
                     "{} opens and closes this.",
-                    panel.app.settings.keys.shown(Command::PictureLook)
+                    panel.app.settings.keys.key_label(Command::PictureLook)
                 );
                 ui.label(egui::RichText::new(tip).small().color(ui.palette().weak));
                 if look != before {

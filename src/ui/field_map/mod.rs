@@ -70,7 +70,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     let mut view = ui
         .data(|data| data.get_temp::<PictureView>(view_id))
         .unwrap_or_default();
-    view = moved(
+    view = apply_gestures(
         ui,
         &response,
         Placement::new(rect, pixels_per_point, map.size_px(), view),
@@ -159,7 +159,7 @@ struct Place<'a> {
 }
 
 /// The view after the gestures of this frame of the window: the wheel zooms, dragging moves.
-fn moved(
+fn apply_gestures(
     ui: &egui::Ui,
     response: &egui::Response,
     placement: Placement,
@@ -176,14 +176,14 @@ fn moved(
                 .collect::<Vec<_>>()
         }) {
             view = match gesture {
-                Gesture::Zoom(factor) => placement.zoomed(factor, at),
-                Gesture::Pan(along) => placement.panned(along),
+                Gesture::Zoom(factor) => placement.zoom_at(factor, at),
+                Gesture::Pan(along) => placement.pan_by(along),
             };
             placement = placement.showing(view);
         }
     }
     if response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle) {
-        view = placement.panned(response.drag_delta());
+        view = placement.pan_by(response.drag_delta());
     }
     view
 }
@@ -207,7 +207,7 @@ fn paint(
         .filter(|_| !hidden)
         .map(|frame| frame.clicks.as_slice())
         .unwrap_or_default();
-    let shown = app.shown();
+    let shown = app.shown_values();
     let preview = app
         .current()
         .preview
@@ -377,7 +377,9 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
 /// Draws the camera in its position, looking at the field's centre. If it is outside the map, it is
 /// drawn at the border.
 fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
-    let Some(base) = app.shown().base else { return };
+    let Some(base) = app.shown_values().base else {
+        return;
+    };
     let position = Vec3::new(base.position_m.x, base.position_m.y, 0.0);
     let stands = place
         .placement

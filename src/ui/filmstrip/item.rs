@@ -181,7 +181,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     // The thumbnail, darker for a rejected frame.
     painter.rect_filled(picture, CornerRadius::same(3), ui.palette().raised);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
-        let shape = fitted(texture.size_vec2(), picture);
+        let shape = fit_within(texture.size_vec2(), picture);
         let rejected = frame.status == FrameStatus::Rejected;
         let tint = if rejected {
             Color32::from_gray(90)
@@ -308,7 +308,7 @@ fn confidence(frame: &Frame) -> Option<f64> {
 }
 
 /// The largest rectangle of a picture's shape in the middle of a box.
-fn fitted(size: egui::Vec2, within: Rect) -> Rect {
+fn fit_within(size: egui::Vec2, within: Rect) -> Rect {
     let scale = (within.width() / size.x.max(1.0)).min(within.height() / size.y.max(1.0));
     Rect::from_center_size(within.center(), size * scale)
 }

@@ -55,7 +55,8 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show_ui(ui, |ui| {
             for filter in Filter::ALL {
                 let row = egui::Button::selectable(filter == chosen, filter.label()).right_text(
-                    RichText::new(counts.shown_by(filter).to_string()).color(ui.palette().weak),
+                    RichText::new(counts.count_matching(filter).to_string())
+                        .color(ui.palette().weak),
                 );
                 if ui.add(row).clicked() {
                     panel
@@ -70,7 +71,10 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
         .accessible_name("Frames shown")
         .on_hover_text("Which frames the filmstrip shows.");
     // How far the work is.
-    let (references, needed) = (counts.of_status(FrameStatus::Reference), counts.to_do);
+    let (references, needed) = (
+        counts.count_with_status(FrameStatus::Reference),
+        counts.to_do,
+    );
     ui.label(
         RichText::new(format!(
             "{references} reference{}",
@@ -100,7 +104,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     // The height of the panel gives the size of a cell: a thumbnail with status bar and caption
     // below it.
     let item = vec2(((height - 26.0) * ASPECT).round(), height - 8.0);
-    let strip = Strip::of(ui, open, app.session.filter, app.session.frame, item.x);
+    let strip = Strip::get_or_lay_out(ui, open, app.session.filter, app.session.frame, item.x);
     if strip.cells.is_empty() {
         ui.centered_and_justified(|ui| {
             let none = format!("No frame is “{}”.", app.session.filter.label());

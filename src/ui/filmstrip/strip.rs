@@ -91,7 +91,7 @@ struct Part {
 
 impl Parts {
     /// The values of all frames.
-    fn of(frames: &Frames, filter: Filter) -> Self {
+    fn from_frames(frames: &Frames, filter: Filter) -> Self {
         let mut parts = Self {
             frames: frames.clone(),
             ..Self::default()
@@ -106,7 +106,7 @@ impl Parts {
     /// Computes the values of the frames that have changed. Returns whether a cell may have moved.
     fn follow(&mut self, frames: &Frames, filter: Filter) -> bool {
         let FrameChanges::At(changed) = frames.changes_since(&self.frames) else {
-            *self = Self::of(frames, filter);
+            *self = Self::from_frames(frames, filter);
             return true;
         };
         self.frames = frames.clone();
@@ -136,7 +136,13 @@ impl Parts {
 impl Strip {
     /// The layout as [`Self::new`] computes it. The last one is returned again as long as its cells
     /// stay where they are.
-    pub fn of(ui: &Ui, open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Arc<Self> {
+    pub fn get_or_lay_out(
+        ui: &Ui,
+        open: &OpenProject,
+        filter: Filter,
+        shown: usize,
+        item: f32,
+    ) -> Arc<Self> {
         type Known = Option<(LaidOutFor, Parts, Arc<Strip>)>;
         let memory = Id::unique("filmstrip as laid out");
         let frames = &open.document.frames;
@@ -160,7 +166,7 @@ impl Strip {
                 let is_other = parts.follow(frames, filter);
                 (parts, Some(strip).filter(|_| !is_other && before == now))
             }
-            None => (Parts::of(frames, filter), None),
+            None => (Parts::from_frames(frames, filter), None),
         };
         let strip = kept.unwrap_or_else(|| Arc::new(Self::new(&parts, shown, item)));
         ui.data_mut(|data| {
@@ -325,7 +331,11 @@ mod tests {
     }
 
     fn laid_out(open: &OpenProject, filter: Filter, shown: usize) -> Strip {
-        Strip::new(&Parts::of(&open.document.frames, filter), shown, 100.0)
+        Strip::new(
+            &Parts::from_frames(&open.document.frames, filter),
+            shown,
+            100.0,
+        )
     }
 
     #[test]
@@ -384,13 +394,16 @@ mod tests {
     fn the_strip_is_laid_out_again_only_where_a_cell_moves() {
         let mut open = open(&[1; 10]);
         let references = Filter::Status(FrameStatus::Reference);
-        let [mut all, mut some] =
-            [Filter::All, references].map(|filter| Parts::of(&open.document.frames, filter));
+        let [mut all, mut some] = [Filter::All, references]
+            .map(|filter| Parts::from_frames(&open.document.frames, filter));
         let mut follows = |open: &OpenProject| {
             let (parts, frames) = ([&mut all, &mut some], &open.document.frames);
             let of = |(parts, filter): (&mut Parts, Filter)| {
                 let is_other = parts.follow(frames, filter);
-                assert_eq!(parts.of_frames, Parts::of(frames, filter).of_frames);
+                assert_eq!(
+                    parts.of_frames,
+                    Parts::from_frames(frames, filter).of_frames
+                );
                 is_other
             };
             parts

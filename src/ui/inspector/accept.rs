@@ -8,7 +8,7 @@ use egui::{
     WidgetInfo, vec2,
 };
 use touchline_application::app::{Action, Command};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::FrameStatus;
 
 /// Height of the button, points.
@@ -50,7 +50,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// The button while frames are selected: it counts those that can be accepted.
 fn stretch(panel: &mut Panel<'_>, ui: &mut Ui, count: usize) {
-    let says = format!("Accept {}…", counted(count, "selected frame"));
+    let says = format!("Accept {}…", pluralise(count, "selected frame"));
     let response = button(
         ui,
         &says,

@@ -141,8 +141,8 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
 
     let buttons = 2.0 * theme::SYMBOL.x;
     let has_evidence = app
-        .shown()
-        .solved()
+        .shown_values()
+        .click_solution()
         .is_none_or(FrameSolution::residuals_are_evidence);
     let text_left = rect.left() + 38.0;
     let text_width =
@@ -224,7 +224,7 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
         &format!("Delete point {}", index + 1),
         palette.weak,
     );
-    let key = keys.shown(Command::DeleteClick);
+    let key = keys.key_label(Command::DeleteClick);
     if delete
         .on_hover_text(format!(
             "Delete this point. ({key} deletes the selected one)"
@@ -236,7 +236,7 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
             .push(Action::Edit(EditAction::DeleteClick(index)));
     }
     let name = format!("Check point {}", index + 1);
-    let check = symbol::toggle(ui, Symbol::Diamond, &name, click.check, shown(CHECK));
+    let check = symbol::toggle(ui, Symbol::Diamond, &name, click.check, to_color32(CHECK));
     if check
         .on_hover_text(keys.tooltip(Command::ToggleCheck))
         .clicked()
@@ -264,10 +264,13 @@ fn code<'a>(app: &'a App, click: &Click) -> Option<&'a str> {
 
 /// The colour of the point in the picture.
 fn colour(app: &App, index: usize, click: &Click) -> Color32 {
-    shown(click_colour(click, app.shown().disputed.contains(&index)))
+    to_color32(click_colour(
+        click,
+        app.shown_values().disputed.contains(&index),
+    ))
 }
 
-const fn shown(colour: drawing::Colour) -> Color32 {
+const fn to_color32(colour: drawing::Colour) -> Color32 {
     Color32::from_rgb(colour.r, colour.g, colour.b)
 }
 
@@ -303,7 +306,7 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
             palette.text
         },
     };
-    let solved = app.shown().solved();
+    let solved = app.shown_values().click_solution();
     // A check point was not fitted, so its error is evidence even in a frame of two clicks.
     if let Some(solved) = solved.filter(|_| click.check) {
         let Some(check) = solved.checks.iter().find(|check| check.click == index) else {
@@ -318,7 +321,7 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
             (None, _) => quiet("out of view"),
         };
     }
-    let Some(residual) = app.shown().residual(index) else {
+    let Some(residual) = app.shown_values().residual(index) else {
         return quiet("–");
     };
     match residual.distance_px() {
@@ -342,8 +345,8 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     if click.check {
         ui.label("Check point: left out of the solve, its error is shown.");
     } else if app
-        .shown()
-        .solved()
+        .shown_values()
+        .click_solution()
         .is_some_and(|solved| !solved.residuals_are_evidence())
     {
         ui.label("Two points can always be fitted, so their residual proves nothing.");
@@ -352,7 +355,7 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     ui.label(
         RichText::new(format!(
             "Double-click or press {} to rename it.",
-            keys.shown(Command::RenameClick)
+            keys.key_label(Command::RenameClick)
         ))
         .color(ui.palette().weak),
     );

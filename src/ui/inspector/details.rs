@@ -57,9 +57,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         return;
     }
     let app = panel.app;
-    let shown = app.shown();
+    let shown = app.shown_values();
     // An estimated base gives no advice about the next click: it is not applied yet.
-    if let Some(solved) = shown.solved() {
+    if let Some(solved) = shown.click_solution() {
         uncertainty(ui, solved);
         evidence(ui, solved);
         residuals(ui, solved);
@@ -80,7 +80,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .filter(|_| !shown.is_estimated)
         .and_then(|frame| frame.solution.as_ref())
     {
-        recorded(ui, solution);
+        show_recorded_solution(ui, solution);
     }
     camera(app, ui);
 }
@@ -203,7 +203,9 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
                     .offset_px
                     .filter(|_| solved.residuals_are_evidence());
                 for axis in 0..2 {
-                    ui.label(offset.map_or_else(|| "–".to_owned(), |offset| signed(offset[axis])));
+                    ui.label(
+                        offset.map_or_else(|| "–".to_owned(), |offset| format_signed(offset[axis])),
+                    );
                 }
                 ui.label(format!("{:.1}", residual.sigma_px));
                 ui.end_row();
@@ -224,7 +226,7 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
 }
 
 /// A number with its sign and two digits. Without the rounding, -0.001 would be written -0.00.
-fn signed(px: f64) -> String {
+fn format_signed(px: f64) -> String {
     format!("{:+.2}", if px.abs() < 0.005 { 0.0 } else { px })
 }
 
@@ -304,7 +306,7 @@ fn warnings<'a>(ui: &mut Ui, messages: impl Iterator<Item = &'a str>) {
 
 /// Buttons that copy the camera as text for other programs.
 fn copy(app: &App, ui: &mut Ui) {
-    let Some(camera) = app.shown().camera else {
+    let Some(camera) = app.shown_values().camera else {
         return;
     };
     ui.add_space(theme::SPACE);
@@ -318,14 +320,14 @@ fn copy(app: &App, ui: &mut Ui) {
                 .accessible_name(format!("Copy {}", text.label()))
                 .clicked()
             {
-                ui.ctx().copy_text(text.of(&camera));
+                ui.ctx().copy_text(text.format(&camera));
             }
         }
     });
 }
 
 /// Shows what the document records about a solution that was not computed here.
-fn recorded(ui: &mut Ui, solution: &Solution) {
+fn show_recorded_solution(ui: &mut Ui, solution: &Solution) {
     grid(ui, "recorded", |ui| {
         if let Some(rms_px) = solution.rms_px {
             pair(
@@ -356,7 +358,9 @@ fn recorded(ui: &mut Ui, solution: &Solution) {
 
 /// Shows the position of the camera in the frame of the field, m, and the buttons that copy it.
 fn camera(app: &App, ui: &mut Ui) {
-    let Some(base) = app.shown().base else { return };
+    let Some(base) = app.shown_values().base else {
+        return;
+    };
     theme::title(ui, "CAMERA POSITION");
     grid(ui, "camera stands", |ui| {
         let position = base.position_m;

@@ -40,7 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             );
         });
     });
-    let shown = app.shown();
+    let shown = app.shown_values();
     // A frame without a base may still have recorded numbers.
     let recorded = frame
         .ptz
@@ -52,13 +52,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             numbers(panel, ui, ptz, f64::from(frame.image_size.width));
             below(panel, ui, frame);
         }
-        None => unsolved(panel, ui, frame),
+        None => show_unsolved(panel, ui, frame),
     }
 }
 
 /// Says where the numbers come from.
 fn source(app: &App, frame: &Frame) -> String {
-    let shown = app.shown();
+    let shown = app.shown_values();
     if shown.is_estimated {
         return "with the estimated base".to_owned();
     }
@@ -97,7 +97,7 @@ fn from_points(frame: &Frame) -> String {
 /// Shows the four numbers in two columns. Field of view and focal length are one quantity, so
 /// changing one changes the other.
 fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
-    let editable = panel.app.current().base.is_some() && !panel.app.shown().is_estimated;
+    let editable = panel.app.current().base.is_some() && !panel.app.shown_values().is_estimated;
     let app = panel.app;
     let actions = &mut *panel.actions;
     // Both columns of fields share the width that labels and gaps leave.
@@ -195,10 +195,10 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
         .solution
         .as_ref()
         .and_then(|solution| solution.worst_corner_sigma_px);
-    let shown = panel.app.shown();
+    let shown = panel.app.shown_values();
     let stored = stored.filter(|_| !shown.is_estimated);
     let sigma = shown
-        .solved()
+        .click_solution()
         .map(|solved| solved.worst_corner_sigma_px)
         .or(stored);
     ui.horizontal(|ui| {
@@ -225,8 +225,8 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
 }
 
 /// Says why there are no numbers yet, and offers to set them by hand.
-fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
-    if panel.app.shown().is_estimated {
+fn show_unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
+    if panel.app.shown_values().is_estimated {
         ui.label(
             RichText::new("No points here to solve with the estimated base.")
                 .color(ui.palette().weak),

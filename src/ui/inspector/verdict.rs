@@ -28,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.vertical(|ui| {
         ui.set_min_height(HEIGHT);
         ui.set_width(ui.available_width());
-        let shown = app.shown();
+        let shown = app.shown_values();
         if let Some(says) = app.other_picture(app.session.frame) {
             other_picture(says, ui);
             return;
@@ -52,20 +52,20 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     ways_out(panel, ui, &judgement.reason);
                 }
             }
-            (None, Some(Err(error))) => said(ui, &describe_error(error)),
+            (None, Some(Err(error))) => show_weak_text(ui, &describe_error(error)),
             (None, None) if shown.is_estimated => {
-                said(ui, "This frame has no points to check the estimated base with.");
+                show_weak_text(ui, "This frame has no points to check the estimated base with.");
             }
-            (None, _) if app.frame().is_some_and(proposed) => proposal(panel.app, ui),
+            (None, _) if app.frame().is_some_and(is_proposal) => proposal(panel.app, ui),
             (None, _) if app.frame().is_some_and(Frame::is_unanswered) => {
                 let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not recognise it");
-                said(ui, &format!("No proposal: {reason}."));
+                show_weak_text(ui, &format!("No proposal: {reason}."));
                 search_lines(panel, ui);
             }
             (None, _) if app.frame().is_some_and(|frame| frame.ptz.is_some()) => {
-                said(ui, "From the document. This frame has no points to check it with.");
+                show_weak_text(ui, "From the document. This frame has no points to check it with.");
             }
-            (None, _) => said(ui, "There is no verdict until there is a solution."),
+            (None, _) => show_weak_text(ui, "There is no verdict until there is a solution."),
         }
         if !shown.is_estimated {
             paint(app, ui);
@@ -91,7 +91,7 @@ fn other_picture(says: &str, ui: &mut Ui) {
 }
 
 /// Whether the frame's camera is a proposal that the user has not changed.
-fn proposed(frame: &Frame) -> bool {
+fn is_proposal(frame: &Frame) -> bool {
     matches!(
         frame.status,
         FrameStatus::Suggested | FrameStatus::Reference
@@ -116,7 +116,7 @@ fn proposal(app: &App, ui: &mut Ui) {
         .why_unlikely()
         .map(|why| format!(" {}", sentence(why)))
         .unwrap_or_default();
-    said(
+    show_weak_text(
         ui,
         &format!("Proposed{}. {state}{why}", certain.unwrap_or_default()),
     );
@@ -165,7 +165,7 @@ fn paint(app: &App, ui: &mut Ui) {
 }
 
 /// A weak text instead of a verdict.
-fn said(ui: &mut Ui, text: &str) {
+fn show_weak_text(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
 }
 
@@ -321,7 +321,7 @@ fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn hidden(app: &App, reason: &str) -> usize {
     let warnings = app
         .current()
-        .solved()
+        .click_solution()
         .map_or(&[][..], |solved| &solved.warnings);
     warnings
         .iter()

@@ -35,7 +35,7 @@ const NOTHING: &str = "Choose another annotator's document of the same frames to
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let (is_running, made) = (
         panel.app.operations.comparison.is_running(),
-        panel.app.operations.comparison.made().cloned(),
+        panel.app.operations.comparison.last_result().cloned(),
     );
     let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, made.as_ref());
     card(
@@ -44,7 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         "TWO ANNOTATORS",
         beside,
         |panel, ui| match &made {
-            Some(compared) => found(panel, ui, &compared.agreement),
+            Some(compared) => show_agreement(panel, ui, &compared.agreement),
             None if is_running => nothing_yet(ui, "Comparing…"),
             None => nothing_yet(ui, NOTHING),
         },
@@ -88,7 +88,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<Compared>>) 
 }
 
 /// Shows the result of a comparison.
-fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
+fn show_agreement(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     // A copied click says nothing about an annotator's precision.
     let pairs: Vec<(&FrameAgreement, &ClickPair)> = agreement
         .frames

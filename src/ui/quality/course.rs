@@ -18,7 +18,7 @@ use egui::{
     Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::quality::{
-    Course, CoursePoint, Drawn, PointKind, Quantity, TimeAxis, drawn, within_whole, zoomed,
+    Course, CoursePoint, Drawn, PointKind, Quantity, TimeAxis, thin_points, within_whole, zoom_span,
 };
 use touchline_application::app::review::{DISAGREES_PX, percent};
 use touchline_application::app::{Action, Command, Navigation, ViewAction};
@@ -132,7 +132,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
         for kind in [PointKind::Reference, PointKind::Suggested, PointKind::Draft] {
             let count = course.count(kind);
             if count > 0 {
-                legend::entry(ui, &legend::counted(kind, count), |painter, at| {
+                legend::entry(ui, &legend::describe_count(kind, count), |painter, at| {
                     legend::mark(painter, at, kind);
                 });
             }
@@ -304,9 +304,11 @@ impl Stack {
             (factor, moved) = (f64::from(zoom), moved + f64::from(scrolled));
             if factor != 1.0 {
                 let around = self.plots[0].x_at(pointer.x);
-                panel.actions.push(Action::View(ViewAction::ShowSpan(zoomed(
-                    self.span, whole, around, factor,
-                ))));
+                panel
+                    .actions
+                    .push(Action::View(ViewAction::ShowSpan(zoom_span(
+                        self.span, whole, around, factor,
+                    ))));
             }
             let icon = match under {
                 _ if self.response.dragged() && is_part => CursorIcon::Grabbing,
@@ -332,7 +334,7 @@ fn describe(course: &Course) -> String {
         .rev()
         .filter(|(_, count)| *count > 0);
     let counts: Vec<String> = counts
-        .map(|(kind, count)| legend::counted(kind, count))
+        .map(|(kind, count)| legend::describe_count(kind, count))
         .collect();
     format!(
         "Pan, tilt and focal length over time: {}",
@@ -353,7 +355,7 @@ fn name_directions(ruler: &mut Ruler) {
             .map_or(0, |(_, decimals)| decimals.len());
         *words = format!(
             "{:.decimals$}",
-            Angle::from_degrees(*pan_deg).wrapped().degrees()
+            Angle::from_degrees(*pan_deg).wrap().degrees()
         );
     }
 }
@@ -409,7 +411,7 @@ fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
 fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
     let at = |point: &CoursePoint| plot.at(point.at, point.value(quantity));
     // The application decides between points and columns by the number of points in view.
-    match drawn(
+    match thin_points(
         points,
         quantity,
         plot.x,
@@ -468,7 +470,7 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
 /// of line.
 fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
     let [pan_deg, tilt, focal] = point.values;
-    let pan = Angle::from_degrees(pan_deg).wrapped();
+    let pan = Angle::from_degrees(pan_deg).wrap();
     let shot = frame
         .clip
         .as_ref()

@@ -2,7 +2,7 @@
 //! frame.
 
 use super::{card, legend, nothing_yet};
-use crate::ui::coverage_map::{CoverageMap, label_next, missing, seen_by};
+use crate::ui::coverage_map::{CoverageMap, coverage_colour, label_next, missing};
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
@@ -76,8 +76,12 @@ fn keys(ui: &mut Ui, seen: &Seen) {
     };
     let palette = ui.palette();
     ui.horizontal_wrapped(|ui| {
-        legend::entry(ui, "seen by 1 reference", square(seen_by(palette, 1), 9.0));
-        legend::entry(ui, "by 4 or more", square(seen_by(palette, 4), 9.0));
+        legend::entry(
+            ui,
+            "seen by 1 reference",
+            square(coverage_colour(palette, 1), 9.0),
+        );
+        legend::entry(ui, "by 4 or more", square(coverage_colour(palette, 4), 9.0));
         legend::entry(ui, "field not seen by any", square(palette.missing, 9.0));
         if !is_empty(&seen.suggestions) {
             legend::entry(ui, "seen by a suggestion", square(palette.caution, 4.0));
@@ -121,8 +125,8 @@ fn read_pointer(
         "Pan {}, tilt {}: seen in {} and {}.",
         whole_degrees(pan_deg),
         whole_degrees(tilt_deg),
-        legend::counted(PointKind::Reference, count(&looks.references)),
-        legend::counted(PointKind::Suggested, count(&looks.suggestions))
+        legend::describe_count(PointKind::Reference, count(&looks.references)),
+        legend::describe_count(PointKind::Suggested, count(&looks.suggestions))
     );
     let Some((point, frame)) =
         nearest.and_then(|point| Some((point, app.open()?.frame(point.frame)?)))

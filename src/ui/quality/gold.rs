@@ -10,7 +10,7 @@ use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Label, RichText, Ui, vec2};
 use touchline_application::app::{Action, Command, Navigation};
 use touchline_calibration::calibrate::OwnNoise;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::{ClickNoise, Target};
 
 /// Maximum number of landmarks in the list.
@@ -153,7 +153,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         1 => " One is too far off to be noise and is left out.".to_owned(),
         count => format!(" {count} are too far off to be noise and are left out."),
     };
-    let frames = counted(own.frames, "frame");
+    let frames = pluralise(own.frames, "frame");
     let text = format!("{} blind clicks in {frames}:{axes}{aside}", own.repeats).replace(":.", ".");
     ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(ui.palette().text)).wrap());
     // Which noise weights the clicks at present, and how the own one compares with it.
@@ -168,12 +168,12 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         ),
         (None, Some(noise)) => format!(
             "Your points are weighted by the usual click noise. {}",
-            compared(noise)
+            describe_noise(noise)
         ),
         (Some(used), _) => format!(
             "Your points are weighted by your own click noise, from {} blind clicks. {}",
             used.repeats,
-            compared(used)
+            describe_noise(used)
         ),
     };
     let tip = "Half of the variance that a field template states for a landmark comes from clicking, half from the place: paint \
@@ -183,7 +183,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
 }
 
 /// Compares an annotator's click noise with the usual one, in a sentence.
-fn compared(noise: &ClickNoise) -> String {
+fn describe_noise(noise: &ClickNoise) -> String {
     format!("Yours is {:.0} % of the usual noise.", 100.0 * noise.factor)
 }
 

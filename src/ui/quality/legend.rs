@@ -66,7 +66,7 @@ pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Re
 }
 
 /// A count with the name of the kind in singular or plural.
-pub fn counted(kind: PointKind, count: usize) -> String {
+pub fn describe_count(kind: PointKind, count: usize) -> String {
     let (one, more) = match kind {
         PointKind::Reference => ("reference", "references"),
         PointKind::Suggested => ("suggestion", "suggestions"),

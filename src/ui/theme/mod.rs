@@ -101,7 +101,7 @@ fn space(spacing: &mut egui::Spacing) {
 /// The colours of a theme.
 fn colour(visuals: &mut egui::Visuals, theme: Theme) {
     *visuals = theme.default_visuals();
-    let palette = Palette::of(theme);
+    let palette = Palette::from_theme(theme);
     let corner = CornerRadius::same(4);
     visuals.panel_fill = palette.panel;
     visuals.window_fill = palette.window;

@@ -123,7 +123,7 @@ pub const ON_PICTURE: &Palette = &DARK;
 impl Palette {
     /// The colours of a theme.
     #[must_use]
-    pub const fn of(theme: Theme) -> &'static Self {
+    pub const fn from_theme(theme: Theme) -> &'static Self {
         match theme {
             Theme::Dark => &DARK,
             Theme::Light => &LIGHT,
@@ -171,7 +171,7 @@ impl Themed for Ui {
 
 impl Themed for Context {
     fn palette(&self) -> &'static Palette {
-        Palette::of(self.theme())
+        Palette::from_theme(self.theme())
     }
 }
 

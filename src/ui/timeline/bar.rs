@@ -51,7 +51,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let size = vec2(ui.available_width(), ui.available_height() - 6.0);
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
-    let timeline = summed_up(ui.ctx(), panel.app, open, area.width() as usize);
+    let timeline = cached_timeline(ui.ctx(), panel.app, open, area.width() as usize);
     let bar = Bar {
         area,
         timeline: &timeline,
@@ -64,7 +64,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// The summary of the open document. If only a few frames have changed, only their parts are
 /// computed again.
-fn summed_up(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<Timeline> {
+fn cached_timeline(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<Timeline> {
     let video = app
         .frame()
         .and_then(|frame| frame.video.as_ref())
@@ -79,9 +79,11 @@ fn summed_up(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<
         return Arc::clone(&known.timeline);
     }
     // Only what has changed is computed again, if the same video is shown in as many parts.
-    let followed = known.and_then(|known| known.timeline.followed(&open.document, &known.source));
-    let timeline = Arc::new(followed.unwrap_or_else(|| Timeline::of(&open.document, &of.1, parts)));
-    let source = TimelineSource::of(&open.document);
+    let followed =
+        known.and_then(|known| known.timeline.follow_changes(&open.document, &known.source));
+    let timeline =
+        Arc::new(followed.unwrap_or_else(|| Timeline::from_document(&open.document, &of.1, parts)));
+    let source = TimelineSource::from_document(&open.document);
     ctx.data_mut(|data| {
         data.insert_temp(
             memory,
@@ -260,7 +262,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
             ui.label(format!("Confidence {:.0} %", 100.0 * confidence));
         }
         if let Some(cut) = cut {
-            ui.label(egui::RichText::new(described(cut.kind)).color(ui.palette().weak));
+            ui.label(egui::RichText::new(describe_cut(cut.kind)).color(ui.palette().weak));
         }
         if app.shots().is_none() && app.operations.shot_search.running().is_none() {
             ui.label(egui::RichText::new("Right-click: cuts").color(ui.palette().weak));
@@ -269,7 +271,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
 }
 
 /// What a kind of cut means for the user.
-const fn described(kind: ShotKind) -> &'static str {
+const fn describe_cut(kind: ShotKind) -> &'static str {
     match kind {
         ShotKind::Cut => "A cut. Drag its handle to move it.",
         ShotKind::Fade => "A fade: its position is uncertain. Drag its handle to move it.",
@@ -321,7 +323,7 @@ impl Bar<'_> {
         self.paint_shots(&painter, line);
         self.paint_frames(&painter, line);
         self.paint_selected(&painter, line, &panel.app.session.frames_selected);
-        for place in panel.pictures.decoded() {
+        for place in panel.pictures.decoded_frames() {
             let (left, right) = (
                 self.x(self.timeline.beginning_of(place)),
                 self.x(self.timeline.beginning_of(place + 1)),

@@ -31,7 +31,7 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
         .data(|data| data.get_temp::<PlayClock>(memory))
         .filter(|clock| clock.follows(shown, speed));
     let mut clock = before.unwrap_or_else(|| PlayClock::start(now_s, shown, speed));
-    let decoded: BTreeSet<usize> = panel.pictures.decoded().into_iter().collect();
+    let decoded: BTreeSet<usize> = panel.pictures.decoded_frames().into_iter().collect();
     let due = clock.frame_at(now_s, open, |frame| decoded.contains(&frame));
     if due != shown {
         panel.actions.push(Action::Navigate(Navigation::GoTo(due)));

@@ -45,7 +45,7 @@ fn summary(quality: &Quality) -> String {
     };
     format!(
         "Test without {without}: {} of {} references found{median}.{wrong}",
-        quality.found(),
+        quality.found_count(),
         quality.tested.len()
     )
 }

@@ -10,7 +10,7 @@ use touchline_calibration::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
 const HEIGHT: f32 = 84.0;
 
 /// The map of the shown frame's camera; `None` if that camera has no reference.
-pub fn of_shown<'a>(panel: &Panel<'_>, maps: &'a [Coverage]) -> Option<&'a Coverage> {
+pub fn find_coverage<'a>(panel: &Panel<'_>, maps: &'a [Coverage]) -> Option<&'a Coverage> {
     let frame = panel.app.frame()?;
     maps.iter().find(|map| map.camera == frame.camera)
 }

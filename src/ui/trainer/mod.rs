@@ -51,7 +51,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 forest(ui, facts);
                 proposals(panel, ui, &status);
             }
-            if let Some(coverage) = map::of_shown(panel, &status.coverage) {
+            if let Some(coverage) = map::find_coverage(panel, &status.coverage) {
                 section(ui, "WHERE REFERENCES LOOK");
                 map::show(panel, ui, coverage, status.quality.as_deref());
             }

@@ -43,7 +43,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     let frame = panel.app.frame()?;
     let keys = &panel.app.settings.keys;
     if session.picture.tool == Tool::Mask {
-        let done = keys.shown(Command::ShowMasks);
+        let done = keys.key_label(Command::ShowMasks);
         return Some(format!(
             "Masks: drag a box for this frame, Shift-drag for every frame of the camera. {done} or Esc when done."
         ));
@@ -60,7 +60,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         return Some("Before it was snapped".to_owned());
     }
     if has_proposal(panel) {
-        let drawn = panel.app.shown().camera.is_some();
+        let drawn = panel.app.shown_values().camera.is_some();
         let text = if drawn {
             "The estimated base, not applied yet"
         } else {
@@ -70,7 +70,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     }
     if frame.status == FrameStatus::Rejected {
         let reason = frame.reason.map_or("", reason_label);
-        let key = keys.shown(Command::Reject);
+        let key = keys.key_label(Command::Reject);
         return Some(
             format!("Not calibratable: {reason}. {key} removes the mark.").replace(": .", "."),
         );
@@ -87,7 +87,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         Tool::Point | Tool::Mask => session.points.next_on_line.then(|| {
             format!(
                 "The next click is a point on a line. {} changes that.",
-                keys.shown(Command::PlaceOnLine)
+                keys.key_label(Command::PlaceOnLine)
             )
         }),
     }
@@ -155,7 +155,7 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
             } else {
                 format!(
                     "{} changes it",
-                    panel.app.settings.keys.shown(Command::RenameClick)
+                    panel.app.settings.keys.key_label(Command::RenameClick)
                 )
             };
             (click, hint)
@@ -266,7 +266,7 @@ fn recently(ui: &egui::Ui, done: &str, click: Option<usize>) -> bool {
 }
 
 /// Shows in place of the picture why there is none.
-pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
+pub fn show_failure(painter: &Painter, rect: Rect, reason: &str) {
     let wrap = (rect.width() - 80.0).clamp(120.0, 560.0);
     let lay_out = |text: &str, size, colour| {
         painter.layout(text.to_owned(), FontId::proportional(size), colour, wrap)

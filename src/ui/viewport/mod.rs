@@ -55,7 +55,7 @@ fn id() -> Id {
 
 /// Reads or changes what the viewport remembers. Do not use the context within `change`: it is
 /// locked.
-fn remembered<T>(ctx: &egui::Context, change: impl FnOnce(&mut Remembered) -> T) -> T {
+fn with_memory<T>(ctx: &egui::Context, change: impl FnOnce(&mut Remembered) -> T) -> T {
     ctx.data_mut(|data| change(data.get_temp_mut_or_default::<Remembered>(id())))
 }
 
@@ -105,11 +105,11 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     };
     // The pointer's state is kept by egui between two frames of the window.
     let (events, modifiers) = ctx.input(|input| (input.events.clone(), input.modifiers));
-    let mut pointer = remembered(ctx, |remembered| remembered.pointer);
+    let mut pointer = with_memory(ctx, |remembered| remembered.pointer);
     panel
         .actions
         .extend(pointer.read(&events, modifiers, &around));
-    remembered(ctx, |remembered| remembered.pointer = pointer);
+    with_memory(ctx, |remembered| remembered.pointer = pointer);
 }
 
 /// The shown frame's picture, if points can be placed on it; otherwise the reason.
@@ -168,7 +168,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     }
     match shown_picture(panel, expected) {
         Ok((key, picture)) => {
-            let hold = remembered(ui.ctx(), |remembered| {
+            let hold = with_memory(ui.ctx(), |remembered| {
                 remembered.last = Some((key, picture.clone()));
                 remembered.waiting_since = None;
                 remembered.pointer.hold
@@ -176,7 +176,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
             show_frame(panel, ui, &placement, &hold, key, picture);
         }
         Err(Missing::Yet) => show_stand_in(panel, ui, &placement),
-        Err(Missing::Never(reason)) => hints::failed(&painter, rect, &reason),
+        Err(Missing::Never(reason)) => hints::show_failure(&painter, rect, &reason),
     }
 }
 
@@ -187,7 +187,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
 /// would place it elsewhere.
 fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let (now, rect) = (ui.input(|input| input.time), placement.rect);
-    let (last, since) = remembered(ui.ctx(), |remembered| {
+    let (last, since) = with_memory(ui.ctx(), |remembered| {
         (
             remembered.last.clone(),
             *remembered.waiting_since.get_or_insert(now),
@@ -203,7 +203,7 @@ fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
             .app
             .settings
             .picture
-            .dimmed(if slow { DIMMED } else { 1.0 });
+            .dim(if slow { DIMMED } else { 1.0 });
         let picture = Layer::Picture(PictureLayer {
             key: PictureKey(key),
             pixels,
@@ -254,7 +254,7 @@ fn show_frame(
         .app
         .settings
         .picture
-        .dimmed(if panel.app.session.picture.tool == Tool::Mask {
+        .dim(if panel.app.session.picture.tool == Tool::Mask {
             BELOW_MASKS
         } else {
             1.0

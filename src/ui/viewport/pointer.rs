@@ -175,18 +175,18 @@ impl Reading<'_> {
     /// Reads one event.
     fn event(&mut self, event: &Event, modifiers: Modifiers) {
         match event {
-            Event::PointerMoved(to) => self.moved(*to, modifiers),
+            Event::PointerMoved(to) => self.handle_move(*to, modifiers),
             Event::PointerButton {
                 pos,
                 button,
                 pressed,
                 modifiers,
             } => {
-                self.moved(*pos, *modifiers);
+                self.handle_move(*pos, *modifiers);
                 if *pressed {
-                    self.pressed(*pos, *button, *modifiers);
+                    self.handle_press(*pos, *button, *modifiers);
                 } else {
-                    self.released(*button, *modifiers);
+                    self.handle_release(*button, *modifiers);
                 }
             }
             // A drag continues when the pointer comes back, so its position is kept.
@@ -203,7 +203,7 @@ impl Reading<'_> {
     }
 
     /// Decides what a press grabs: the picture, a corner of a new mask, or a click.
-    fn pressed(&mut self, at: Pos2, button: PointerButton, modifiers: Modifiers) {
+    fn handle_press(&mut self, at: Pos2, button: PointerButton, modifiers: Modifiers) {
         if self.pointer.hold != Hold::Nothing || !(self.around.is_free)(at) {
             return;
         }
@@ -265,7 +265,7 @@ impl Reading<'_> {
     }
 
     /// Moves what the pointer holds.
-    fn moved(&mut self, to: Pos2, modifiers: Modifiers) {
+    fn handle_move(&mut self, to: Pos2, modifiers: Modifiers) {
         let from = self.pointer.at.replace(to).unwrap_or(to);
         match self.pointer.hold {
             Hold::Nothing => {}
@@ -283,7 +283,7 @@ impl Reading<'_> {
                 let along = self
                     .placement
                     .image_from_screen_vector(to - if began { pressed } else { from });
-                let at = at.moved(along * if modifiers.shift { FINE } else { 1.0 });
+                let at = at.translate(along * if modifiers.shift { FINE } else { 1.0 });
                 self.pointer.hold = Hold::Click {
                     at,
                     pressed,
@@ -295,7 +295,7 @@ impl Reading<'_> {
                 }
                 self.actions.push(Action::Pointer(PointerAction::Drag(at)));
             }
-            Hold::Picture(_) => self.show(self.placement.panned(to - from)),
+            Hold::Picture(_) => self.show(self.placement.pan_by(to - from)),
             Hold::Mask {
                 from, of_camera, ..
             } => {
@@ -310,7 +310,7 @@ impl Reading<'_> {
     }
 
     /// Lets go if this is the button that grabbed.
-    fn released(&mut self, button: PointerButton, modifiers: Modifiers) {
+    fn handle_release(&mut self, button: PointerButton, modifiers: Modifiers) {
         let ends = match self.pointer.hold {
             Hold::Nothing => false,
             Hold::Picture(held) => held == button,
@@ -343,8 +343,8 @@ impl Reading<'_> {
             return;
         };
         self.show(match gesture {
-            Gesture::Zoom(factor) => self.placement.zoomed(factor, at),
-            Gesture::Pan(along) => self.placement.panned(along),
+            Gesture::Zoom(factor) => self.placement.zoom_at(factor, at),
+            Gesture::Pan(along) => self.placement.pan_by(along),
         });
     }
 

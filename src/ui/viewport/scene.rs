@@ -73,7 +73,7 @@ impl Overlay {
                 image_size: frame.image_size,
                 clicks: &frame.clicks,
                 selected: app.session.points.selected,
-                disputed: app.shown().disputed,
+                disputed: app.shown_values().disputed,
                 style: if preview.is_some() { &behind } else { &style },
                 zoom,
             };
@@ -94,7 +94,11 @@ impl Overlay {
             }
             // Masks: those to be confirmed, the stored ones if shown, and the one being drawn.
             let mut boxes = app.masks_in_question();
-            boxes.extend(masks::shown(app).into_iter().map(|mask| mask.pixel_box));
+            boxes.extend(
+                masks::shown_masks(app)
+                    .into_iter()
+                    .map(|mask| mask.pixel_box),
+            );
             boxes.extend(hold.mask().map(|(_, mask)| mask));
             if !boxes.is_empty() {
                 drawings.push(mask_overlay(&boxes));

@@ -35,7 +35,7 @@ const LEGEND: egui::Vec2 = vec2(284.0, 52.0);
 
 /// The band or heat map of the shown frame, if it is switched on and the frame is solved.
 pub fn layer(app: &App) -> Option<Layer> {
-    let (solved, camera) = known(app)?;
+    let (solved, camera) = solution_and_camera(app)?;
     let image_size = app.frame()?.image_size;
     match app.session.picture.uncertainty {
         UncertaintyView::Off => None,
@@ -59,11 +59,14 @@ pub fn layer(app: &App) -> Option<Layer> {
 
 /// Solution and camera of the shown frame, unless the overlay is hidden or belongs to an estimated
 /// base that is not applied yet.
-fn known(app: &App) -> Option<(&FrameSolution, &PtzCamera)> {
+fn solution_and_camera(app: &App) -> Option<(&FrameSolution, &PtzCamera)> {
     if app.session.picture.held.hide_overlay || app.current().proposal.is_some() {
         return None;
     }
-    Some((app.current().solved()?, app.current().camera.as_ref()?))
+    Some((
+        app.current().click_solution()?,
+        app.current().camera.as_ref()?,
+    ))
 }
 
 /// Draws the legend in the picture's lower right corner, with 1-σ at the pointer, or else at the
@@ -80,7 +83,7 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     painter.rect_filled(card, 6.0, Color32::from_black_alpha(190));
     let inside = card.shrink2(vec2(10.0, 7.0));
     let font = FontId::proportional(12.0);
-    let Some((solved, camera)) = known(app) else {
+    let Some((solved, camera)) = solution_and_camera(app) else {
         let text = "Uncertainty: place points first";
         painter.text(
             inside.left_center(),
@@ -208,7 +211,8 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
     let Some(frame) = app.frame() else { return };
     let limit_px = GOOD_CORNER_SIGMA_PX * frame.image_size.scale_from_1920();
     // Only a frame that is uncertain and waits for a click needs proposals.
-    let unsure = known(app).is_some_and(|(solved, _)| solved.worst_corner_sigma_px > limit_px);
+    let unsure =
+        solution_and_camera(app).is_some_and(|(solved, _)| solved.worst_corner_sigma_px > limit_px);
     let waits = app.session.mode == Mode::Idle
         && !matches!(frame.status, FrameStatus::Rejected | FrameStatus::Reference);
     if !unsure || !waits {

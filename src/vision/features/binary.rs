@@ -105,7 +105,7 @@ pub fn extract_binary(
     let image_size = picture.size();
     // A surplus, so that masks and spreading can choose.
     let found = opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count)
-        .map_err(|error| FeatureError::of_opencv(&error, image_size))?;
+        .map_err(|error| FeatureError::from_opencv(&error, image_size))?;
     let (keypoints, descriptors) = spread_unmasked(found, masks, image_size, max_count);
     Ok(BinaryFeatures {
         image_size,

@@ -174,9 +174,9 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
         );
     }
     let mut found: Vec<BurntInGraphic> =
-        joined(&points, CELL_PX * size.scale_from_1920(), least_pictures)
+        group_points(&points, CELL_PX * size.scale_from_1920(), least_pictures)
             .into_iter()
-            .filter_map(|members| boxed(&points, &members, size))
+            .filter_map(|members| graphic_from_points(&points, &members, size))
             // A graphic that lasts for n pictures has at least n features.
             .filter(|graphic| {
                 graphic.features >= LEAST_FEATURES.max(graphic.last - graphic.first + 1)
@@ -192,7 +192,11 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
 
 /// Groups of points in touching cells of a grid, diagonals included, as lists of indices. Cells
 /// with points of fewer than `least_pictures` pictures are left out.
-fn joined(points: &[(ImagePoint, usize)], cell_px: f64, least_pictures: usize) -> Vec<Vec<usize>> {
+fn group_points(
+    points: &[(ImagePoint, usize)],
+    cell_px: f64,
+    least_pictures: usize,
+) -> Vec<Vec<usize>> {
     let mut cells = BTreeMap::<(i64, i64), Vec<usize>>::new();
     for (at, (point, _)) in points.iter().enumerate() {
         let cell = |position: f64| (position / cell_px).floor() as i64;
@@ -225,7 +229,7 @@ fn joined(points: &[(ImagePoint, usize)], cell_px: f64, least_pictures: usize) -
 }
 
 /// The box of some points, with a margin, clipped to the picture, and the pictures that they span.
-fn boxed(
+fn graphic_from_points(
     points: &[(ImagePoint, usize)],
     members: &[usize],
     size: ImageSize,

@@ -77,7 +77,7 @@ pub struct Sketch([u8; SKETCH_BYTES]);
 impl Sketch {
     /// The sketch of a descriptor. A group is one gradient direction in a 2 × 2 block of cells.
     #[must_use]
-    pub fn of(descriptor: &Descriptor) -> Self {
+    pub fn from_descriptor(descriptor: &Descriptor) -> Self {
         Self(std::array::from_fn(|at| {
             // A descriptor has 4 × 4 cells of 8 directions, index = (row · 4 + column) · 8 +
             // direction. `corner` is a direction in the top left cell of a block; the others are
@@ -153,7 +153,7 @@ mod tests {
         for seed in 0..200 {
             let (a, b) = (descriptor(seed), descriptor(seed / 2 + 1000));
             let (estimated, exact) = (
-                Sketch::of(&a).squared_byte_distance(&Sketch::of(&b)),
+                Sketch::from_descriptor(&a).squared_byte_distance(&Sketch::from_descriptor(&b)),
                 a.squared_byte_distance(&b),
             );
             // (√estimated − √rounding)² ≤ exact, where rounding is four for each group.
@@ -170,14 +170,15 @@ mod tests {
             Descriptor([255; DESCRIPTOR_BYTES]),
         );
         assert_eq!(
-            Sketch::of(&dark).squared_byte_distance(&Sketch::of(&bright)),
+            Sketch::from_descriptor(&dark).squared_byte_distance(&Sketch::from_descriptor(&bright)),
             128 * 255 * 255
         );
         let mut cells = Descriptor([0; DESCRIPTOR_BYTES]);
         for cell in [10, 11, 14, 15] {
             cells.0[cell * 8 + 5] = 100;
         }
-        let apart = Sketch::of(&cells).squared_byte_distance(&Sketch::of(&dark));
+        let apart =
+            Sketch::from_descriptor(&cells).squared_byte_distance(&Sketch::from_descriptor(&dark));
         assert_eq!(
             apart,
             4 * 100 * 100,

@@ -43,7 +43,7 @@ pub(super) struct EdgeGroup {
 }
 
 impl EdgeGroup {
-    fn of(edges: Vec<StandingEdge>) -> Self {
+    fn from_edges(edges: Vec<StandingEdge>) -> Self {
         let extent = |of: fn(&StandingEdge) -> usize| {
             edges
                 .iter()
@@ -139,7 +139,7 @@ impl EdgeGroup {
 
 /// Groups of edges whose cells touch, diagonals included, topmost first. The rims of a box are one
 /// group.
-pub(super) fn joined(edges: &[StandingEdge]) -> Vec<EdgeGroup> {
+pub(super) fn group_edges(edges: &[StandingEdge]) -> Vec<EdgeGroup> {
     let mut cells = BTreeMap::<(usize, usize), Vec<StandingEdge>>::new();
     for &edge in edges {
         cells
@@ -163,11 +163,11 @@ pub(super) fn joined(edges: &[StandingEdge]) -> Vec<EdgeGroup> {
                 }
             }
         }
-        let mut group = EdgeGroup::of(edges);
+        let mut group = EdgeGroup::from_edges(edges);
         // A merged group may be a rim of yet another one, so this repeats until nothing merges.
         while let Some(rim) = found.iter().position(|known| known.is_rim_beside(&group)) {
             group.edges.splice(0..0, found.remove(rim).edges);
-            group = EdgeGroup::of(group.edges);
+            group = EdgeGroup::from_edges(group.edges);
         }
         found.push(group);
     }

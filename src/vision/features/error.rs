@@ -30,7 +30,7 @@ pub enum FeatureError {
 #[cfg(feature = "opencv")]
 impl FeatureError {
     /// OpenCV's error in a picture of this size.
-    pub(super) fn of_opencv(error: &opencv::Error, picture: ImageSize) -> Self {
+    pub(super) fn from_opencv(error: &opencv::Error, picture: ImageSize) -> Self {
         Self::OpenCv {
             width: picture.width,
             height: picture.height,

@@ -33,8 +33,8 @@ pub fn extract(
     // Features under masks are dropped, so more are requested in proportion.
     let limit =
         f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
-    let found = found(&grey, limit.min(f64::from(i32::MAX)) as u32, options)
-        .map_err(|error| FeatureError::of_opencv(&error, image_size))?;
+    let found = detect_features(&grey, limit.min(f64::from(i32::MAX)) as u32, options)
+        .map_err(|error| FeatureError::from_opencv(&error, image_size))?;
     // In the corner convention a reduced picture differs from the full one by a factor alone.
     let full_px = f64::from(factor);
     let in_full = found.into_iter().map(|(reduced, descriptor)| {
@@ -59,7 +59,7 @@ pub fn extract(
 
 /// Runs the detector: about `limit` keypoints, in px of the grey picture, and their descriptors.
 #[cfg(feature = "opencv")]
-fn found(
+fn detect_features(
     grey: &crate::media::GreyPicture,
     limit: u32,
     options: &FeatureOptions,

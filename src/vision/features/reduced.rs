@@ -53,7 +53,7 @@ impl Slope {
     }
 
     /// The same direction with the strength limited.
-    pub fn capped(self, strength: f32) -> Self {
+    pub fn clamp_strength(self, strength: f32) -> Self {
         self.times((strength / self.strength().max(f32::MIN_POSITIVE)).min(1.0))
     }
 

@@ -19,7 +19,7 @@
 
 use super::black_bars::black_bars;
 use super::camera_views::camera_views;
-use super::edge_groups::{EdgeGroup, joined};
+use super::edge_groups::{EdgeGroup, group_edges};
 use super::reduced::{EdgeKind, ReducedPicture, Slope};
 use super::standing_graphic::{CAP, StandingEdge, StandingGraphic};
 use rayon::prelude::*;
@@ -112,11 +112,11 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
                 within
             }
         });
-        for group in joined(&standing_edges(pictures, &in_window, is_part)) {
+        for group in group_edges(&standing_edges(pictures, &in_window, is_part)) {
             if group.edges.len() < least_edges || !group.is_a_box(width) {
                 continue;
             }
-            let Some(graphic) = shown(pictures, &window, group) else {
+            let Some(graphic) = graphic_from_group(pictures, &window, group) else {
                 continue;
             };
             // A graphic found in a longer window is not reported again.
@@ -161,7 +161,7 @@ fn standing_edges(
                 let slopes = || {
                     views[kind as usize]
                         .iter()
-                        .map(|&view| pictures[view].slope(column, row).capped(CAP))
+                        .map(|&view| pictures[view].slope(column, row).clamp_strength(CAP))
                 };
                 let slope = mean_slope(slopes, is_part).filter(|mean| mean.kind() == kind)?;
                 Some(StandingEdge { column, row, slope })
@@ -201,7 +201,7 @@ fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) 
 }
 
 /// A group of edges with the pictures that show it, in the window in which it was found and beyond.
-fn shown(
+fn graphic_from_group(
     pictures: &[ReducedPicture],
     window: &Range<usize>,
     group: EdgeGroup,

@@ -57,7 +57,7 @@ impl StandingGraphic {
             // An edge at the border has no gradient and counts as missing.
             let within = edge.column + 1 < picture.width && edge.row + 1 < picture.height;
             let slope = if within {
-                picture.slope(edge.column, edge.row).capped(CAP)
+                picture.slope(edge.column, edge.row).clamp_strength(CAP)
             } else {
                 Slope::default()
             };

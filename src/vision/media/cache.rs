@@ -87,7 +87,7 @@ mod tests {
 
     /// 100 px, 400 bytes.
     fn picture(shade: u8) -> Picture {
-        Picture::filled(ImageSize::new(10, 10), [shade, shade, shade, 255])
+        Picture::with_colour(ImageSize::new(10, 10), [shade, shade, shade, 255])
     }
 
     #[test]
@@ -123,7 +123,10 @@ mod tests {
     fn a_frame_beyond_the_budget_stays_alone() {
         let mut cache = FrameCache::new(500);
         cache.insert(frame(0), picture(0));
-        cache.insert(frame(1), Picture::filled(ImageSize::new(20, 20), [0; 4]));
+        cache.insert(
+            frame(1),
+            Picture::with_colour(ImageSize::new(20, 20), [0; 4]),
+        );
         assert_eq!((cache.frames.len(), cache.bytes), (1, 1600));
         cache.insert(frame(2), picture(2));
         assert_eq!((cache.frames.len(), cache.bytes), (1, 400));
@@ -144,7 +147,7 @@ mod tests {
             let mut cache = FrameCache::new(1500);
             for (index, what, side) in steps {
                 match what {
-                    0 => cache.insert(frame(index), Picture::filled(ImageSize::new(side, side), [0; 4])),
+                    0 => cache.insert(frame(index), Picture::with_colour(ImageSize::new(side, side), [0; 4])),
                     _ => drop(cache.get(&frame(index))),
                 }
                 let kept: usize = cache.frames.iter().map(|(_, picture)| picture.bytes()).sum();

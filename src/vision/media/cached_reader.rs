@@ -142,7 +142,7 @@ mod tests {
                     path: path.to_path_buf(),
                 });
             }
-            Ok(Picture::filled(SIZE, [*index as u8, 0, 0, 255]))
+            Ok(Picture::with_colour(SIZE, [*index as u8, 0, 0, 255]))
         }
     }
 

@@ -16,7 +16,7 @@ pub struct GreyPicture {
 const WEIGHTS: [u32; 3] = [77, 150, 29];
 
 /// The brightness of a pixel in 1/256 of a grey level.
-fn weighed([red, green, blue, _]: [u8; 4]) -> u32 {
+fn luma([red, green, blue, _]: [u8; 4]) -> u32 {
     WEIGHTS[0] * u32::from(red) + WEIGHTS[1] * u32::from(green) + WEIGHTS[2] * u32::from(blue)
 }
 
@@ -33,7 +33,7 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
             .as_chunks::<4>()
             .0
             .iter()
-            .map(|pixel| ((128 + weighed(*pixel)) / 256) as u8);
+            .map(|pixel| ((128 + luma(*pixel)) / 256) as u8);
         return GreyPicture {
             size: full,
             values: values.collect(),
@@ -55,7 +55,7 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
         for row in block_row.chunks_exact(row_bytes) {
             for (sum, block) in sums.iter_mut().zip(row.chunks_exact(4 * factor)) {
                 for pixel in block.as_chunks::<4>().0 {
-                    *sum += weighed(*pixel);
+                    *sum += luma(*pixel);
                 }
             }
         }

@@ -90,7 +90,7 @@ pub fn load_image_within(path: &Path, limits: ImageLimits) -> Result<Picture, Me
     }
     let orientation = orientation_of(&mut decoder);
     let mut image =
-        DynamicImage::from_decoder(decoder).map_err(|error| named(path, limits, &error))?;
+        DynamicImage::from_decoder(decoder).map_err(|error| media_error(path, limits, &error))?;
     image.apply_orientation(orientation);
     let has_alpha = image.color().has_alpha();
     let mut rgba = image.into_rgba8();
@@ -148,7 +148,7 @@ fn open_decoder(
         reader.limits(decoder_limits);
         let decoder = reader
             .into_decoder()
-            .map_err(|error| named(path, limits, &error))?;
+            .map_err(|error| media_error(path, limits, &error))?;
         Ok((format, decoder))
     };
     // The compressed colour profile of a PNG is inflated before its size is known, so the first
@@ -202,7 +202,7 @@ fn lay_over_black(rgba: &mut image::RgbaImage) {
 }
 
 /// The error of a decoder as a `MediaError`.
-fn named(path: &Path, limits: ImageLimits, error: &ImageError) -> MediaError {
+fn media_error(path: &Path, limits: ImageLimits, error: &ImageError) -> MediaError {
     let damaged = |error: &dyn Error| MediaError::DamagedImage {
         path: path.to_path_buf(),
         reason: reason(error),

@@ -47,5 +47,5 @@ pub use prefetch::{PrefetchOptions, StepDirection, prefetch_plan};
 pub use reader::{FrameReader, ReadFrames};
 pub use source::{FrameRef, FrameSource};
 pub use stream::{FrameStream, StreamedFrame};
-pub use thumbnail::{THUMBNAIL_SIZE, letterboxed};
+pub use thumbnail::{THUMBNAIL_SIZE, letterbox};
 pub use video::{CountProgress, FrameClock, Video, VideoBackend, VideoInfo};

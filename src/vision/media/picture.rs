@@ -36,7 +36,7 @@ impl Picture {
 
     /// A picture of one colour.
     #[must_use]
-    pub fn filled(size: ImageSize, colour: [u8; 4]) -> Self {
+    pub fn with_colour(size: ImageSize, colour: [u8; 4]) -> Self {
         let count = size.width as usize * size.height as usize;
         Self {
             size,

@@ -16,7 +16,7 @@ impl StepDirection {
     /// The direction of a step from one frame to another: unknown when it is no step to a near
     /// neighbour.
     #[must_use]
-    pub fn of_step(from: usize, to: usize) -> Self {
+    pub fn from_step(from: usize, to: usize) -> Self {
         const NEAR: usize = 12;
         match (to.checked_sub(from), from.checked_sub(to)) {
             (Some(1..=NEAR), _) => Self::Forward,
@@ -165,11 +165,11 @@ mod tests {
 
     #[test]
     fn a_jump_has_no_direction() {
-        assert_eq!(StepDirection::of_step(3, 4), Forward);
-        assert_eq!(StepDirection::of_step(13, 3), Backward);
-        assert_eq!(StepDirection::of_step(3, 3), Unknown);
-        assert_eq!(StepDirection::of_step(3, 300), Unknown);
-        assert_eq!(StepDirection::of_step(300, 3), Unknown);
+        assert_eq!(StepDirection::from_step(3, 4), Forward);
+        assert_eq!(StepDirection::from_step(13, 3), Backward);
+        assert_eq!(StepDirection::from_step(3, 3), Unknown);
+        assert_eq!(StepDirection::from_step(3, 300), Unknown);
+        assert_eq!(StepDirection::from_step(300, 3), Unknown);
     }
 
     proptest::proptest! {

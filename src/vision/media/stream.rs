@@ -150,7 +150,7 @@ mod tests {
                     path: path.to_path_buf(),
                 });
             }
-            Ok(Picture::filled(
+            Ok(Picture::with_colour(
                 ImageSize::new(4, 4),
                 [*index as u8, 0, 0, 255],
             ))

@@ -15,8 +15,8 @@ pub const THUMBNAIL_SIZE: ImageSize = ImageSize::new(160, 90);
 /// A picture scaled to fit into `size` and centred on black. A picture that is small enough is not
 /// enlarged.
 #[must_use]
-pub fn letterboxed(picture: &Picture, size: ImageSize) -> Picture {
-    let inner = fitted(picture.size(), size);
+pub fn letterbox(picture: &Picture, size: ImageSize) -> Picture {
+    let inner = fit_within(picture.size(), size);
     let (left, top) = (
         (size.width - inner.width) / 2,
         (size.height - inner.height) / 2,
@@ -31,7 +31,7 @@ pub fn letterboxed(picture: &Picture, size: ImageSize) -> Picture {
             rgba.extend(inside.map_or(BLACK, |(x, y)| mean_below(picture, inner, x, y)));
         }
     }
-    Picture::new(size, rgba).unwrap_or_else(|_| Picture::filled(size, BLACK))
+    Picture::new(size, rgba).unwrap_or_else(|_| Picture::with_colour(size, BLACK))
 }
 
 /// The mean of the pixels that one pixel of a smaller picture covers: all of them up to [`SAMPLES`]
@@ -39,8 +39,8 @@ pub fn letterboxed(picture: &Picture, size: ImageSize) -> Picture {
 fn mean_below(picture: &Picture, small: ImageSize, x: u32, y: u32) -> [u8; 4] {
     let mut sum = [0_u32; 3];
     let mut count = 0;
-    for row in covered(y, small.height, picture.size().height) {
-        for column in covered(x, small.width, picture.size().width) {
+    for row in covered_indices(y, small.height, picture.size().height) {
+        for column in covered_indices(x, small.width, picture.size().width) {
             let [red, green, blue, _] = picture.pixel(column, row).unwrap_or(BLACK);
             sum = [
                 sum[0] + u32::from(red),
@@ -55,14 +55,14 @@ fn mean_below(picture: &Picture, small: ImageSize, x: u32, y: u32) -> [u8; 4] {
 }
 
 /// The indices in a row of `large` px that pixel `at` of a row of `small` px covers: at least one.
-fn covered(at: u32, small: u32, large: u32) -> StepBy<Range<u32>> {
+fn covered_indices(at: u32, small: u32, large: u32) -> StepBy<Range<u32>> {
     let edge = |at: u32| (u64::from(at) * u64::from(large) / u64::from(small.max(1))) as u32;
     let (start, end) = (edge(at), edge(at + 1).max(edge(at) + 1));
     (start..end).step_by(((end - start) / SAMPLES).max(1) as usize)
 }
 
 /// The largest size of the shape of `inner` that fits into `outer`, at most `inner` itself.
-fn fitted(inner: ImageSize, outer: ImageSize) -> ImageSize {
+fn fit_within(inner: ImageSize, outer: ImageSize) -> ImageSize {
     let (width, height) = (
         f64::from(inner.width.max(1)),
         f64::from(inner.height.max(1)),
@@ -82,8 +82,8 @@ mod tests {
 
     #[test]
     fn a_square_stands_between_two_black_bars() {
-        let small = letterboxed(
-            &Picture::filled(ImageSize::new(900, 900), WHITE),
+        let small = letterbox(
+            &Picture::with_colour(ImageSize::new(900, 900), WHITE),
             THUMBNAIL_SIZE,
         );
         assert_eq!(small.size(), THUMBNAIL_SIZE);
@@ -98,7 +98,7 @@ mod tests {
         let stripes = (0..320 * 180)
             .flat_map(|pixel| if pixel % 2 == 0 { WHITE } else { BLACK })
             .collect();
-        let small = letterboxed(
+        let small = letterbox(
             &Picture::new(ImageSize::new(320, 180), stripes).unwrap(),
             THUMBNAIL_SIZE,
         );
@@ -113,8 +113,8 @@ mod tests {
     #[test]
     fn extreme_shapes_keep_one_pixel() {
         for (width, height) in [(1, 10_000), (10_000, 1), (1, 1), (160, 90)] {
-            let small = letterboxed(
-                &Picture::filled(ImageSize::new(width, height), WHITE),
+            let small = letterbox(
+                &Picture::with_colour(ImageSize::new(width, height), WHITE),
                 THUMBNAIL_SIZE,
             );
             assert_eq!(small.size(), THUMBNAIL_SIZE);
@@ -123,8 +123,8 @@ mod tests {
                 "{width} × {height}"
             );
         }
-        let none = letterboxed(
-            &Picture::filled(ImageSize::new(0, 0), WHITE),
+        let none = letterbox(
+            &Picture::with_colour(ImageSize::new(0, 0), WHITE),
             THUMBNAIL_SIZE,
         );
         assert!(none.rgba().chunks(4).all(|pixel| pixel == BLACK));

@@ -76,13 +76,13 @@ impl Across {
 
     /// Predicted width of the ridge, px. Widths of convolved profiles add in quadrature (exactly so
     /// for Gaussians).
-    pub fn expected_px(&self) -> f64 {
+    pub fn expected_width_px(&self) -> f64 {
         self.width_px.hypot(BLUR_PX)
     }
 
     /// The point of the picture at an offset along the normal, px.
     pub fn point(&self, offset_px: f64) -> ImagePoint {
-        self.at.moved(self.normal * offset_px)
+        self.at.translate(self.normal * offset_px)
     }
 }
 
@@ -94,7 +94,7 @@ pub(super) fn is_like_paint(
     ridge: &Ridge,
     reach_px: f64,
 ) -> bool {
-    let expected_px = across.expected_px();
+    let expected_px = across.expected_width_px();
     (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px)
         && ridge.offset_px.abs() <= reach_px
         && is_on_ground(ground, across, ridge)

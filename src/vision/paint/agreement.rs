@@ -30,14 +30,14 @@ pub(super) struct PaintedCells<'a> {
 }
 
 impl<'a> PaintedCells<'a> {
-    pub fn of(marking_pixels: &'a MarkingPixels) -> Self {
+    pub fn from_marking_pixels(marking_pixels: &'a MarkingPixels) -> Self {
         let points = marking_pixels
             .points
             .iter()
             .map(|point| (point.at, point.normal));
         Self {
             marking_pixels,
-            cells: DirectedCells::of(marking_pixels.size(), points),
+            cells: DirectedCells::rasterise(marking_pixels.size(), points),
         }
     }
 
@@ -53,14 +53,14 @@ impl<'a> PaintedCells<'a> {
         let samples = sample_lines(field, camera, size, &options);
         // The same test in both directions: rasterise one set with its directions, look up the
         // other.
-        let predicted = DirectedCells::of(
+        let predicted = DirectedCells::rasterise(
             size,
             samples.iter().map(|sample| (sample.image, sample.normal)),
         );
         // Lines behind players or outside the ground are not expected to be seen.
         let open = samples
             .iter()
-            .filter(|sample| marking_pixels.shown(sample.image) != Shown::Other);
+            .filter(|sample| marking_pixels.classify(sample.image) != Shown::Other);
         Agreement {
             explained: share(
                 marking_pixels
@@ -101,7 +101,7 @@ struct DirectedCells {
 
 impl DirectedCells {
     /// Rasterises points of curves, given with their normals.
-    fn of(size: ImageSize, points: impl Iterator<Item = (ImagePoint, Vec2)>) -> Self {
+    fn rasterise(size: ImageSize, points: impl Iterator<Item = (ImagePoint, Vec2)>) -> Self {
         let near_px = NEAR_PX * size.scale_from_1920();
         let cell_px = (0.5 * near_px).max(1.0);
         let count = |extent: u32| (f64::from(extent) / cell_px) as usize + 1;
@@ -120,7 +120,7 @@ impl DirectedCells {
                 .fold(0, |bits, direction| bits | (1 << direction));
             // Cells are half of [`NEAR_PX`] wide: two steps along the normal to both sides.
             for step in -2..=2 {
-                if let Some(cell) = cells.cell(at.moved(normal * (f64::from(step) * cell_px))) {
+                if let Some(cell) = cells.cell(at.translate(normal * (f64::from(step) * cell_px))) {
                     cells.directions[cell] |= bits;
                 }
             }
@@ -152,10 +152,10 @@ mod tests {
     #[test]
     fn the_right_camera_agrees_both_ways_and_wrong_ones_do_not() {
         let (marking_pixels, field) = (
-            MarkingPixels::of(&GroundPicture::new(&PICTURE, &[])),
+            MarkingPixels::detect(&GroundPicture::new(&PICTURE, &[])),
             soccer(),
         );
-        let painted = PaintedCells::of(&marking_pixels);
+        let painted = PaintedCells::from_marking_pixels(&marking_pixels);
         let right = painted.agreement(&field, &truth());
         assert!(right.explained > 0.55 && right.seen > 0.85, "{right:?}");
         for (pan_deg, tilt_deg, focal_px) in [

@@ -86,7 +86,7 @@ impl LinearisedCamera {
         let change = step.component_mul(&self.ptz_per_px);
         let ptz = self.camera.ptz();
         Ptz {
-            pan: (ptz.pan + Angle::from_radians(change.x)).wrapped(),
+            pan: (ptz.pan + Angle::from_radians(change.x)).wrap(),
             tilt: ptz.tilt + Angle::from_radians(change.y),
             focal_px: ptz.focal_px * change.z.clamp(-MAX_LOG_FOCAL, MAX_LOG_FOCAL).exp(),
         }
@@ -211,7 +211,7 @@ impl<TakesPart: Fn(usize) -> bool> Problem for AlignmentAtScale<'_, TakesPart> {
         equations
     }
 
-    fn stepped(&self, from: &StepPx, change: &StepPx) -> StepPx {
+    fn apply_step(&self, from: &StepPx, change: &StepPx) -> StepPx {
         from + change
     }
 }
@@ -241,7 +241,7 @@ impl Residual<1, 0, 3> for NearestRidge<'_> {
         Some(Vector1::new(-self.ridges.residual_px(self.sample, step)?))
     }
 
-    fn linearised(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
+    fn linearise(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
         let by_own = self.ridges.by_step[self.sample].transpose();
         Some(Linearised {
             value: self.value(step)?,
@@ -317,7 +317,7 @@ impl Residual<1, 0, 3> for ClickRow {
         Some(Vector1::new(-self.residual_px(step)))
     }
 
-    fn linearised(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
+    fn linearise(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
         Some(Linearised {
             value: self.value(step)?,
             by_shared: SMatrix::zeros(),
@@ -379,7 +379,7 @@ mod tests {
             spacing_px: 60.0,
             step_px: 1.0,
         };
-        let sightings = Sightings::of(&GroundPicture::new(&PICTURE, &[]), &field, &near, look);
+        let sightings = Sightings::search(&GroundPicture::new(&PICTURE, &[]), &field, &near, look);
         let around = LinearisedCamera::new(near.base(), near.ptz(), SIZE.width);
         let ridges = RidgeAlignment::new(&around, &sightings, 1.0);
         let from = StepPx::new(0.7, -0.4, 1.1);
@@ -399,8 +399,8 @@ mod tests {
         let image = truth()
             .image_from_world(world)
             .unwrap()
-            .moved(Vec2::new(2.0, 1.0));
-        let clicks = ClickAlignment::new(&around, &[Observation::of_point(world, image, 1.5, 0)]);
+            .translate(Vec2::new(2.0, 1.0));
+        let clicks = ClickAlignment::new(&around, &[Observation::from_point(world, image, 1.5, 0)]);
         assert_eq!(clicks.rows.len(), 2);
         for (row, axis_in_image) in clicks.rows.iter().zip([Vec2::x(), Vec2::y()]) {
             check_derivatives(row, |_, step| from + step).expect("click");

@@ -91,7 +91,7 @@ impl LineCheck {
     /// The verdict that the score and the number of open samples allow.
     #[must_use]
     pub fn verdict(&self) -> LineVerdict {
-        LineVerdict::of(self.score, self.found + self.bare)
+        LineVerdict::from_score(self.score, self.found + self.bare)
     }
 }
 
@@ -105,7 +105,7 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         spacing_px: SPACING_PX * scale,
         step_px: 1.0,
     };
-    let sightings = Sightings::of(ground, field, camera, look);
+    let sightings = Sightings::search(ground, field, camera, look);
     // Distances of the ridges nearest to the predicted lines, and the agreement by a Lorentzian
     // weight.
     let mut offsets = Vec::new();
@@ -253,7 +253,7 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paint::drawn::{PICTURE, SIZE, camera, drawn, soccer, truth};
+    use crate::paint::drawn::{PICTURE, SIZE, camera, draw_field, soccer, truth};
     use touchline_core::camera::CameraBase;
     use touchline_core::field::builtin;
     use touchline_core::geometry::Vec3;
@@ -290,7 +290,7 @@ mod tests {
     fn a_field_of_another_length_lies_on_its_paint_in_part() {
         // From the centre circle to the penalty area.
         let pointed = camera(20.0, -13.0, 1500.0);
-        let picture = drawn(&soccer(), &pointed, SIZE);
+        let picture = draw_field(&soccer(), &pointed, SIZE);
         let ground = GroundPicture::new(&picture, &[]);
         assert!(!check_lines(&ground, &soccer(), &pointed).is_of_other_field());
         // Fourteen metres shorter, and the camera as far from the right goal line as before.

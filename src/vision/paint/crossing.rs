@@ -127,7 +127,7 @@ impl Problem for CrossingAtScale<'_> {
         equations
     }
 
-    fn stepped(&self, from: &CrossingState, step: &CrossingState) -> CrossingState {
+    fn apply_step(&self, from: &CrossingState, step: &CrossingState) -> CrossingState {
         from + step
     }
 }
@@ -153,7 +153,7 @@ impl Residual<1, 0, PARAMETERS> for LinePrior {
         Some(Vector1::new(state[self.parameter]))
     }
 
-    fn linearised(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
+    fn linearise(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
         let mut by_own = SMatrix::zeros();
         by_own[self.parameter] = 1.0;
         Some(Linearised {
@@ -192,7 +192,7 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
         Some(Vector1::new(-residual_px(self.place, self.line, state)?))
     }
 
-    fn linearised(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
+    fn linearise(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
         let by_own = offset_by_state(self.place, self.line).transpose();
         Some(Linearised {
             value: self.value(state)?,

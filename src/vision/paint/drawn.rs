@@ -16,7 +16,7 @@ pub fn truth() -> PtzCamera {
 }
 
 /// The soccer field as [`truth`] sees it, drawn once for all tests.
-pub static PICTURE: LazyLock<Picture> = LazyLock::new(|| drawn(&soccer(), &truth(), SIZE));
+pub static PICTURE: LazyLock<Picture> = LazyLock::new(|| draw_field(&soccer(), &truth(), SIZE));
 
 /// Pixels whose centre is farther than this from all paint are drawn with one sample, m.
 const NO_PAINT_M: f64 = 1.0;
@@ -52,7 +52,7 @@ pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
 
 /// The basketball court as [`court_truth`] sees it, drawn once for all tests.
 pub static COURT: LazyLock<Picture> =
-    LazyLock::new(|| drawn_as(&court(), &court_truth(), SIZE, court_colour));
+    LazyLock::new(|| draw_ground(&court(), &court_truth(), SIZE, court_colour));
 
 /// A flat basketball court.
 pub fn court() -> FieldModel {
@@ -102,12 +102,12 @@ fn court_colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
 }
 
 /// Turf with the field's paint, and sky where no ground is seen.
-pub fn drawn(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Picture {
-    drawn_as(field, camera, size, colour)
+pub fn draw_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Picture {
+    draw_ground(field, camera, size, colour)
 }
 
 /// Ground of the given colours, and sky where no ground is seen.
-fn drawn_as(
+fn draw_ground(
     field: &FieldModel,
     camera: &PtzCamera,
     size: ImageSize,

@@ -36,7 +36,7 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    pub fn of(
+    pub fn render(
         field: &FieldModel,
         camera: &PtzCamera,
         landmark: &Landmark,
@@ -89,7 +89,7 @@ impl Shape {
             half,
             metres_a_px,
             columns: cells[0],
-            covers: blurred(&sharp, cells[0]),
+            covers: gaussian_blur(&sharp, cells[0]),
         })
     }
 
@@ -109,7 +109,7 @@ impl Shape {
 
 /// Convolution with a Gaussian of [`BLUR_PX`], truncated at 3 σ, rows and columns separately; the
 /// border is repeated outside.
-fn blurred(sharp: &[f32], columns: usize) -> Vec<f32> {
+fn gaussian_blur(sharp: &[f32], columns: usize) -> Vec<f32> {
     let sigma = BLUR_PX * FINE;
     let reach = (3.0 * sigma).ceil() as isize;
     let weights: Vec<f32> = (-reach..=reach)
@@ -182,7 +182,7 @@ impl Problem for SpotProblem<'_> {
         equations
     }
 
-    fn stepped(&self, from: &DrawnSpot, step: &Vector4<f64>) -> DrawnSpot {
+    fn apply_step(&self, from: &DrawnSpot, step: &Vector4<f64>) -> DrawnSpot {
         let by = step
             .fixed_rows::<2>(0)
             .map(|by| by.clamp(-MAX_STEP_PX, MAX_STEP_PX));
@@ -218,7 +218,7 @@ impl Residual<1, 0, 4> for SpotPixel<'_> {
         ))
     }
 
-    fn linearised(&self, spot: &DrawnSpot) -> Option<Linearised<1, 0, 4>> {
+    fn linearise(&self, spot: &DrawnSpot) -> Option<Linearised<1, 0, 4>> {
         /// Half the base of central differences. The template is a table with [`FINE`] samples per
         /// px, so the slope is taken between neighbouring samples.
         const NEIGHBOUR_PX: f64 = 1.0 / FINE;
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn a_pixel_changes_with_place_contrast_and_level_as_its_derivatives_say() {
         let field = soccer();
-        let shape = Shape::of(
+        let shape = Shape::render(
             &field,
             &truth(),
             field.landmark("centre_mark").unwrap(),
@@ -279,12 +279,12 @@ mod tests {
                 off,
                 grey: 120.0,
             };
-            let by_own = pixel.linearised(&spot).unwrap().by_own;
+            let by_own = pixel.linearise(&spot).unwrap().by_own;
             // The place over the distance of the table's values, contrast and level over any.
             for (parameter, step) in [1.0 / FINE, 1.0 / FINE, 0.5, 0.5].into_iter().enumerate() {
                 let by = Vector4::ith(parameter, step);
                 let value =
-                    |by: Vector4<f64>| pixel.value(&problem.stepped(&spot, &by)).unwrap()[0];
+                    |by: Vector4<f64>| pixel.value(&problem.apply_step(&spot, &by)).unwrap()[0];
                 let numeric = (value(by) - value(-by)) / (2.0 * step);
                 let error = (by_own[parameter] - numeric).abs();
                 assert!(

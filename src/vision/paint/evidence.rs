@@ -26,7 +26,7 @@ pub(super) struct Chains(Vec<Vec<Vec3>>);
 
 impl Chains {
     /// Points of a line are at most `piece_m` apart.
-    pub fn of(field: &FieldModel, base: &CameraBase, piece_m: f64) -> Self {
+    pub fn from_field(field: &FieldModel, base: &CameraBase, piece_m: f64) -> Self {
         let painted = field.lines.iter().filter(|line| line.painted);
         let chain = painted.map(|line| {
             let count = (line.paint_centre.length_m() / piece_m).ceil().max(1.0) as u32;
@@ -66,7 +66,7 @@ pub(super) struct EvidenceMaps {
 
 impl EvidenceMaps {
     /// Maps in which a line may lie up to `reach_px` beside a marking.
-    pub fn of(marking_pixels: &MarkingPixels, reach_px: f64) -> Self {
+    pub fn from_marking_pixels(marking_pixels: &MarkingPixels, reach_px: f64) -> Self {
         let size = marking_pixels.size();
         let cell_px = (CELL_PX * size.scale_from_1920()).max(1.0);
         let count = |extent: u32| (f64::from(extent) / cell_px).ceil() as usize;
@@ -77,7 +77,9 @@ impl EvidenceMaps {
             let direction = direction_of(stroke.normal);
             // Along the normal only: a marking does not continue beyond its end.
             for step in -steps..=steps {
-                let at = stroke.at.moved(stroke.normal * (f64::from(step) * cell_px));
+                let at = stroke
+                    .at
+                    .translate(stroke.normal * (f64::from(step) * cell_px));
                 if !size.contains(at) {
                     continue;
                 }
@@ -94,7 +96,7 @@ impl EvidenceMaps {
         }
         let middle = |index: usize| (index as f64 + 0.5) * cell_px;
         let open = (0..columns * rows).map(|cell| {
-            marking_pixels.shown(ImagePoint::new(
+            marking_pixels.classify(ImagePoint::new(
                 middle(cell % columns),
                 middle(cell / columns),
             )) != Shown::Other
@@ -161,7 +163,7 @@ impl EvidenceMaps {
     fn add(&self, from: ImagePoint, to: ImagePoint, sums: &mut Sums) {
         let (width, height) = self.extent_px();
         let along = to.offset_from(from);
-        let middle = from.moved(along * 0.5);
+        let middle = from.translate(along * 0.5);
         if !(middle.x >= 0.0 && middle.x < width && middle.y >= 0.0 && middle.y < height) {
             return;
         }
@@ -202,8 +204,8 @@ mod tests {
     #[test]
     fn the_right_camera_has_far_more_evidence_than_others() {
         let (ground, field) = (GroundPicture::new(&PICTURE, &[]), soccer());
-        let maps = EvidenceMaps::of(&MarkingPixels::of(&ground), 12.0);
-        let chains = Chains::of(&field, truth().base(), 2.0);
+        let maps = EvidenceMaps::from_marking_pixels(&MarkingPixels::detect(&ground), 12.0);
+        let chains = Chains::from_field(&field, truth().base(), 2.0);
         let right = maps.score(&chains, &truth());
         assert!(right > 0.6, "{right}");
         for (pan_deg, tilt_deg, focal_px) in [

@@ -169,7 +169,7 @@ pub fn find_camera(
     progress: &Progress<'_, f64>,
 ) -> Result<Found, FindError> {
     let scale = ground.size().scale_from_1920();
-    let marking_pixels = MarkingPixels::of(ground);
+    let marking_pixels = MarkingPixels::detect(ground);
     // A picture with little paint fits many cameras; the search would only take time.
     let (found_px, needed_px) = (marking_pixels.points.len() as f64, LEAST_PAINT_PX * scale);
     if !(found_px >= needed_px) {
@@ -188,7 +188,7 @@ pub fn find_camera(
         scale,
     };
     let likely = search.likely(progress)?;
-    search.decided(&likely, progress)
+    search.decide(&likely, progress)
 }
 
 /// The inputs of one search, and the factor `scale` from px at 1920 px width to px.
@@ -218,9 +218,9 @@ struct Node {
 impl Node {
     /// Adds a step in px: how far pan and tilt move the picture's centre, and how far zoom moves
     /// its left and right border.
-    fn stepped(ptz: Ptz, [across, down, zoom]: [f64; 3], width_px: u32) -> Ptz {
+    fn apply_step(ptz: Ptz, [across, down, zoom]: [f64; 3], width_px: u32) -> Ptz {
         Ptz {
-            pan: (ptz.pan + Angle::from_radians(across / ptz.focal_px)).wrapped(),
+            pan: (ptz.pan + Angle::from_radians(across / ptz.focal_px)).wrap(),
             tilt: ptz.tilt + Angle::from_radians(down / ptz.focal_px),
             focal_px: ptz.focal_px * (1.0 + 2.0 * zoom / f64::from(width_px)),
         }
@@ -247,10 +247,10 @@ impl Search<'_> {
     }
 
     fn look(&self, reach_px: f64, piece_m: f64) -> Look {
-        let maps = EvidenceMaps::of(&self.marking_pixels, reach_px * self.scale);
+        let maps = EvidenceMaps::from_marking_pixels(&self.marking_pixels, reach_px * self.scale);
         Look {
             maps,
-            chains: Chains::of(self.field, self.base, piece_m),
+            chains: Chains::from_field(self.field, self.base, piece_m),
         }
     }
 
@@ -264,7 +264,7 @@ impl Search<'_> {
     /// Steps 1 and 2: the best candidates, best first, none near to a better one.
     fn likely(&self, progress: &Progress<'_, f64>) -> Result<Vec<Node>, FindError> {
         let look = self.look(COARSE_REACH_PX, COARSE_PIECE_M);
-        let Some(region) = Region::of(&look.chains) else {
+        let Some(region) = Region::from_chains(&look.chains) else {
             return Ok(Vec::new());
         };
         let focals_px = self.focals_px();
@@ -290,7 +290,7 @@ impl Search<'_> {
         let look = self.look(FINE_REACH_PX, FINE_PIECE_M);
         let closer: Vec<Node> = nodes
             .into_par_iter()
-            .map(|node| self.moved(&look, node.ptz))
+            .map(|node| self.climb(&look, node.ptz))
             .collect();
         Ok(self.distinct(closer, self.options.tried, SAME_CLOSER_PX))
     }
@@ -300,7 +300,7 @@ impl Search<'_> {
     /// A compass search (Kolda, Lewis, Torczon: SIAM Review 45, 2003): takes the best of six steps
     /// until none improves, then halves the step. The score jumps from cell to cell of the maps, so
     /// that its gradient is of no use.
-    fn moved(&self, look: &Look, start: Ptz) -> Node {
+    fn climb(&self, look: &Look, start: Ptz) -> Node {
         let width_px = self.size().width;
         let mut best = self.node(look, start);
         for step_px in STEPS_PX {
@@ -309,7 +309,7 @@ impl Search<'_> {
                 let around = DIRECTIONS.map(|by| {
                     self.node(
                         look,
-                        Node::stepped(best.ptz, by.map(|by| by * step_px), width_px),
+                        Node::apply_step(best.ptz, by.map(|by| by * step_px), width_px),
                     )
                 });
                 match around
@@ -366,8 +366,8 @@ impl Search<'_> {
     }
 
     /// Steps 3 and 4: aligns the candidates and decides whether the best is accepted.
-    fn decided(&self, likely: &[Node], progress: &Progress<'_, f64>) -> Result<Found, FindError> {
-        let painted = PaintedCells::of(&self.marking_pixels);
+    fn decide(&self, likely: &[Node], progress: &Progress<'_, f64>) -> Result<Found, FindError> {
+        let painted = PaintedCells::from_marking_pixels(&self.marking_pixels);
         let mut refused = None;
         let mut fits: Vec<(Agreement, Snapped)> = Vec::new();
         for (index, node) in likely.iter().enumerate() {
@@ -455,7 +455,7 @@ struct Region {
 
 impl Region {
     /// None if the field has no lines.
-    fn of(chains: &Chains) -> Option<Self> {
+    fn from_chains(chains: &Chains) -> Option<Self> {
         // The smallest arc, because pan may cross ±180°.
         let rays = || chains.directions().map(PanTilt::from_direction);
         Some(Self {
@@ -477,8 +477,8 @@ impl Region {
         let at =
             |range: &AngleRange, index: u32, of: u32| range.at(f64::from(index) / f64::from(of));
         let node = |pan, tilt| Ptz {
-            pan: at(&self.pan, pan, pans).wrapped(),
-            tilt: at(&self.tilt, tilt, tilts).wrapped(),
+            pan: at(&self.pan, pan, pans).wrap(),
+            tilt: at(&self.tilt, tilt, tilts).wrap(),
             focal_px,
         };
         (0..=tilts)
@@ -536,7 +536,7 @@ mod tests {
 
     #[test]
     fn a_picture_without_paint_is_refused_by_name_and_a_search_can_be_stopped() {
-        let turf = Picture::filled(SIZE, [62, 110, 42, 255]);
+        let turf = Picture::with_colour(SIZE, [62, 110, 42, 255]);
         let refused = found(&turf, truth().base()).unwrap_err();
         assert!(
             matches!(refused, FindError::TooLittlePaint { found_px, .. } if found_px == 0.0),

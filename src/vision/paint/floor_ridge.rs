@@ -82,7 +82,7 @@ impl FloorRidgeFinder {
             }
         }));
         // Non-maximum suppression within half the expected width.
-        let reach = profile.places(0.5 * across.expected_px()).max(1) as usize;
+        let reach = profile.places(0.5 * across.expected_width_px()).max(1) as usize;
         for index in searched {
             let contrast = self.contrast[index];
             if !(contrast >= MIN_CONTRAST) {
@@ -154,7 +154,9 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
     let top = level(index).max(direction.dot(&profile.mean(index, -core, core)));
     let (left, right) = (direction.dot(&left), direction.dot(&right));
     // From the peak outwards, to half the contrast against that side, interpolated between samples.
-    let within = profile.places(0.9 * across.expected_px() + 1.0).max(1) as usize;
+    let within = profile
+        .places(0.9 * across.expected_width_px() + 1.0)
+        .max(1) as usize;
     let edge = |towards: isize, side: f64| {
         let half = f64::midpoint(top, side);
         let (mut last, mut place) = (level(index), index);
@@ -425,7 +427,7 @@ mod tests {
     #[test]
     fn dark_lines_of_a_floor_are_marking_pixels() {
         let (field, camera) = (court(), court_truth());
-        let marking_pixels = MarkingPixels::of(&GroundPicture::new(&COURT, &[]));
+        let marking_pixels = MarkingPixels::detect(&GroundPicture::new(&COURT, &[]));
         let arc = field
             .lines
             .iter()

@@ -21,7 +21,7 @@ impl GroundPicture {
         Self {
             picture: picture.clone(),
             grey: grey_reduced(picture, 1),
-            surface: Surface::of(picture),
+            surface: Surface::from_picture(picture),
             masks: masks.to_vec(),
         }
     }

@@ -38,7 +38,7 @@ pub(super) struct GroundArea {
 }
 
 impl GroundArea {
-    pub fn of(ground: &GroundPicture) -> Self {
+    pub fn detect(ground: &GroundPicture) -> Self {
         let (width, height) = (ground.size().width as usize, ground.size().height as usize);
         let (columns, rows) = (width.div_ceil(BLOCK_PX), height.div_ceil(BLOCK_PX));
         let pixels = ground.picture().rgba().as_chunks::<4>().0;

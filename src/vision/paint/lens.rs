@@ -55,7 +55,7 @@ pub(super) fn own_lens(
         // Observations: ridges near the lines that the current camera predicts, and the clicks.
         let places = paint_places(ground, field, &found);
         let paint = places.iter().enumerate().filter_map(|(number, place)| {
-            Observation::of_paint(field, place.line, place.image, place.sigma_px, number)
+            Observation::from_paint(field, place.line, place.image, place.sigma_px, number)
         });
         let seen: Vec<Observation> = clicks
             .iter()

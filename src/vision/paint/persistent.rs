@@ -37,7 +37,7 @@ pub struct PersistentPoint {
 /// markings of pictures from one position.
 #[must_use]
 pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<PersistentPoint> {
-    let needed = needed(frames.len());
+    let needed = min_frames(frames.len());
     let of_frame = |frame: usize| -> Vec<PersistentPoint> {
         let (camera, marking_pixels) = &frames[frame];
         let others = others_of(frames, frame);
@@ -50,7 +50,7 @@ pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<Persistent
             // and are then not counted.
             let (mut seen, mut painted) = (1_usize, 1_usize);
             for &other in &others {
-                match shown(&frames[other], camera.base().position_m + direction) {
+                match classify_world_point(&frames[other], camera.base().position_m + direction) {
                     Shown::Stroke => (seen, painted) = (seen + 1, painted + 1),
                     Shown::Ground => seen += 1,
                     Shown::Other => {}
@@ -76,7 +76,7 @@ pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<Persistent
 
 /// Minimum number of frames that must show paint, or ground, in a direction, for a set of this many
 /// frames.
-const fn needed(frames: usize) -> usize {
+const fn min_frames(frames: usize) -> usize {
     match frames {
         0..=2 => 1,
         3..=5 => 2,
@@ -85,10 +85,13 @@ const fn needed(frames: usize) -> usize {
 }
 
 /// What a frame shows at a point of `world`.
-fn shown((camera, marking_pixels): &(PtzCamera, MarkingPixels), point_in_world: Vec3) -> Shown {
+fn classify_world_point(
+    (camera, marking_pixels): &(PtzCamera, MarkingPixels),
+    point_in_world: Vec3,
+) -> Shown {
     camera
         .image_from_world(point_in_world)
-        .map_or(Shown::Other, |image| marking_pixels.shown(image))
+        .map_or(Shown::Other, |image| marking_pixels.classify(image))
 }
 
 /// The indices of the other frames, those with the nearest optical axes first, at most
@@ -119,7 +122,7 @@ pub struct SeenGround {
 impl SeenGround {
     /// Builds the grid from frames of one camera at one position.
     #[must_use]
-    pub fn of(frames: &[(PtzCamera, MarkingPixels)]) -> Self {
+    pub fn from_frames(frames: &[(PtzCamera, MarkingPixels)]) -> Self {
         /// Samples per row of a frame, enough that the widest views skip no cell.
         const ACROSS: usize = 320;
         let (columns, rows) = (
@@ -135,7 +138,7 @@ impl SeenGround {
                     [place % ACROSS, place / ACROSS].map(|at| (at as f64 + 0.5) * step);
                 ImagePoint::new(column, row)
             });
-            let is_ground = |at: &ImagePoint| marking_pixels.shown(*at) != Shown::Other;
+            let is_ground = |at: &ImagePoint| marking_pixels.classify(*at) != Shown::Other;
             let cell = |at| Self::cell(columns, rows, camera.world_direction_from_image(at).ok()?);
             places.filter(is_ground).filter_map(cell).collect()
         };
@@ -145,7 +148,7 @@ impl SeenGround {
         for cell in of_frames.into_iter().flatten() {
             counts[cell] += 1;
         }
-        let needed = needed(frames.len());
+        let needed = min_frames(frames.len());
         Self {
             columns,
             rows,

@@ -50,7 +50,7 @@ pub fn paint_places(
         spacing_px: LOOK.spacing_px * scale,
         ..LOOK
     };
-    let seen = Sightings::of(ground, field, camera, look);
+    let seen = Sightings::search(ground, field, camera, look);
     let mut of_line: Vec<Vec<ImagePoint>> = vec![Vec::new(); field.lines.len()];
     // The nearest ridge of each sample, if it is near enough.
     for (index, sample) in seen.samples.iter().enumerate() {
@@ -58,7 +58,7 @@ pub fn paint_places(
             .nearest(index, 0.0)
             .filter(|ridge| ridge.offset_px.abs() <= NEAR_PX * scale);
         of_line[sample.line]
-            .extend(near.map(|ridge| sample.image.moved(sample.normal * ridge.offset_px)));
+            .extend(near.map(|ridge| sample.image.translate(sample.normal * ridge.offset_px)));
     }
     let kept = of_line
         .into_iter()
@@ -92,7 +92,7 @@ mod tests {
             let mut off_px: Vec<f64> = places
                 .iter()
                 .map(|place| {
-                    Observation::of_paint(&field, place.line, place.image, place.sigma_px, 0)
+                    Observation::from_paint(&field, place.line, place.image, place.sigma_px, 0)
                         .unwrap()
                 })
                 .map(|seen| seen.distance_px(&truth()).unwrap())

@@ -111,11 +111,11 @@ pub fn snap_point(
         courses.push(crossing.course(of_line, &mut finder)?);
     }
     // Step 3. The 1-σ is the root mean square of the two axes.
-    let (shift, covariance) = crossing.solved(&courses)?;
+    let (shift, covariance) = crossing.solve(&courses)?;
     let sigma_px = (covariance.trace() / 2.0).sqrt();
     let certain = shift.norm() <= crossing.reach_px && sigma_px <= options.max_sigma_px * scale;
     certain.then(|| SnappedPoint {
-        image: placed.moved(shift),
+        image: placed.translate(shift),
         sigma_px,
     })
 }
@@ -157,7 +157,7 @@ impl Crossing<'_> {
             let clear_px = CLEAR_PX * self.scale + 0.5 * sample.width_px;
             // The predicted line, moved to the placed point.
             let across = Across {
-                at: sample.image.moved(self.by),
+                at: sample.image.translate(self.by),
                 ..Across::from(sample)
             };
             if distance_px(sample) < clear_px || self.ground.is_masked(across.at) {
@@ -220,7 +220,7 @@ impl Crossing<'_> {
 
     /// The landmark's shift from the placed point, px, on which the ridges of all lines agree, and
     /// its covariance, px². None if the lines do not cross or their ridges do not agree.
-    fn solved(&self, courses: &[Course]) -> Option<(Vec2, Matrix2<f64>)> {
+    fn solve(&self, courses: &[Course]) -> Option<(Vec2, Matrix2<f64>)> {
         // Rotations and offsets of the lines start at zero, the shift at the crossing.
         let mut state = CrossingState::zeros();
         state
@@ -260,7 +260,7 @@ impl Crossing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paint::drawn::{PICTURE, camera, drawn, soccer, truth};
+    use crate::paint::drawn::{PICTURE, camera, draw_field, soccer, truth};
     use touchline_core::camera::{CameraBase, FocalCurve, Ptz};
     use touchline_core::geometry::ImageSize;
 
@@ -276,7 +276,7 @@ mod tests {
             &field,
             camera,
             landmark,
-            exact.moved(off_px),
+            exact.translate(off_px),
             &PointSnapOptions::default(),
         )?;
         Some((found, found.image.distance_px(exact)))
@@ -316,7 +316,7 @@ mod tests {
             ..*truth().base()
         };
         let camera = PtzCamera::new(base, Ptz::from_degrees(38.0, -14.0, 900.0));
-        let picture = drawn(&field, &camera, size);
+        let picture = draw_field(&field, &camera, size);
         let ground = GroundPicture::new(&picture, &[]);
         let mut off_px = Vec::new();
         for landmark in field
@@ -328,7 +328,7 @@ mod tests {
                 .image_from_world(field.landmark_in_world(landmark))
                 .unwrap();
             for placed in [Vec2::zeros(), Vec2::new(1.5, -1.0), Vec2::new(-1.0, 1.5)]
-                .map(|by| exact.moved(by))
+                .map(|by| exact.translate(by))
             {
                 let found = snap_point(
                     &ground,

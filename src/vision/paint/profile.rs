@@ -57,8 +57,8 @@ where
         let mut sum = T::default();
         self.sums.push(sum);
         for index in 0..=2 * half {
-            let at = middle.moved(normal * ((index as f64 - half as f64) * step_px));
-            let here = picture.mean_at(ALONG_PX.map(|by| at.moved(along * by)));
+            let at = middle.translate(normal * ((index as f64 - half as f64) * step_px));
+            let here = picture.mean_at(ALONG_PX.map(|by| at.translate(along * by)));
             sum += here;
             self.values.push(here);
             self.sums.push(sum);

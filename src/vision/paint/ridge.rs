@@ -51,7 +51,7 @@ impl RidgeFinder {
             step_px,
         );
         let profile = &self.profile;
-        let expected_px = across.expected_px();
+        let expected_px = across.expected_width_px();
         // Contrast at a point: the mean of the middle 60 % of the predicted width, less the
         // brighter of the two bands beside the paint. The brighter one, because a mere step in
         // brightness must not count.

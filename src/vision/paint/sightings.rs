@@ -51,7 +51,7 @@ pub(super) struct Look {
 impl Sightings {
     /// Searches a picture for the paint that a camera predicts.
     #[must_use]
-    pub(super) fn of(
+    pub(super) fn search(
         ground: &GroundPicture,
         field: &FieldModel,
         camera: &PtzCamera,

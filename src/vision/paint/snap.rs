@@ -193,7 +193,7 @@ pub fn snap(
         }
     }
     if !options.own_k1 {
-        return problem.accepted(best);
+        return problem.verify(best);
     }
     // A new k₁ moves the predicted lines, so the picture is read again and the camera aligned once
     // more.
@@ -202,13 +202,13 @@ pub fn snap(
         base: &base,
         ..problem
     };
-    let realigned = problem.refined(ptz).ok_or(SnapError::TooFewSamples {
+    let realigned = problem.refine(ptz).ok_or(SnapError::TooFewSamples {
         found: 0,
         needed: options.min_samples,
     })?;
     Ok(Snapped {
         own_lens: Some(base.distortion),
-        ..problem.accepted(&realigned)?
+        ..problem.verify(&realigned)?
     })
 }
 
@@ -243,7 +243,7 @@ impl Problem<'_> {
             spacing_px: look.spacing_px * self.scale,
             step_px: look.step_px,
         };
-        let seen = Sightings::of(self.ground, self.field, &around.camera, scaled);
+        let seen = Sightings::search(self.ground, self.field, &around.camera, scaled);
         (around, seen)
     }
 
@@ -274,7 +274,7 @@ impl Problem<'_> {
         for step in likely_steps(&ridges, &clicks, self.options.reach_px * self.scale) {
             // The loss scales of the coarse stage, on the ridges of the coarse observations.
             let step = ridges.align(step, &self.scales_px(0), Some(&clicks), |_| true);
-            let Some(fit) = self.refined(around.ptz_after(&step)) else {
+            let Some(fit) = self.refine(around.ptz_after(&step)) else {
                 continue;
             };
             // Several starts often end in one minimum; it is kept once.
@@ -289,7 +289,7 @@ impl Problem<'_> {
     }
 
     /// The middle and the fine stage. None if the camera diverges.
-    fn refined(&self, start: Ptz) -> Option<Fit> {
+    fn refine(&self, start: Ptz) -> Option<Fit> {
         // Middle stage. The picture is read again around the new camera, within a smaller reach,
         // because the linearisation was exact at the old camera only.
         let (around, seen) = self.look(Some(start).filter(Ptz::is_finite)?, MIDDLE);
@@ -333,7 +333,7 @@ impl Problem<'_> {
     }
 
     /// Tests a fit and computes its covariance.
-    fn accepted(&self, fit: &Fit) -> Result<Snapped, SnapError> {
+    fn verify(&self, fit: &Fit) -> Result<Snapped, SnapError> {
         let options = self.options;
         let ridges = RidgeAlignment::new(&fit.around, &fit.seen, self.scale);
         // Enough samples with a ridge on their line.
@@ -419,7 +419,7 @@ impl Problem<'_> {
         let of_paint = subsample(taking_part, UNCERTAINTY_SAMPLES).filter_map(|(index, _)| {
             let sample = &fit.seen.samples[*index];
             let image = camera.image_from_world(sample.at).ok()?;
-            Observation::of_paint(
+            Observation::from_paint(
                 self.field,
                 sample.line,
                 image,
@@ -429,7 +429,7 @@ impl Problem<'_> {
         });
         let clicks = self.clicks.iter().filter(|click| !click.check).copied();
         let observations: Vec<Observation> = of_paint.chain(clicks).collect();
-        Uncertainty::of(camera, &observations, None)
+        Uncertainty::from_observations(camera, &observations, None)
     }
 }
 
@@ -455,8 +455,8 @@ mod tests {
     fn click(landmark: &str, off_px: Vec2) -> Observation {
         let field = soccer();
         let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-        let image: ImagePoint = truth().image_from_world(world).unwrap().moved(off_px);
-        Observation::of_point(world, image, 1.5, 0)
+        let image: ImagePoint = truth().image_from_world(world).unwrap().translate(off_px);
+        Observation::from_point(world, image, 1.5, 0)
     }
 
     #[test]

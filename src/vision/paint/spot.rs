@@ -67,11 +67,11 @@ pub(super) fn snap_spot(
     let diameter_m = landmark.spot_diameter_m?;
     let shapes = SIZES
         .into_iter()
-        .filter_map(|size| Shape::of(field, camera, landmark, size * diameter_m, scale));
+        .filter_map(|size| Shape::render(field, camera, landmark, size * diameter_m, scale));
     // Best offset over all sizes and all pixels within reach.
     let reach = (options.reach_px * scale).ceil() as i32;
     let looked: Vec<Look> = shapes
-        .map(|shape| Look::of(ground, placed, shape, reach))
+        .map(|shape| Look::search(ground, placed, shape, reach))
         .collect();
     let all = || {
         looked
@@ -90,7 +90,7 @@ pub(super) fn snap_spot(
         return None;
     }
     // Refine, then test contrast, fit, surroundings and precision.
-    let refined = look.refined(ground, best, BESIDE_PX * scale.max(0.5))?;
+    let refined = look.refine(ground, best, BESIDE_PX * scale.max(0.5))?;
     let (shift, sigma_px) = (refined.shift, refined.sigma_px.hypot(LINE_SIGMA_PX * scale));
     let is_paint = refined.contrast.abs() >= MIN_CONTRAST
         && (refined.contrast > 0.0 || !ground.surface().is_turf())
@@ -99,7 +99,7 @@ pub(super) fn snap_spot(
     let is_certain =
         shift.norm() <= options.reach_px * scale && sigma_px <= options.max_sigma_px * scale;
     (is_paint && is_certain).then(|| SnappedPoint {
-        image: placed.moved(shift),
+        image: placed.translate(shift),
         sigma_px,
     })
 }
@@ -138,7 +138,7 @@ struct Refined {
 }
 
 impl Look {
-    fn of(ground: &GroundPicture, placed: ImagePoint, shape: Shape, reach: i32) -> Self {
+    fn search(ground: &GroundPicture, placed: ImagePoint, shape: Shape, reach: i32) -> Self {
         let mut look = Self {
             placed,
             shape,
@@ -152,7 +152,7 @@ impl Look {
                 let whole = look.pixels(ground, shift);
                 if let Some(seen) = look
                     .is_whole(&whole)
-                    .then(|| look.explained(&whole, Vec2::zeros()))
+                    .then(|| look.fit_contrast(&whole, Vec2::zeros()))
                 {
                     // On turf paint is bright.
                     let explained = if seen.contrast > 0.0 || !ground.surface().is_turf() {
@@ -170,7 +170,7 @@ impl Look {
     /// The pixels under a template at an offset: centre relative to the template's centre, px, and
     /// grey level. Pixels that a graphic covers, and pixels outside the picture, are left out.
     fn pixels(&self, ground: &GroundPicture, shift: Vec2) -> Vec<(Vec2, f64)> {
-        let middle = self.placed.moved(shift);
+        let middle = self.placed.translate(shift);
         let [half_x, half_y] = self.shape.half;
         let (left, top) = (middle.x.floor(), middle.y.floor());
         let size = ground.size();
@@ -194,7 +194,7 @@ impl Look {
     ///
     /// Ordinary least squares for a line: contrast = Σ(c − c̄)(g − ḡ) / Σ(c − c̄)², with the
     /// coverage c and the grey level g of each pixel.
-    fn explained(&self, pixels: &[(Vec2, f64)], by: Vec2) -> Explained {
+    fn fit_contrast(&self, pixels: &[(Vec2, f64)], by: Vec2) -> Explained {
         let count = pixels.len() as f64;
         // Sums of coverage c and grey level g: Σc, Σg, Σc², Σcg, Σg².
         let [mut covers, mut greys, mut covers_2, mut both, mut greys_2] = [0.0; 5];
@@ -225,7 +225,7 @@ impl Look {
 
     /// Refines an offset below the pixel. None if it diverges, or if offsets `beside_px` away are
     /// nearly as good.
-    fn refined(&self, ground: &GroundPicture, from: &Fit, beside_px: f64) -> Option<Refined> {
+    fn refine(&self, ground: &GroundPicture, from: &Fit, beside_px: f64) -> Option<Refined> {
         let seen = self.pixels(ground, from.shift);
         let count = seen.len() as f64;
         let Explained {
@@ -233,7 +233,7 @@ impl Look {
             level,
             about_mean,
             ..
-        } = self.explained(&seen, Vec2::zeros());
+        } = self.fit_contrast(&seen, Vec2::zeros());
         let problem = SpotProblem {
             shape: &self.shape,
             pixels: &seen,
@@ -264,7 +264,7 @@ impl Look {
                 contrast: spot.contrast,
                 explained,
             });
-            spot = problem.stepped(&spot, &equations.step(0.0)?);
+            spot = problem.apply_step(&spot, &equations.step(0.0)?);
             if !(spot.by.norm() <= MAX_REFINEMENT_PX) {
                 return None;
             }
@@ -279,7 +279,7 @@ impl Look {
         let noise = pixels.len() as f64 * LEAST_NOISE.powi(2);
         // Noise is added on both sides: the ratio of two very small residuals says nothing.
         let left = |by: Vec2| {
-            let explained = self.explained(pixels, by);
+            let explained = self.fit_contrast(pixels, by);
             explained.about_mean - explained.squares + noise
         };
         let least = MUCH_WORSE * left(by);
@@ -292,12 +292,12 @@ impl Look {
 
     /// Whether most of what surrounds the marking has the ground's colours.
     fn lies_on_ground(&self, ground: &GroundPicture, shift: Vec2) -> bool {
-        let middle = self.placed.moved(shift);
+        let middle = self.placed.translate(shift);
         let bare: Vec<ImagePoint> = self
             .pixels(ground, shift)
             .into_iter()
             .filter(|(off, _)| self.shape.covers(*off) < 0.05)
-            .map(|(off, _)| middle.moved(off))
+            .map(|(off, _)| middle.translate(off))
             .collect();
         let of_ground = bare.iter().filter(|at| ground.is_ground(**at)).count();
         of_ground as f64 >= ON_GROUND * bare.len() as f64 && !bare.is_empty()
@@ -308,7 +308,7 @@ impl Look {
 mod tests {
     use super::*;
     use crate::media::Picture;
-    use crate::paint::drawn::{camera, drawn, soccer};
+    use crate::paint::drawn::{camera, draw_field, soccer};
     use crate::paint::snap_point;
     use std::sync::LazyLock;
     use touchline_core::camera::Ptz;
@@ -337,7 +337,7 @@ mod tests {
     static PICTURES: LazyLock<Vec<Picture>> = LazyLock::new(|| {
         VIEWS
             .iter()
-            .map(|(_, pan, focal)| drawn(&soccer(), &view(*pan, *focal), SIZE))
+            .map(|(_, pan, focal)| draw_field(&soccer(), &view(*pan, *focal), SIZE))
             .collect()
     });
 
@@ -380,7 +380,7 @@ mod tests {
                 Vec2::new(-3.0, 2.0),
                 Vec2::new(0.5, 3.0),
             ] {
-                let found = snapped(index, &camera, exact.moved(off_px), &[]);
+                let found = snapped(index, &camera, exact.translate(off_px), &[]);
                 let found = found.unwrap_or_else(|| panic!("{landmark} from {off_px:?}"));
                 let error_px = found.image.distance_px(exact);
                 assert!(
@@ -400,7 +400,7 @@ mod tests {
             view(34.0, 2350.0),
             camera(36.0, -15.5, 2700.0),
         ] {
-            let found = snapped(1, &rough, exact.moved(Vec2::new(2.0, -1.0)), &[]).unwrap();
+            let found = snapped(1, &rough, exact.translate(Vec2::new(2.0, -1.0)), &[]).unwrap();
             assert!(found.image.distance_px(exact) < 0.5, "{found:?}");
         }
     }
@@ -409,7 +409,7 @@ mod tests {
     fn without_a_mark_or_with_something_else_in_its_place_a_point_stays() {
         let (camera, exact) = view_of(1);
         assert_eq!(
-            snapped(1, &camera, exact.moved(Vec2::new(40.0, 0.0)), &[]),
+            snapped(1, &camera, exact.translate(Vec2::new(40.0, 0.0)), &[]),
             None,
             "bare turf"
         );
@@ -423,7 +423,7 @@ mod tests {
         // The halfway line without its mark, and the mark of another place beside a line.
         let (middle, centre) = view_of(0);
         assert_eq!(
-            snapped(0, &middle, centre.moved(Vec2::new(0.0, 60.0)), &[]),
+            snapped(0, &middle, centre.translate(Vec2::new(0.0, 60.0)), &[]),
             None,
             "a line alone"
         );

@@ -99,17 +99,17 @@ fn bin([red, green, blue]: [u8; 3]) -> Option<usize> {
 impl Surface {
     /// The colours of a picture's ground.
     #[must_use]
-    pub fn of(picture: &Picture) -> Self {
-        let bins = Bins::of(picture);
+    pub fn from_picture(picture: &Picture) -> Self {
+        let bins = Bins::from_picture(picture);
         // Histogram, smoothed so that a sparse histogram stays connected.
         let mut counts = vec![0_f64; BINS * BINS];
         for bin in bins.rows.iter().flatten().flatten() {
             counts[*bin] += 1.0;
         }
-        let counts = blurred(&counts);
+        let counts = smooth_histogram(&counts);
         let peak = peak_of(&counts);
-        let of_ground = connected_to_the_peak(&counts, LEAST_COMMON);
-        let of_bare_ground = connected_to_the_peak(&counts, LEAST_COMMON_BARE);
+        let of_ground = flood_fill_from_peak(&counts, LEAST_COMMON);
+        let of_bare_ground = flood_fill_from_peak(&counts, LEAST_COMMON_BARE);
         let sum: f64 = counts
             .iter()
             .zip(&of_ground)
@@ -177,7 +177,7 @@ struct Bins {
 }
 
 impl Bins {
-    fn of(picture: &Picture) -> Self {
+    fn from_picture(picture: &Picture) -> Self {
         let width = picture.size().width as usize;
         let rows = picture
             .rgba()
@@ -218,10 +218,10 @@ impl Bins {
         }
         // The most common of these colours, with what is connected to it, is an area; then the
         // next.
-        let mut left = blurred(&between);
+        let mut left = smooth_histogram(&between);
         let mut areas = vec![false; BINS * BINS];
         for _ in 0..MOST_AREAS {
-            let area = connected_to_the_peak(&left, LEAST_COMMON_AREA);
+            let area = flood_fill_from_peak(&left, LEAST_COMMON_AREA);
             let mut sum = 0.0;
             for (count, _) in left.iter_mut().zip(&area).filter(|(_, of)| **of) {
                 sum += std::mem::take(count);
@@ -255,7 +255,7 @@ fn peak_of(counts: &[f64]) -> usize {
 }
 
 /// Every count averaged with its eight neighbours; neighbours outside count as empty.
-fn blurred(counts: &[f64]) -> Vec<f64> {
+fn smooth_histogram(counts: &[f64]) -> Vec<f64> {
     let at = |row: usize, column: usize| {
         let mut sum = 0.0;
         for r in row.saturating_sub(1)..=(row + 1).min(BINS - 1) {
@@ -272,7 +272,7 @@ fn blurred(counts: &[f64]) -> Vec<f64> {
 
 /// Flood fill from the most common bin through bins with more than `least_common` of its count,
 /// diagonals included.
-fn connected_to_the_peak(counts: &[f64], least_common: f64) -> Vec<bool> {
+fn flood_fill_from_peak(counts: &[f64], least_common: f64) -> Vec<bool> {
     let mut reached = vec![false; counts.len()];
     let peak = peak_of(counts);
     let least = counts[peak] * least_common;
@@ -318,7 +318,7 @@ mod tests {
         ];
         let mut colours = turf.to_vec();
         colours.extend([[230, 235, 225], [190, 30, 40]]);
-        let surface = Surface::of(&bands(&colours));
+        let surface = Surface::from_picture(&bands(&colours));
         assert!(turf.iter().all(|colour| surface.holds(*colour)));
         assert!(
             !surface.holds([230, 235, 225])
@@ -334,10 +334,16 @@ mod tests {
 
     #[test]
     fn a_picture_without_pixels_or_light_has_no_ground() {
-        let none = Surface::of(&Picture::filled(ImageSize::new(0, 0), [0, 0, 0, 255]));
+        let none =
+            Surface::from_picture(&Picture::with_colour(ImageSize::new(0, 0), [0, 0, 0, 255]));
         assert!(none.share() == 0.0 && !none.holds([60, 110, 40]));
         assert!(
-            Surface::of(&Picture::filled(ImageSize::new(64, 64), [3, 3, 3, 255])).share() == 0.0
+            Surface::from_picture(&Picture::with_colour(
+                ImageSize::new(64, 64),
+                [3, 3, 3, 255]
+            ))
+            .share()
+                == 0.0
         );
     }
 }

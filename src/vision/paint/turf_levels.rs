@@ -43,7 +43,7 @@ pub(super) struct TurfExcess {
 }
 
 impl TurfLevels {
-    pub fn of(ground: &GroundPicture, area: &GroundArea) -> Self {
+    pub fn measure(ground: &GroundPicture, area: &GroundArea) -> Self {
         let (width, height) = (ground.size().width as usize, ground.size().height as usize);
         let (columns, rows) = (width.div_ceil(BLOCK_PX), height.div_ceil(BLOCK_PX));
         // Brightness is counted once by block; the nine blocks around a point add their counts, so that
@@ -141,7 +141,8 @@ mod tests {
 
     #[test]
     fn stripes_of_mowing_without_their_colour_are_no_paint() {
-        let seen = |picture: &Picture| MarkingPixels::of(&GroundPicture::new(picture, &[])).points;
+        let seen =
+            |picture: &Picture| MarkingPixels::detect(&GroundPicture::new(picture, &[])).points;
         assert_eq!(seen(&stripes(0.0)), []);
         let line = seen(&stripes(60.0));
         let off_line = line

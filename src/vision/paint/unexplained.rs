@@ -54,7 +54,7 @@ pub(super) fn unexplained_share(
         let across = Vec2::new(along.y, along.x);
         for row in middles(breadth, SPACING_PX * scale) {
             for piece in middles(length, PIECE_PX * scale) {
-                let at = ImagePoint::new(0.0, 0.0).moved(along * piece + across * row);
+                let at = ImagePoint::new(0.0, 0.0).translate(along * piece + across * row);
                 // The middle of the piece gives its expected width; pieces whose middle shows no
                 // field are skipped.
                 let Some(width_px) = paint_px(camera, field, at, along, width_m) else {

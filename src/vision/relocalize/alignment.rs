@@ -18,8 +18,8 @@
 //! over its redundancy (Förstner's estimate of variance components).
 
 use super::confidence::FromReference;
-use super::labels::moved_by_label;
-use super::reference_pairs::{Reference, pairs, seen_from};
+use super::labels::jacobian_by_reference;
+use super::reference_pairs::{Reference, pairs, pose_from_reference};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use touchline_core::camera::Ptz;
@@ -86,7 +86,7 @@ const ROUNDS: usize = 4;
 /// covariance of its (pan rad, tilt rad, focal px), given the base. If a group's problem has no
 /// solution, its labels stay as they are.
 #[must_use]
-pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
+pub fn adjust_labels(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
     let pans: Vec<Angle> = references
         .iter()
         .map(|reference| reference.camera.ptz().pan)
@@ -95,7 +95,7 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
     let order = AngleRange::along_smallest(&pans);
     let mut groups: Vec<Group> = order
         .chunks(TOGETHER)
-        .map(|members| Group::of(members, references))
+        .map(|members| Group::from_members(members, references))
         .collect();
     let mut scatter = Scatter {
         clicks: 1.0,
@@ -129,7 +129,7 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
         for (place, &member) in group.members.iter().enumerate() {
             let by = group.correction(place);
             let ptz = found[member].0;
-            let pan = (ptz.pan + Angle::from_radians(by.x)).wrapped();
+            let pan = (ptz.pan + Angle::from_radians(by.x)).wrap();
             let tilt = ptz.tilt + Angle::from_radians(by.y);
             found[member] = (
                 Ptz {
@@ -189,9 +189,9 @@ struct Group {
 
 impl RelativePose {
     /// The pose of the second relative to the first; `None` if their pictures do not determine it.
-    fn of(places: [usize; 2], references: &[Reference]) -> Option<Self> {
+    fn estimate(places: [usize; 2], references: &[Reference]) -> Option<Self> {
         let [first, second] = places.map(|place| &references[place]);
-        let answer = seen_from(first, second, FEATURES)?;
+        let answer = pose_from_reference(first, second, FEATURES)?;
         let (one, other) = (first.camera.ptz(), second.camera.ptz());
         let pan = answer.ptz.pan.turn_from(other.pan).radians();
         let off = Vec3::new(
@@ -220,24 +220,24 @@ impl RelativePose {
         Some(Self {
             places,
             off,
-            moved: moved_by_label(&other, &one),
+            moved: jacobian_by_reference(&other, &one),
             covariance,
         })
     }
 
     /// The residual `r − δⱼ + T δᵢ` after the corrections.
-    fn left(&self, group: &Group) -> Vec3 {
+    fn residual(&self, group: &Group) -> Vec3 {
         let [one, other] = self.places;
         self.off - group.correction(other) + self.moved * group.correction(one)
     }
 }
 
 impl Group {
-    fn of(members: &[usize], references: &[Reference]) -> Self {
+    fn from_members(members: &[usize], references: &[Reference]) -> Self {
         let together: Vec<Reference> = members.iter().map(|&member| references[member]).collect();
         let relative_poses = pairs(&together, NEIGHBOURS)
             .par_iter()
-            .filter_map(|pair| RelativePose::of(*pair, &together))
+            .filter_map(|pair| RelativePose::estimate(*pair, &together))
             .collect();
         let size = 3 * members.len();
         Self {
@@ -255,8 +255,8 @@ impl Group {
 
     /// The relative poses whose offset is within [`MOST_SIGMAS`] of its covariance, that of both
     /// labels included.
-    fn believed(&self, labels: &[Label], scatter: Scatter) -> Vec<&RelativePose> {
-        let known = |place: usize| labels[self.members[place]].scattered(scatter);
+    fn inliers(&self, labels: &[Label], scatter: Scatter) -> Vec<&RelativePose> {
+        let known = |place: usize| labels[self.members[place]].scaled_covariance(scatter);
         // Mahalanobis distance of the offset under C + T Λᵢ Tᵀ + Λⱼ, with both variance factors.
         let is_believed = |pose: &&RelativePose| {
             let [one, other] = pose.places.map(known);
@@ -286,14 +286,14 @@ impl Group {
             add(
                 [place, place],
                 labels[member]
-                    .scattered(scatter)
+                    .scaled_covariance(scatter)
                     .try_inverse()
                     .unwrap_or_else(Mat3::zeros),
             );
         }
         // The normal equations of each relative pose: the residual has the derivative −I by δⱼ and
         // T by δᵢ.
-        for pose in self.believed(labels, scatter) {
+        for pose in self.inliers(labels, scatter) {
             let ([one, other], moved) = (pose.places, pose.moved);
             let Some(weight) = (pose.covariance * scatter.relative_poses).try_inverse() else {
                 continue;
@@ -360,7 +360,7 @@ impl Group {
                 + self.covariance(other, other)
                 - crossed
                 - crossed.transpose();
-            let left = pose.left(self);
+            let left = pose.residual(self);
             let expected =
                 (3.0 - (explained * information).trace() / scatter.relative_poses).max(0.0);
             Some(Misfit {
@@ -368,7 +368,7 @@ impl Group {
                 expected,
             })
         };
-        self.believed(labels, scatter)
+        self.inliers(labels, scatter)
             .into_iter()
             .filter_map(of_pose)
             .fold(Misfit::default(), |sum, one| sum + one)
@@ -393,7 +393,7 @@ impl Group {
 
 impl Label {
     /// The covariance scaled by the variance factor of clicks, if the label comes from clicks.
-    fn scattered(&self, scatter: Scatter) -> Mat3 {
+    fn scaled_covariance(&self, scatter: Scatter) -> Mat3 {
         if self.misfit.is_some() {
             self.covariance * scatter.clicks
         } else {

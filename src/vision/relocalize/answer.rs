@@ -57,7 +57,7 @@ impl SeenRange {
             self.tilt_deg.end() + BEYOND_TILT_DEG,
         );
         PtzRanges {
-            pan: self.pan().extended(Angle::from_degrees(BEYOND_PAN_DEG)),
+            pan: self.pan().expand(Angle::from_degrees(BEYOND_PAN_DEG)),
             tilt: Angle::from_degrees(lowest)..=Angle::from_degrees(highest),
             focal_px: self.focal_px.start() / BEYOND_FOCAL..=self.focal_px.end() * BEYOND_FOCAL,
         }
@@ -102,7 +102,7 @@ pub fn relocalize(
     };
     let pose = pose_of_moving(&matches, features, base, &seen.cameras, &unsure).and_then(
         |(pose, stands_still)| {
-            let stated = pose.stated(&matches, base, features.image_size, seen);
+            let stated = pose.with_uncertainty(&matches, base, features.image_size, seen);
             stated
                 .if_sure(options.pose.min_confidence)
                 .map_err(|unsure| stands_still.unwrap_or(unsure))

@@ -73,7 +73,7 @@ const RIGHT_PX: f64 = 10.0;
 
 impl FromReference {
     /// Relative to the nearest reference; zero if none is known.
-    pub(super) fn of(ptz: &Ptz, image_size: ImageSize, seen: &SeenRange) -> Self {
+    pub(super) fn from_nearest(ptz: &Ptz, image_size: ImageSize, seen: &SeenRange) -> Self {
         let Some(number) = nearest(ptz, &seen.cameras, 1).into_iter().next() else {
             return Self::default();
         };

@@ -56,7 +56,7 @@ pub(super) fn find_consensus(
 ) -> Consensus {
     let mut rng = Pcg64Mcg::seed_from_u64(options.seed);
     let order = matches.by_distance();
-    let mut shuffled = shuffled(matches.len(), &mut rng);
+    let mut shuffled = shuffled_indices(matches.len(), &mut rng);
     shuffled.truncate(SCORED_FEATURES);
     let agreement_px = options.agreement_px * image_size.scale_from_1920();
     let min_separation_px = MIN_SEPARATION * f64::from(image_size.width);
@@ -250,7 +250,7 @@ fn score(
     Some((score, agreeing))
 }
 
-fn shuffled(count: usize, rng: &mut Pcg64Mcg) -> Vec<usize> {
+fn shuffled_indices(count: usize, rng: &mut Pcg64Mcg) -> Vec<usize> {
     use rand::seq::SliceRandom;
     let mut order: Vec<usize> = (0..count).collect();
     order.shuffle(rng);

@@ -10,7 +10,7 @@
 //! therefore compared with all others, and reported if at least two of them contradict it: a single
 //! one may be similar by chance, as repeated boards are.
 
-use super::reference_pairs::{Reference, pairs, seen_from};
+use super::reference_pairs::{Reference, pairs, pose_from_reference};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -148,7 +148,7 @@ fn disagreement(
     options: &ContradictionOptions,
 ) -> Option<Contradiction> {
     let [first, second] = pair.map(|index| &references[index]);
-    let pose = seen_from(first, second, options.features)?;
+    let pose = pose_from_reference(first, second, options.features)?;
     let disagreement_px = second.disagreement_px(&pose.ptz);
     Some(Contradiction {
         references: pair,

@@ -86,7 +86,7 @@ pub(super) fn label_covariance(
             .get(number)
             .copied()
             .unwrap_or_else(|| usual_label(reference, image_size));
-        let moved = moved_by_label(ptz, &reference.ptz());
+        let moved = jacobian_by_reference(ptz, &reference.ptz());
         covariance += moved * label * moved.transpose() * (share / all);
     }
     // Symmetric but for rounding; made exactly so.
@@ -99,7 +99,7 @@ pub(super) fn label_covariance(
 /// Pan and tilt errors carry over. With a focal length too long by δf, rays at a pan offset p from
 /// the reference's centre are computed at p (1 − δf/f); so the answer, p away, moves by −p δf/f,
 /// and its focal length scales by the same factor as the reference's. First order in the offsets.
-pub(super) fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
+pub(super) fn jacobian_by_reference(answer: &Ptz, reference: &Ptz) -> Mat3 {
     let (pan, tilt) = (
         answer.pan.turn_from(reference.pan).radians(),
         (answer.tilt - reference.tilt).radians(),
@@ -177,7 +177,7 @@ mod tests {
             .map(|pan| Ptz::from_degrees(*pan, -12.0, 2200.0))
             .collect();
         let label = Mat3::from_diagonal(&Vec3::new(4e-7, 4e-7, 100.0));
-        let seen = SeenRange::of(&cameras)
+        let seen = SeenRange::from_cameras(&cameras)
             .unwrap()
             .with_labels(vec![label; cameras.len()]);
         (
@@ -243,7 +243,7 @@ mod tests {
             }
         }
         let pose = pose_from_candidates(&matches, &base(), SIZE, &PoseOptions::default()).unwrap();
-        let moved = moved_by_label(&query, &truth) * Vec3::new(0.0, 0.0, 20.0);
+        let moved = jacobian_by_reference(&query, &truth) * Vec3::new(0.0, 0.0, 20.0);
         let pan = pose.ptz.pan.turn_from(query.pan).radians();
         assert!(
             (pan - moved.x).abs() < 0.15 * moved.x.abs(),

@@ -152,7 +152,7 @@ impl RayMatches {
         features
             .filter_map(|feature| {
                 let (_, ray) = self.nearest(camera, feature)?;
-                Some(Observation::of_point(
+                Some(Observation::from_point(
                     ray,
                     self.point(feature),
                     sigma_px,

@@ -23,7 +23,7 @@ mod reference_pairs;
 mod shown;
 mod standing;
 
-pub use alignment::{Label, Misfit, aligned};
+pub use alignment::{Label, Misfit, adjust_labels};
 pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
 pub use confidence::{Evidence, FromReference};
 pub use contradictions::{Contradiction, ContradictionOptions, contradictions, suspects};

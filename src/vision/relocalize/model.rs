@@ -74,7 +74,7 @@ pub struct SeenRange {
 impl SeenRange {
     /// The range of some cameras; `None` without any.
     #[must_use]
-    pub fn of(cameras: &[Ptz]) -> Option<Self> {
+    pub fn from_cameras(cameras: &[Ptz]) -> Option<Self> {
         let range = |value: fn(&Ptz) -> f64| {
             let least = cameras.iter().map(value).min_by(f64::total_cmp)?;
             let greatest = cameras.iter().map(value).max_by(f64::total_cmp)?;

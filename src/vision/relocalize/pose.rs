@@ -100,7 +100,7 @@ impl Pose {
     }
 
     /// Adds the uncertainty of labels and base to covariance and 1-σ, and updates the confidence.
-    pub(super) fn stated(
+    pub(super) fn with_uncertainty(
         mut self,
         matches: &RayMatches,
         base: &CameraBase,
@@ -112,7 +112,8 @@ impl Pose {
         let by_labels =
             label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);
         let camera = PtzCamera::new(*base, self.ptz);
-        if let Ok(uncertainty) = Uncertainty::of_known(&camera, by_features + by_labels, image_size)
+        if let Ok(uncertainty) =
+            Uncertainty::from_covariance(&camera, by_features + by_labels, image_size)
         {
             self.covariance = uncertainty.ptz_covariance_deg();
             self.own_covariance = uncertainty.own_covariance_deg();
@@ -120,7 +121,7 @@ impl Pose {
             let exact_base = uncertainty.with_exact_base();
             self.labelled_sigma_px = exact_base.worst_corner_sigma_px(&camera, image_size);
         }
-        self.from_reference = FromReference::of(&self.ptz, image_size, seen);
+        self.from_reference = FromReference::from_nearest(&self.ptz, image_size, seen);
         self.at_most = seen.shown.at_most();
         self.confidence = self.evidence(image_size).confidence();
         self
@@ -227,8 +228,8 @@ pub fn pose_from_candidates(
     let crowding = (inliers.len() as f64 / places as f64).sqrt();
     let observations: Vec<Observation> =
         matches.observations(&camera, inliers.iter().copied(), sigma_px * crowding);
-    let uncertainty =
-        Uncertainty::of(&camera, &observations, None).map_err(|_| no_agreement(inliers.len()))?;
+    let uncertainty = Uncertainty::from_observations(&camera, &observations, None)
+        .map_err(|_| no_agreement(inliers.len()))?;
     let worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
     let breadth_px = breadth(inliers.iter().map(|&feature| matches.point(feature)))
         / image_size.scale_from_1920();

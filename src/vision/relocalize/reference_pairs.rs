@@ -38,7 +38,11 @@ impl Reference<'_> {
 
 /// The pose of the second reference if the label of the first is right, from the strongest features
 /// of each; `None` if their pictures do not determine it.
-pub(super) fn seen_from(first: &Reference, second: &Reference, features: usize) -> Option<Pose> {
+pub(super) fn pose_from_reference(
+    first: &Reference,
+    second: &Reference,
+    features: usize,
+) -> Option<Pose> {
     // Features of the first get rays from its label; those of the second are relocalized by them,
     // as a forest's candidates are.
     let mut matches = RayMatches::new();

@@ -56,7 +56,9 @@ pub fn pose_of_moving(
         if place_share(points, all, size) >= WHOLE_PICTURE {
             return Ok((pose, stands_still));
         }
-        let Some(reference) = repeated(&pose, matches, base, references, standing_px) else {
+        let Some(reference) =
+            find_repeated_reference(&pose, matches, base, references, standing_px)
+        else {
             return Ok((pose, stands_still));
         };
         // Exclude all features that stand still relative to this reference, and try again.
@@ -76,7 +78,7 @@ pub fn pose_of_moving(
 
 /// The reference that an answer repeats, if any: most of its inliers lie where they lay in that
 /// reference.
-fn repeated(
+fn find_repeated_reference(
     pose: &Pose,
     matches: &RayMatches,
     base: &CameraBase,

@@ -205,7 +205,7 @@ fn paint(words: &str, ground: Light, ink: Light, design: Design) -> Texture {
         .collect();
     Texture::paint(width, height, |column, row| {
         let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
-        let mut colour = decorated(design, ground, ink, x / h, y / h, w / h);
+        let mut colour = design_colour(design, ground, ink, x / h, y / h, w / h);
         for (left, top) in &origins {
             colour = mix(colour, ink, word.at(column as i64 - left, row as i64 - top));
         }
@@ -216,7 +216,7 @@ fn paint(words: &str, ground: Light, ink: Light, design: Design) -> Texture {
 }
 
 /// The design behind the words; x and y in board heights.
-fn decorated(design: Design, ground: Light, ink: Light, x: f32, y: f32, width: f32) -> Light {
+fn design_colour(design: Design, ground: Light, ink: Light, x: f32, y: f32, width: f32) -> Light {
     let soft = |signed: f32| (0.5 - signed * 40.0).clamp(0.0, 1.0);
     match design {
         Design::Plain | Design::Twice => mix(ground, ground * 0.72, y),

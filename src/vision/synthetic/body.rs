@@ -34,7 +34,7 @@ const BOOTS: [u32; 4] = [0x15_1515, 0xE8_E8E8, 0xD6_E62A, 0xE0_4A2A];
 
 impl Kits {
     /// The colours of a seed.
-    pub fn of(seed: u32) -> Self {
+    pub fn from_seed(seed: u32) -> Self {
         let kit = |shirt: u32, shorts: u32, socks: u32| Kit {
             shirt: hex(shirt),
             shorts: hex(shorts),
@@ -151,16 +151,16 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
         let toe = limb(ankle, 0.17, thigh - bend + 1.35);
         let hem = limb(hip, 0.30, thigh);
         lowest = lowest.min(ankle.z - 0.06).min(toe.z - 0.04);
-        sticks.push(Stick::tapered(hip, hem, 0.105, 0.115, kit.shorts));
-        sticks.push(Stick::tapered(hem, knee, 0.075, 0.06, skin));
-        sticks.push(Stick::tapered(
+        sticks.push(Stick::with_radii(hip, hem, 0.105, 0.115, kit.shorts));
+        sticks.push(Stick::with_radii(hem, knee, 0.075, 0.06, skin));
+        sticks.push(Stick::with_radii(
             limb(knee, 0.05, thigh - bend),
             ankle,
             0.062,
             0.045,
             kit.socks,
         ));
-        sticks.push(Stick::tapered(ankle, toe, 0.05, 0.04, boot));
+        sticks.push(Stick::with_radii(ankle, toe, 0.05, 0.04, boot));
 
         let shoulder = limb(neck, 0.06, 0.0) + left * (0.19 * side * scale);
         let arm = -0.85 * swing * phase.sin() + 0.05;
@@ -168,13 +168,13 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
         let elbow = limb(shoulder, 0.29, arm) + out;
         let hand = limb(elbow, 0.27, arm + 0.35 + 1.1 * swing) + out * 0.3;
         let cuff = shoulder + (elbow - shoulder) * 0.7;
-        sticks.push(Stick::tapered(shoulder, cuff, 0.068, 0.062, kit.shirt));
-        sticks.push(Stick::tapered(cuff, elbow, 0.045, 0.042, skin));
-        sticks.push(Stick::tapered(elbow, hand, 0.042, 0.036, skin));
+        sticks.push(Stick::with_radii(shoulder, cuff, 0.068, 0.062, kit.shirt));
+        sticks.push(Stick::with_radii(cuff, elbow, 0.045, 0.042, skin));
+        sticks.push(Stick::with_radii(elbow, hand, 0.042, 0.036, skin));
 
         let waist = hips + left * (0.085 * side * scale);
         let chest = limb(neck, 0.07, 0.0) + left * (0.115 * side * scale);
-        sticks.push(Stick::tapered(
+        sticks.push(Stick::with_radii(
             limb(waist, -0.04, 0.0),
             chest,
             0.115,
@@ -183,7 +183,7 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
         ));
     }
     let spine = hips + (neck - hips) * 0.12;
-    sticks.push(Stick::tapered(
+    sticks.push(Stick::with_radii(
         spine,
         limb(neck, 0.05, 0.0),
         0.12,
@@ -194,7 +194,7 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
     sticks.push(Stick::new(hips - girdle, hips + girdle, 0.125, kit.shorts));
     let head = limb(neck, -0.20, -0.3 * lean);
     sticks.push(Stick::new(neck, head, 0.06, skin));
-    sticks.push(Stick::tapered(
+    sticks.push(Stick::with_radii(
         head,
         head + Vec3::z() * (0.03 * scale),
         0.096,

@@ -44,7 +44,7 @@ const CLEAR_SIGMA_PX: f64 = 3.0;
 /// The clicks of one frame: landmarks in view, clear of `hidden` (players, the score graphic), the
 /// first at random and each next one far from those before; then points on lines.
 #[must_use]
-pub fn drawn_clicks(
+pub fn generate_clicks(
     field: &FieldModel,
     camera: &PtzCamera,
     image_size: ImageSize,
@@ -83,7 +83,7 @@ pub fn drawn_clicks(
         let Some(best) = best else { break };
         let (id, exact) = candidates.swap_remove(best);
         placed.push(exact);
-        let image = exact.moved(scatter(seed, clicks.len()) * options.sigma_px);
+        let image = exact.translate(scatter(seed, clicks.len()) * options.sigma_px);
         clicks.push(DrawnClick {
             target: ClickTarget::Landmark(id.clone()),
             image,
@@ -110,7 +110,7 @@ pub fn drawn_clicks(
         let Some(exact) = seen(point).filter(|_| !known) else {
             continue;
         };
-        let image = exact.moved(scatter(seed, 100 + attempt) * options.sigma_px);
+        let image = exact.translate(scatter(seed, 100 + attempt) * options.sigma_px);
         clicks.push(DrawnClick {
             target: ClickTarget::Line(line.id.clone()),
             image,

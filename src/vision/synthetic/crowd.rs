@@ -146,7 +146,7 @@ impl Crowd {
     }
 
     /// How far a person leans aside and rises at this moment, m.
-    fn held(&self, draw: u32) -> [f32; 2] {
+    fn posture(&self, draw: u32) -> [f32; 2] {
         let now = hash(draw ^ self.instant, 29, 7);
         let lean = 0.22 * (unit(now) - 0.5);
         let stands = unit(now.rotate_left(15)) < 0.12 * self.restlessness;
@@ -269,7 +269,7 @@ impl Crowd {
                 inside(back, pixel),
             );
         }
-        let [leans, rises] = self.held(draw);
+        let [leans, rises] = self.posture(draw);
         let lean = (unit(again) - 0.5) * 0.12 + leans;
         let stature = rises
             + 0.04 * unit(again.rotate_left(9))

@@ -68,7 +68,7 @@ impl Graphics {
         ];
         all.iter()
             .filter(|(shown, _)| *shown)
-            .map(|(_, area)| scaled(area, image_size))
+            .map(|(_, area)| scale_box(area, image_size))
             .collect()
     }
 
@@ -105,7 +105,7 @@ impl Graphics {
     }
 }
 
-fn scaled(at_1280: &PixelBox, image_size: ImageSize) -> PixelBox {
+fn scale_box(at_1280: &PixelBox, image_size: ImageSize) -> PixelBox {
     let scale = scale_from_1280(image_size);
     PixelBox {
         x: at_1280.x * scale,
@@ -118,7 +118,7 @@ fn scaled(at_1280: &PixelBox, image_size: ImageSize) -> PixelBox {
 /// The name of a player and the numbers of a match.
 fn lower_third(canvas: &mut Canvas<'_>, kits: &Kits) {
     let (navy, white, grey) = (hex(0x0D_1730), hex(0xF6_F7F9), hex(0xB9_C4D2));
-    let whole = Area::of(&LOWER_THIRD_AT_1280);
+    let whole = Area::from_pixel_box(&LOWER_THIRD_AT_1280);
     let half = 0.5 * whole.height;
     let part = |x: f32, row: f32, width: f32| Area {
         x: whole.x + x,
@@ -145,7 +145,7 @@ fn lower_third(canvas: &mut Canvas<'_>, kits: &Kits) {
 
 /// A band through which words run.
 fn ticker(canvas: &mut Canvas<'_>, kits: &Kits, time_s: f64, share_in: f64) {
-    let whole = Area::of(&TICKER_AT_1280);
+    let whole = Area::from_pixel_box(&TICKER_AT_1280);
     let slid = Area {
         x: whole.x - (1.0 - share_in) as f32 * (whole.x + whole.width),
         ..whole
@@ -182,7 +182,7 @@ fn ticker(canvas: &mut Canvas<'_>, kits: &Kits, time_s: f64, share_in: f64) {
 
 /// A channel's logo.
 fn watermark(canvas: &mut Canvas<'_>) {
-    let (white, whole) = (hex(0xFF_FFFF), Area::of(&WATERMARK_AT_1280));
+    let (white, whole) = (hex(0xFF_FFFF), Area::from_pixel_box(&WATERMARK_AT_1280));
     let part = |from: f32, to: f32| Area {
         y: whole.y + from * whole.height,
         height: (to - from) * whole.height,
@@ -245,7 +245,7 @@ struct Area {
 }
 
 impl Area {
-    fn of(area: &PixelBox) -> Self {
+    fn from_pixel_box(area: &PixelBox) -> Self {
         Self {
             x: area.x as f32,
             y: area.y as f32,
@@ -254,7 +254,7 @@ impl Area {
         }
     }
 
-    fn scaled(self, scale: f32) -> Self {
+    fn scale_by(self, scale: f32) -> Self {
         Self {
             x: self.x * scale,
             y: self.y * scale,
@@ -279,8 +279,8 @@ impl Canvas<'_> {
             y,
             width,
             height,
-        } = at.scaled(self.scale);
-        self.cover(at.scaled(self.scale), colour, |px, py| {
+        } = at.scale_by(self.scale);
+        self.cover(at.scale_by(self.scale), colour, |px, py| {
             let beyond = (x - px)
                 .max(px - x - width)
                 .max(y - py)
@@ -291,7 +291,7 @@ impl Canvas<'_> {
 
     /// A text in the middle of a box; lengths in px at 1280 px width.
     fn text(&mut self, text: &str, within: Area, ink: Light) {
-        let within = within.scaled(self.scale);
+        let within = within.scale_by(self.scale);
         let letters: GlyphCoverage = rasterise(text, 0.44 * within.height, 1.15 * self.scale);
         let (width, height) = (letters.width as f32, letters.height as f32);
         let x = (within.x + 0.5 * within.width - 0.5 * width).round();

@@ -57,7 +57,7 @@ impl Exposure {
     }
 
     /// Every pixel replaced by what `pixel` says of its column and row.
-    fn filtered(&self, pixel: impl Fn(usize, usize) -> Pixel + Sync) -> Self {
+    fn map_pixels(&self, pixel: impl Fn(usize, usize) -> Pixel + Sync) -> Self {
         let width = self.width();
         let mut pixels = vec![Pixel::zeros(); self.pixels.len()];
         pixels
@@ -77,7 +77,7 @@ impl Exposure {
     /// Motion blur. A camera that only rotates and zooms moves the whole picture by a mapping that
     /// does not depend on the depth, so smearing the picture along it is exact for everything that
     /// stands still.
-    pub fn moved(&self, camera: &PtzCamera, options: &FrameOptions) -> Self {
+    pub fn with_motion_blur(&self, camera: &PtzCamera, options: &FrameOptions) -> Self {
         let ends = [-0.5, 0.5].map(|share| {
             let dt = share * options.shutter_s;
             let (ptz, motion) = (camera.ptz(), options.motion);
@@ -99,21 +99,22 @@ impl Exposure {
                 .image_from_cam(cam_from_end * Vec3::new(ideal.x, ideal.y, 1.0))
                 .ok()
         };
-        self.filtered(|x, y| {
+        self.map_pixels(|x, y| {
             let here = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5);
             let (Some(from), Some(to)) = (source(&ends[0], here), source(&ends[1], here)) else {
                 return self.at(x as i64, y as i64);
             };
             let way = to.offset_from(from);
             let taps = way.norm().ceil().clamp(1.0, 64.0) as usize;
-            let at =
-                |tap: usize| self.bilinear(from.moved(way * ((tap as f64 + 0.5) / taps as f64)));
+            let at = |tap: usize| {
+                self.bilinear(from.translate(way * ((tap as f64 + 0.5) / taps as f64)))
+            };
             (0..taps).map(at).sum::<Pixel>() / taps as f32
         })
     }
 
     /// Defocus: the mean over a disc.
-    pub fn defocused(&self, radius_px: f64) -> Self {
+    pub fn with_defocus(&self, radius_px: f64) -> Self {
         let reach = radius_px.ceil() as i64;
         let disc: Vec<(i64, i64, f32)> = (-reach..=reach)
             .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
@@ -132,7 +133,7 @@ impl Exposure {
             .iter()
             .map(|(dx, dy, share)| (dy * width + dx, *share))
             .collect();
-        self.filtered(|x, y| {
+        self.map_pixels(|x, y| {
             let (x, y) = (x as i64, y as i64);
             if x >= reach && y >= reach && x + reach < width && y + reach < height {
                 let here = y * width + x;
@@ -149,7 +150,7 @@ impl Exposure {
     }
 
     /// Vignetting, exposure, tone, noise and the rounding to bytes.
-    pub fn developed(&self, options: &FrameOptions) -> RgbImage {
+    pub fn develop(&self, options: &FrameOptions) -> RgbImage {
         let (width, centre) = (self.width(), self.size.centre());
         let gain = options.exposure_ev.exp2() as f32;
         let corner_squared = centre.x * centre.x + centre.y * centre.y;
@@ -229,7 +230,7 @@ mod tests {
             pixels: vec![Pixel::zeros(); 441],
         };
         exposure.pixels[10 * 21 + 10] = Pixel::repeat(1.0);
-        let blurred = exposure.defocused(2.3);
+        let blurred = exposure.with_defocus(2.3);
         let sum: f32 = blurred.pixels.iter().map(|pixel| pixel.x).sum();
         assert!((sum - 1.0).abs() < 1e-5 && blurred.pixels[10 * 21 + 10].x < 0.1);
     }

@@ -76,13 +76,13 @@ impl Lighting {
     pub fn on_ground(&self, point: Vec3) -> Light {
         self.lamps
             .iter()
-            .map(|lamp| self.of_lamp_on_ground(lamp, point))
+            .map(|lamp| self.lamp_on_ground(lamp, point))
             .sum::<Light>()
             + self.sky
     }
 
     /// What one lamp gives to the ground at a place.
-    pub fn of_lamp_on_ground(&self, lamp: &Lamp, point: Vec3) -> Light {
+    pub fn lamp_on_ground(&self, lamp: &Lamp, point: Vec3) -> Light {
         lamp.light * (lamp.towards.z as f32 * self.open_to(lamp, point))
     }
 

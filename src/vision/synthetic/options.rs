@@ -106,7 +106,7 @@ pub struct CameraMotion {
 impl CameraMotion {
     /// The same way back.
     #[must_use]
-    pub fn reversed(self) -> Self {
+    pub fn reverse(self) -> Self {
         Self {
             pan_per_s: -self.pan_per_s,
             tilt_per_s: -self.tilt_per_s,

@@ -57,7 +57,7 @@ impl Paint {
             .lines
             .iter()
             .filter(|line| line.painted)
-            .map(Stroke::of)
+            .map(Stroke::from_field_line)
             .chain(spots)
             .collect();
         let corner = [
@@ -108,7 +108,7 @@ impl Paint {
 }
 
 impl Stroke {
-    fn of(line: &FieldLine) -> Self {
+    fn from_field_line(line: &FieldLine) -> Self {
         let half_width_m = 0.5 * line.width_m;
         match line.paint_centre {
             Curve::Segment { from, to } => {

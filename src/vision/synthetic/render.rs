@@ -124,21 +124,21 @@ impl Stadium {
             });
         let movers = props
             .par_iter()
-            .filter_map(|prop| prop.seen(&caster, &hits, width, self))
+            .filter_map(|prop| prop.visible_mover(&caster, &hits, width, self))
             .collect();
 
         let moves = options.shutter_s > 0.0;
         let exposure = if moves {
-            exposure.moved(camera, options)
+            exposure.with_motion_blur(camera, options)
         } else {
             exposure
         };
         let exposure = if options.defocus_px > 0.0 {
-            exposure.defocused(options.defocus_px)
+            exposure.with_defocus(options.defocus_px)
         } else {
             exposure
         };
-        let mut image = exposure.developed(options);
+        let mut image = exposure.develop(options);
         options
             .graphics
             .draw(&mut image, self.options.seed, &self.kits, options.time_s);
@@ -278,7 +278,7 @@ impl Stadium {
                 continue;
             }
             let all = self.lighting.on_ground(ground.point);
-            let lost = self.lighting.of_lamp_on_ground(lamp, ground.point) * hidden
+            let lost = self.lighting.lamp_on_ground(lamp, ground.point) * hidden
                 + self.lighting.sky() * sky_hidden;
             let kept = (all - lost).component_div(&all);
             row[x] = row[x].component_mul(&kept.push(1.0));
@@ -360,7 +360,7 @@ impl Placed {
     }
 
     /// Where it is seen, if it moves.
-    fn seen(
+    fn visible_mover(
         &self,
         caster: &RayCaster<'_>,
         hits: &[RayHit],

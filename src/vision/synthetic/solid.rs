@@ -45,7 +45,7 @@ impl Stick {
         }
     }
 
-    pub const fn tapered(
+    pub const fn with_radii(
         from: Vec3,
         to: Vec3,
         radius_from_m: f64,

@@ -34,7 +34,7 @@ pub struct Stadium {
 #[must_use]
 pub fn stadium(options: &StadiumOptions) -> Stadium {
     let field = &options.field;
-    let kits = Kits::of(sub_seed(options.seed, 0x4175));
+    let kits = Kits::from_seed(sub_seed(options.seed, 0x4175));
     Stadium {
         play: Play::new(options.seed, field.length_m, field.width_m),
         lighting: Lighting::new(options.daylight, field),

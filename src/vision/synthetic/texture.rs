@@ -34,7 +34,7 @@ impl Texture {
             .last()
             .filter(|level| level.width > 1 || level.height > 1)
         {
-            let half = last.halved();
+            let half = last.halve();
             levels.push(half);
         }
         Self { levels }
@@ -85,7 +85,7 @@ impl Level {
         self.texels[y * self.width + x]
     }
 
-    fn halved(&self) -> Self {
+    fn halve(&self) -> Self {
         let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
         let texels = (0..width * height)
             .map(|index| {

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 use touchline_vision::features::Features;
-use touchline_vision::relocalize::{Label, Misfit, Reference, aligned};
+use touchline_vision::relocalize::{Label, Misfit, Reference, adjust_labels};
 
 /// 1-σ of a label: a few px in pan and tilt, and of focal length.
 const SIGMAS: [f64; 3] = [1.2e-3, 1.2e-3, 12.0];
@@ -61,7 +61,7 @@ fn align(rng: &mut Pcg64Mcg, offs: &[Vec3], misfit: Option<Misfit>) -> Vec<(Vec3
         })
         .collect();
     let covariance = Mat3::from_diagonal(&Vec3::from(SIGMAS.map(|sigma| sigma * sigma)));
-    let found = aligned(&references, &vec![Label { covariance, misfit }; offs.len()]);
+    let found = adjust_labels(&references, &vec![Label { covariance, misfit }; offs.len()]);
     let units = Mat3::from_diagonal(&Vec3::from(SIGMAS.map(f64::recip)));
     (0..)
         .zip(found)
@@ -139,7 +139,7 @@ fn a_wrong_label_moves_no_other() {
 
 #[test]
 fn a_label_without_neighbours_stays_as_it_is() {
-    assert_eq!(aligned(&[], &[]), []);
+    assert_eq!(adjust_labels(&[], &[]), []);
     let nothing = Features {
         image_size: SIZE,
         ..Features::default()
@@ -149,7 +149,7 @@ fn a_label_without_neighbours_stays_as_it_is() {
         covariance: Mat3::from_diagonal(&Vec3::new(1e-6, 1e-6, 100.0)),
         misfit: None,
     };
-    let found = aligned(
+    let found = adjust_labels(
         &[Reference {
             features: &nothing,
             camera,
@@ -181,7 +181,7 @@ fn labels_that_say_nothing_stay_as_they_are() {
         Mat3::repeat(f64::NAN),
         Mat3::repeat(f64::INFINITY),
     ] {
-        let found = aligned(
+        let found = adjust_labels(
             &references,
             &[Label {
                 covariance,

@@ -167,7 +167,7 @@ fn masks_and_the_cap_are_kept() {
 #[test]
 fn a_blank_picture_and_a_tiny_one_have_no_features() {
     for (width, height) in [(64, 64), (1, 1), (3, 200)] {
-        let blank = Picture::filled(ImageSize::new(width, height), [80, 80, 80, 255]);
+        let blank = Picture::with_colour(ImageSize::new(width, height), [80, 80, 80, 255]);
         assert!(
             extract(&blank, &[], &FeatureOptions::default())
                 .unwrap()
@@ -180,9 +180,13 @@ fn a_blank_picture_and_a_tiny_one_have_no_features() {
         ..FeatureOptions::default()
     };
     assert!(
-        extract(&Picture::filled(ImageSize::new(8, 2), [0; 4]), &[], &narrow)
-            .unwrap()
-            .is_empty()
+        extract(
+            &Picture::with_colour(ImageSize::new(8, 2), [0; 4]),
+            &[],
+            &narrow
+        )
+        .unwrap()
+        .is_empty()
     );
 }
 

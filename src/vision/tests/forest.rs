@@ -218,7 +218,7 @@ fn without_some_frames_it_is_the_forest_of_the_others() {
         }
         samples
     };
-    for options in [TrainOptions::default(), TrainOptions::published()] {
+    for options in [TrainOptions::default(), TrainOptions::from_paper()] {
         let options = TrainOptions {
             frames_per_tree: options.frames_per_tree.map(|_| 2),
             ..options
@@ -321,7 +321,7 @@ fn options_shape_the_forest() {
         min_leaf: 0,
         node_samples: 0,
         frames_per_tree: Some(0),
-        ..TrainOptions::published()
+        ..TrainOptions::from_paper()
     };
     assert_eq!(
         (
@@ -347,7 +347,7 @@ fn the_published_forest_is_there() {
         &samples,
         &TrainOptions {
             max_depth: 200,
-            ..TrainOptions::published()
+            ..TrainOptions::from_paper()
         },
     );
     assert_eq!(
@@ -360,7 +360,7 @@ fn the_published_forest_is_there() {
         &samples,
         &TrainOptions {
             max_depth: 1,
-            ..TrainOptions::published()
+            ..TrainOptions::from_paper()
         },
     );
     assert_eq!(
@@ -413,7 +413,7 @@ fn leaves_mix_places_alike_on_either_side_of_the_seam() {
         let mut rng = rng("leaves_mix_places_alike_on_either_side_of_the_seam");
         let mut samples = Samples::new();
         let turned = |ray: PanTilt| PanTilt {
-            pan: (ray.pan * 0.01 + Angle::from_degrees(centre_deg)).wrapped(),
+            pan: (ray.pan * 0.01 + Angle::from_degrees(centre_deg)).wrap(),
             ..ray
         };
         samples.add_frame(

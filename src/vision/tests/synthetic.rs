@@ -11,7 +11,7 @@ use touchline_vision::features::{Descriptor, FeatureOptions, Features, extract};
 use touchline_vision::media::Picture;
 use touchline_vision::synthetic::{
     ClickOptions, ClickTarget, FrameOptions, Graphics, Moment, Preset, Stadium, StadiumOptions,
-    camera_path, drawn_clicks, stadium,
+    camera_path, generate_clicks, stadium,
 };
 
 const SMALL: ImageSize = ImageSize::new(320, 180);
@@ -152,7 +152,7 @@ fn paint_offset(
         .map(|i| f64::from(i) * REACH_PX / 28.0)
         .map(|offset| {
             let level = |(centre, across): &(ImagePoint, Vec2)| {
-                blue(picture, centre.moved(across * offset))
+                blue(picture, centre.translate(across * offset))
             };
             (
                 offset,
@@ -369,7 +369,7 @@ fn goals_stand_on_their_landmarks() {
     let centroid = (-24..=24)
         .map(|i| f64::from(i) * 0.25)
         .fold((0.0, 0.0), |sums, offset| {
-            let level = (blue(&picture, middle.moved(Vec2::new(offset, 0.0))) - 0.45).max(0.0);
+            let level = (blue(&picture, middle.translate(Vec2::new(offset, 0.0))) - 0.45).max(0.0);
             (sums.0 + level * offset, sums.1 + level)
         });
     assert!(
@@ -395,8 +395,11 @@ fn drawn_clicks_are_named_seen_and_as_noisy_as_requested() {
             sigma_px: 1.5,
             seed: index as u64,
         };
-        let clicks = drawn_clicks(&field, &camera, FULL, &[], &options);
-        assert_eq!(clicks, drawn_clicks(&field, &camera, FULL, &[], &options));
+        let clicks = generate_clicks(&field, &camera, FULL, &[], &options);
+        assert_eq!(
+            clicks,
+            generate_clicks(&field, &camera, FULL, &[], &options)
+        );
         assert!(clicks.len() <= 5);
         for click in clicks {
             let ClickTarget::Landmark(id) = &click.target else {

@@ -16,7 +16,10 @@ const MIN_SHARE: f64 = 0.34;
 const MIN_WAYS: i32 = 2;
 
 /// The pairwise matches that the others do not contradict.
-pub(super) fn uncontradicted(edges: &[ViewGraphEdge], size: ImageSize) -> Vec<ViewGraphEdge> {
+pub(super) fn cycle_consistent_edges(
+    edges: &[ViewGraphEdge],
+    size: ImageSize,
+) -> Vec<ViewGraphEdge> {
     // Homographies in both directions, and the neighbours of each frame in the view graph.
     let mut between: BTreeMap<(usize, usize), Mat3> = BTreeMap::new();
     let mut beside: BTreeMap<usize, Vec<usize>> = BTreeMap::new();

@@ -102,7 +102,7 @@ impl Problem for EdgeProblem<'_> {
         equations
     }
 
-    fn stepped(&self, from: &EdgeState, step: &DVector<f64>) -> EdgeState {
+    fn apply_step(&self, from: &EdgeState, step: &DVector<f64>) -> EdgeState {
         let own = self.freedom.parameters();
         // Additive step of the lens.
         let lens = FocalCurve {
@@ -209,7 +209,7 @@ impl EdgeState {
     /// Multiplies all focal lengths by a factor and divides all angles from the mean tilt and from
     /// pan 0 by it. Image motion is about f times the angle, so the matches still nearly agree: a
     /// good start for the adjustment at the new scale.
-    pub fn scaled(mut self, factor: f64) -> Self {
+    pub fn scale_focal_lengths(mut self, factor: f64) -> Self {
         let rays: Vec<PanTilt> = self.views.iter().map(View::ray).collect();
         let middle = rays.iter().map(|ray| ray.tilt.radians()).sum::<f64>() / rays.len() as f64;
         for (view, ray) in self.views.iter_mut().zip(rays) {

@@ -25,7 +25,7 @@ pub(super) struct PointDirection {
 
 impl View {
     /// A frame of a camera on a known base; the common frame is `base`.
-    pub fn of_camera(base: &CameraBase, ptz: Ptz) -> Self {
+    pub fn from_camera(base: &CameraBase, ptz: Ptz) -> Self {
         let cam_from_common = q_tilt(ptz.tilt) * q_pan(ptz.pan);
         Self {
             cam_from_common,

@@ -49,7 +49,7 @@ pub enum TrackError {
 #[cfg(feature = "opencv")]
 impl TrackError {
     /// OpenCV's message, with line breaks and runs of spaces collapsed.
-    pub(super) fn of_opencv(error: &opencv::Error) -> Self {
+    pub(super) fn from_opencv(error: &opencv::Error) -> Self {
         Self::OpenCv {
             reason: one_line(&error.to_string()),
         }

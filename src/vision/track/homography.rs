@@ -37,16 +37,16 @@ pub(super) fn robust_homography(
         USAC_MAGSAC,
         within_px,
     )
-    .map_err(|error| TrackError::of_opencv(&error))?;
+    .map_err(|error| TrackError::from_opencv(&error))?;
     if found.empty() {
         return Ok(None);
     }
     let values = found
         .data_typed::<f64>()
-        .map_err(|error| TrackError::of_opencv(&error))?;
+        .map_err(|error| TrackError::from_opencv(&error))?;
     let agree = agree
         .data_typed::<u8>()
-        .map_err(|error| TrackError::of_opencv(&error))?;
+        .map_err(|error| TrackError::from_opencv(&error))?;
     Ok(Some((
         Mat3::from_row_slice(values),
         agree.iter().map(|flag| *flag != 0).collect(),

@@ -83,7 +83,7 @@ pub fn adjust_matched_frames(
         .zip(covariances)
         .map(|(ptz, covariance)| AdjustedFrame {
             ptz: Ptz {
-                pan: ptz.pan.wrapped(),
+                pan: ptz.pan.wrap(),
                 ..ptz
             },
             covariance: by_focal_px(&covariance, ptz.focal_px),
@@ -97,7 +97,7 @@ pub fn adjust_matched_frames(
 /// A frame without a known camera is placed relative to the known frame with which it has the most
 /// inliers, or else relative to the first known frame.
 #[must_use]
-pub fn filled(
+pub fn fill_missing_cameras(
     known: &[Option<Ptz>],
     rotations: &[Ptz],
     edges: &[ViewGraphEdge],
@@ -213,7 +213,7 @@ mod tests {
                 ..*ptz
             })
             .collect();
-        let start = filled(&known, &turned, &edges).unwrap();
+        let start = fill_missing_cameras(&known, &turned, &edges).unwrap();
         assert!((start[2].pan - truth[2].pan).degrees().abs() < 1e-9);
         let off = Ptz {
             pan: start[2].pan + Angle::from_degrees(0.5),
@@ -255,6 +255,6 @@ mod tests {
             )
             .is_none()
         );
-        assert!(filled(&[None, None, None], &truth, &[]).is_none());
+        assert!(fill_missing_cameras(&[None, None, None], &truth, &[]).is_none());
     }
 }

@@ -25,8 +25,8 @@ pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usiz
         }
     }
     let mutual = |(from, to): (usize, &Nearest)| {
-        let to = to.unrivalled()?;
-        (back[to].unrivalled() == Some(from)).then_some((from, to))
+        let to = to.distinctive_match()?;
+        (back[to].distinctive_match() == Some(from)).then_some((from, to))
     };
     forth.iter().enumerate().filter_map(mutual).collect()
 }
@@ -41,7 +41,7 @@ pub(super) struct Described {
 }
 
 impl Described {
-    pub fn of(features: &Features) -> Self {
+    pub fn from_features(features: &Features) -> Self {
         let column = |index: usize, row: usize| f32::from(features.descriptors[index].0[row]);
         let descriptors = DMatrix::from_fn(DESCRIPTOR_BYTES, features.len(), |row, index| {
             column(index, row)
@@ -87,7 +87,7 @@ impl Nearest {
 
     /// The nearest neighbour if it passes the ratio test. Distances are squared, and so is the
     /// ratio.
-    fn unrivalled(&self) -> Option<usize> {
+    fn distinctive_match(&self) -> Option<usize> {
         (self.best != usize::MAX && self.first < RATIO * RATIO * self.second).then_some(self.best)
     }
 }
@@ -105,7 +105,7 @@ mod tests {
             strength: 1.0,
         };
         let keypoints = vec![keypoint; descriptors.len()];
-        Described::of(&Features {
+        Described::from_features(&Features {
             image_size: ImageSize::new(64, 36),
             keypoints,
             descriptors,

@@ -44,7 +44,7 @@ pub use clip::{
 pub use cuts::{CutFinder, FoundCut, Miniature, find_cuts};
 pub use error::TrackError;
 pub use group::groups;
-pub use matched_frames::{adjust_matched_frames, filled};
+pub use matched_frames::{adjust_matched_frames, fill_missing_cameras};
 pub use pairs::match_frames_pairwise;
 pub use pose_prior::{PosePrior, PriorSource};
 pub use pose_problem::AdjustedFrame;

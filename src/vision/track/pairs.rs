@@ -1,6 +1,6 @@
 //! Pairwise matching: features of two frames that one rotation and one zoom explain.
 
-use super::cycles::uncontradicted;
+use super::cycles::cycle_consistent_edges;
 use super::matches::{Described, mutual_matches};
 use super::view_graph_edge::{brought, zoom_and_turn};
 use super::{TrackError, ViewGraphEdge};
@@ -44,7 +44,7 @@ pub fn match_frames_pairwise(
     let pairs: Vec<(usize, usize)> = (0..frames.len())
         .flat_map(|first| (first + 1..frames.len()).map(move |second| (first, second)))
         .collect();
-    let described: Vec<Described> = frames.par_iter().map(Described::of).collect();
+    let described: Vec<Described> = frames.par_iter().map(Described::from_features).collect();
     let done = AtomicUsize::new(0);
     let edges: Vec<Option<ViewGraphEdge>> = pairs
         .par_iter()
@@ -62,9 +62,9 @@ pub fn match_frames_pairwise(
         })
         .collect::<Result<_, _>>()?;
     let edges: Vec<ViewGraphEdge> = edges.into_iter().flatten().collect();
-    Ok(frames
-        .first()
-        .map_or_else(Vec::new, |first| uncontradicted(&edges, first.image_size)))
+    Ok(frames.first().map_or_else(Vec::new, |first| {
+        cycle_consistent_edges(&edges, first.image_size)
+    }))
 }
 
 /// The pairwise match of two frames; `None` if they do not show the same, or share only a graphic.
@@ -111,7 +111,7 @@ fn match_pair(
     // Accept only a homography of plausible zoom and image rotation whose inliers are a sufficient
     // share of what both frames show.
     let plausible = is_of_a_turning_camera(&second_from_first, one.image_size.centre());
-    let common = shown_by_both(one, other, &second_from_first);
+    let common = count_in_overlap(one, other, &second_from_first);
     let needed = MIN_MATCHES.max((MIN_SHARE * common as f64) as usize);
     Ok((agreeing >= needed && plausible).then(|| ViewGraphEdge {
         first,
@@ -124,7 +124,7 @@ fn match_pair(
 
 /// The number of features of one frame that lie in the view of the other; the smaller of the two
 /// directions.
-fn shown_by_both(one: &Features, other: &Features, other_from_one: &Mat3) -> usize {
+fn count_in_overlap(one: &Features, other: &Features, other_from_one: &Mat3) -> usize {
     let inside = |from: &Features, to: &Features, to_from: &Mat3| {
         let seen = |at: ImagePoint| {
             brought(to_from, at).is_some_and(|there| to.image_size.contains(there))

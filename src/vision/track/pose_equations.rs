@@ -39,7 +39,7 @@ impl PointEquations {
     }
 
     pub fn beyond_the_lens(&mut self, loss: Loss) {
-        self.cost += loss.of(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
+        self.cost += loss.evaluate(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
     }
 
     /// Adds an observation: its residual, px, and the derivatives of the residual.
@@ -52,7 +52,7 @@ impl PointEquations {
         precision: f64,
         loss: Loss,
     ) {
-        let (cost, weight) = loss.of(value.norm_squared() * precision);
+        let (cost, weight) = loss.evaluate(value.norm_squared() * precision);
         self.cost += cost;
         let frame_weighted = by_frame.transpose() * (weight * precision);
         let point_weighted = by_point.transpose() * (weight * precision);
@@ -132,7 +132,7 @@ impl PoseEquations {
 
     /// Adds a residual that has no value in this state: a constant cost, and no gradient.
     pub fn add_without_value(&mut self, loss: Loss) {
-        self.cost += loss.of(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
+        self.cost += loss.evaluate(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
     }
 
     /// Adds a residual between two frames.
@@ -143,7 +143,7 @@ impl PoseEquations {
             by_frame: [by_one, by_other],
             precision,
         } = residual;
-        let (cost, weight) = loss.of(value.norm_squared() * precision);
+        let (cost, weight) = loss.evaluate(value.norm_squared() * precision);
         self.cost += cost;
         for (row, by) in [(one, by_one), (other, by_other)] {
             let weighted = by.transpose() * (weight * precision);
@@ -172,7 +172,7 @@ impl PoseEquations {
     /// Adds a prior of a single frame: offset and information in (pan rad, tilt rad, ln f).
     pub fn add_prior(&mut self, row: usize, offset: &Vec3, information: &Mat3, loss: Loss) {
         let by_information = information * offset;
-        let (cost, weight) = loss.of(offset.dot(&by_information));
+        let (cost, weight) = loss.evaluate(offset.dot(&by_information));
         self.cost += cost;
         let (block, gradient) = &mut self.frames[row];
         *block += information * weight;
@@ -181,7 +181,7 @@ impl PoseEquations {
 
     /// The Cholesky factor of U − W V⁻¹ Wᵀ, and g − W V⁻¹ h. `None` if the matrix is not positive
     /// definite.
-    fn reduced(&self, damping: f64) -> Option<(CholeskyFactor, Vec<Vec3>)> {
+    fn eliminate_points(&self, damping: f64) -> Option<(CholeskyFactor, Vec<Vec3>)> {
         // U and g: priors and pairwise residuals first, then the parts of the points.
         let mut matrix = Envelope::zeros(&self.first);
         let mut gradient: Vec<Vec3> = self.frames.iter().map(|(_, gradient)| *gradient).collect();
@@ -227,7 +227,7 @@ impl PoseEquations {
         /// A parameter is undetermined if elimination leaves less than this share of its diagonal
         /// entry.
         const OPEN: f64 = 1e-12;
-        let (factor, _) = self.reduced(0.0)?;
+        let (factor, _) = self.eliminate_points(0.0)?;
         (factor.least_pivot_share() >= OPEN).then(|| factor.diagonal_blocks_of_inverse())
     }
 }
@@ -241,7 +241,7 @@ impl Equations for PoseEquations {
 
     fn step(&self, damping: f64) -> Option<PoseStep> {
         // Solve for the frames, then substitute back for each point.
-        let (factor, gradient) = self.reduced(damping)?;
+        let (factor, gradient) = self.eliminate_points(damping)?;
         let frames: Vec<Vec3> = factor
             .solve(&gradient)
             .into_iter()

@@ -88,7 +88,7 @@ impl PosePrior {
         if far <= sigmas {
             ptz
         } else {
-            moved(self.ptz, by * (sigmas / far))
+            apply_offset(self.ptz, by * (sigmas / far))
         }
     }
 }
@@ -103,7 +103,7 @@ pub(super) fn offset(from: Ptz, to: Ptz) -> Vec3 {
 }
 
 /// A camera moved by (pan rad, tilt rad, ln f).
-pub(super) fn moved(ptz: Ptz, by: Vec3) -> Ptz {
+pub(super) fn apply_offset(ptz: Ptz, by: Vec3) -> Ptz {
     Ptz {
         pan: ptz.pan + Angle::from_radians(by.x),
         tilt: ptz.tilt + Angle::from_radians(by.y),

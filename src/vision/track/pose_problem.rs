@@ -9,7 +9,7 @@
 use super::ViewGraphEdge;
 use super::edge_residual::{MatchJacobian, View};
 use super::pose_equations::{PairResidual, PointEquations, PoseEquations, PoseStep};
-use super::pose_prior::{PosePrior, moved};
+use super::pose_prior::{PosePrior, apply_offset};
 use nalgebra::{Matrix2x3, Matrix3x2};
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
@@ -113,7 +113,7 @@ impl PoseProblem<'_> {
             .bases
             .iter()
             .zip(&at.ptz)
-            .map(|(base, ptz)| View::of_camera(base, *ptz))
+            .map(|(base, ptz)| View::from_camera(base, *ptz))
             .collect();
         for edge in matches.edges {
             let rows = [edge.first, edge.second];
@@ -214,12 +214,12 @@ impl Problem for PoseProblem<'_> {
         equations
     }
 
-    fn stepped(&self, from: &PoseState, step: &PoseStep) -> PoseState {
+    fn apply_step(&self, from: &PoseState, step: &PoseStep) -> PoseState {
         let ptz = from
             .ptz
             .iter()
             .zip(&step.frames)
-            .map(|(ptz, by)| moved(*ptz, *by))
+            .map(|(ptz, by)| apply_offset(*ptz, *by))
             .collect();
         // Move each direction in its tangent plane and project it back to the sphere.
         let turned =

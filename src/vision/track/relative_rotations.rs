@@ -147,7 +147,7 @@ pub fn adjust_rotations(
     // 4. Impose the focal scale and let everything else follow. The scale itself is held fixed,
     //    since the matches would pull it back.
     if options.focal_scale != 1.0 {
-        state = state.scaled(options.focal_scale);
+        state = state.scale_focal_lengths(options.focal_scale);
         for loss_px in [20.0, 4.0] {
             state = minimise(&problem(Freedom::PanTilt, loss_px, true), state, until(30)).state;
         }
@@ -237,7 +237,7 @@ mod tests {
                     let turn = f64::from(index * 37 + first as u32 * 11 + second as u32);
                     let noise = touchline_core::geometry::Vec2::new(turn.sin(), (1.7 * turn).cos())
                         * noise_px;
-                    matches.push((at, there.moved(noise)));
+                    matches.push((at, there.translate(noise)));
                 }
                 if matches.len() < 15 {
                     continue;
@@ -303,11 +303,11 @@ mod tests {
             .find(|edge| edge.second == edge.first + 1)
             .unwrap();
         for (_, there) in &mut wrong.matches {
-            *there = there.moved(away);
+            *there = there.translate(away);
         }
         wrong.second_from_first =
             Mat3::new(1.0, 0.0, 400.0, 0.0, 1.0, -150.0, 0.0, 0.0, 1.0) * wrong.second_from_first;
-        let kept = crate::track::cycles::uncontradicted(&edges, SIZE);
+        let kept = crate::track::cycles::cycle_consistent_edges(&edges, SIZE);
         let names = |edges: &[ViewGraphEdge]| {
             edges
                 .iter()

@@ -132,17 +132,17 @@ fn real_clip(data: &Path, clip: &str, folder: &Path) -> Drawn {
     };
     let known = folder.join(format!("{clip}.json"));
     let document = if known.exists() {
-        read(&known).unwrap().1.relocated(folder, data)
+        read(&known).unwrap().1.relocate(folder, data)
     } else {
         let document = found_without_clicks(data, clip, &video, &info);
-        let kept = document.clone().relocated(data, folder);
+        let kept = document.clone().relocate(data, folder);
         std::fs::write(&known, document_to_string(&kept).unwrap()).unwrap();
         document
     };
     let truth = document
         .frames
         .iter()
-        .map(|frame| document.pointed(frame).unwrap())
+        .map(|frame| document.ptz_camera(frame).unwrap())
         .collect();
     Drawn { document, truth }
 }
@@ -268,7 +268,7 @@ fn right(document: &Document, known: &Drawn) -> usize {
 /// where no landmark is seen.
 fn off_px(document: &Document, known: &Drawn, index: usize) -> Option<f64> {
     let frame = &document.frames[index];
-    let now = document.pointed(frame)?;
+    let now = document.ptz_camera(frame)?;
     let (field, size) = (
         document.field.model(Path::new("")).unwrap(),
         frame.image_size,

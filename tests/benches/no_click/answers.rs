@@ -211,7 +211,7 @@ fn answered_frames(document: &Document, found: &AutocalibratedCamera) -> Vec<Ans
         Some(AnsweredFrame {
             index,
             size: frame.image_size,
-            camera: recorded.pointed(frame)?,
+            camera: recorded.ptz_camera(frame)?,
         })
     };
     (0..recorded.frames.len()).filter_map(of_frame).collect()
@@ -315,7 +315,7 @@ pub fn judge_answer(
             worst.0,
             frames.len(),
             truth.len(),
-            found.snapped_count(),
+            found.aligned_frame_count(),
             over(&frames, found),
         );
         let px = match measured {

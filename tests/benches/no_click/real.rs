@@ -55,7 +55,7 @@ impl Clicked {
         let folder = folder(data, name);
         let mut clicked = read(&folder.join("clicks.json")).unwrap().1;
         let camera = clicked.cameras[0].id.clone();
-        let problem = BaseProblem::of(clicked.at(&folder), &camera).unwrap();
+        let problem = BaseProblem::from_document(clicked.at(&folder), &camera).unwrap();
         problem
             .estimate(&clicked, &BaseOptions::default(), &Progress::default())
             .unwrap()
@@ -74,7 +74,7 @@ impl Clicked {
     fn distances(&self, document: &Document, folder: &Path) -> Vec<(String, Vec<f64>)> {
         let field = document.at(folder).model_of(&document.field).unwrap();
         let of_frame = |(frame, clicked): (&Frame, &Frame)| {
-            let camera = document.pointed(frame)?;
+            let camera = document.ptz_camera(frame)?;
             let seen = observations(clicked, &field).unwrap();
             Some((
                 frame.name(),
@@ -124,7 +124,7 @@ impl Clicked {
             all(&found_px).len(),
             found.frames.len(),
             self.bare.frames.len(),
-            found.snapped_count(),
+            found.aligned_frame_count(),
             found.evidence.explained,
             found.evidence.visible,
             found.evidence.rival / found.evidence.score(),

@@ -101,7 +101,7 @@ fn judge(answer: &AutocalibrationAnswer, right: Option<&SeenRight>) -> (String, 
             let at = format!(
                 "camera at ({}) m, {} of {} frames snapped",
                 at_m.join(", "),
-                found.snapped_count(),
+                found.aligned_frame_count(),
                 found.frames.len()
             );
             match right {

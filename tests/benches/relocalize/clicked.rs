@@ -15,9 +15,9 @@ use touchline::field::FieldModel;
 use touchline::geometry::{ImageSize, PixelBox, Vec3};
 use touchline::media::FrameReader;
 use touchline::proposals::{FeatureStore, FramePictures, LineEvidence, overlay_error_px};
-use touchline::score::{SigmaCoverage, squared_sigmas};
+use touchline::score::{SigmaCoverage, squared_mahalanobis};
 use touchline::synthetic::{ClickOptions, ClickTarget, Preset, ShootOptions, StadiumOptions};
-use touchline::synthetic::{camera_path, drawn_clicks, stadium};
+use touchline::synthetic::{camera_path, generate_clicks, stadium};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -110,7 +110,7 @@ impl Drawn {
                 sigma_px,
                 seed: number as u64,
             };
-            let clicks = drawn_clicks(
+            let clicks = generate_clicks(
                 &self.field,
                 &self.truth[number],
                 SIZE,
@@ -173,7 +173,8 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
     let mut reader = FrameReader::new();
     let others = (0..FRAMES).filter(|number| document.frames[*number].is_open());
     let others: Vec<usize> = others.step_by(ASKED_EVERY).collect();
-    let evidence = LineEvidence::of(document.at(&drawn.folder), &mut reader, false).unwrap();
+    let evidence =
+        LineEvidence::from_document(document.at(&drawn.folder), &mut reader, false).unwrap();
     let proposals = proposed(&pictures, &mut reader, &evidence, &references, &others).unwrap();
     let mut outcome = Outcome {
         references: references.len(),
@@ -191,7 +192,7 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
     for &number in &references {
         let frame = &document.frames[number];
         let covariance = frame.solution.as_ref().unwrap().covariance.unwrap();
-        outcome.labels.extend(squared_sigmas(
+        outcome.labels.extend(squared_mahalanobis(
             off(frame.ptz.as_ref().unwrap().ptz(), number),
             &covariance,
         ));
@@ -210,7 +211,7 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
         outcome.certain_and_wrong += usize::from(answer.confidence >= 0.95 && is_wrong);
         outcome.errors_px.push(error_px);
         outcome.stated_px.push(answer.worst_corner_sigma_px);
-        outcome.squared_sigmas.extend(squared_sigmas(
+        outcome.squared_sigmas.extend(squared_mahalanobis(
             off(camera.ptz(), number),
             &answer.covariance,
         ));
@@ -230,11 +231,13 @@ pub fn clicked() {
         let drawn = Drawn::of(seed);
         for share in [0.0, 1.0, 1.5, 2.0] {
             let mut outcome = asked(&drawn, share * SUPPOSED_PX);
-            let coverage = SigmaCoverage::of(&outcome.squared_sigmas).unwrap();
+            let coverage = SigmaCoverage::from_squared_distances(&outcome.squared_sigmas).unwrap();
             println!(
                 "| {share} | {seed} | {} | {:.2} | {} of {} | {} | {} | {} | {:.2} | {:.2} | {:.0} % | {:.2} |",
                 outcome.references,
-                SigmaCoverage::of(&outcome.labels).unwrap().error_over_sigma,
+                SigmaCoverage::from_squared_distances(&outcome.labels)
+                    .unwrap()
+                    .error_over_sigma,
                 outcome.answered,
                 outcome.asked,
                 outcome.wrong,

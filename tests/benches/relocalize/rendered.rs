@@ -41,7 +41,7 @@ pub fn accuracy(data: &Path) {
         ..TrainOptions::default()
     };
     let forests = [
-        ("published", TrainOptions::published(), vec![1, 4, 16]),
+        ("published", TrainOptions::from_paper(), vec![1, 4, 16]),
         (
             "default: 3 trees",
             TrainOptions::default(),
@@ -114,7 +114,7 @@ fn rays_within(forest: &Forest, tests: &Set, options: &PredictOptions) -> String
     for (frame, features) in tests.features.iter().enumerate() {
         let camera = tests
             .document
-            .pointed(&tests.document.frames[frame])
+            .ptz_camera(&tests.document.frames[frame])
             .unwrap();
         forest.predict_all(&features.descriptors, options, |feature, candidates| {
             all += 1;
@@ -149,7 +149,7 @@ pub fn training(data: &Path) {
         ..TrainOptions::default()
     };
     for (name, options, features) in [
-        ("published", TrainOptions::published(), 485),
+        ("published", TrainOptions::from_paper(), 485),
         ("5 trees of 30 references, 485 features each", five, 485),
         ("default", TrainOptions::default(), usize::MAX),
     ] {

@@ -24,7 +24,7 @@ pub fn document(data: &Path, name: &str) -> Document {
     let folder = data.join(format!("scouting-{name}"));
     let mut document = read(&folder.join("clicks.json")).unwrap().1;
     let camera = document.cameras[0].id.clone();
-    let problem = BaseProblem::of(document.at(&folder), &camera).unwrap();
+    let problem = BaseProblem::from_document(document.at(&folder), &camera).unwrap();
     let estimate = problem
         .estimate(&document, &BaseOptions::default(), &Progress::default())
         .unwrap();

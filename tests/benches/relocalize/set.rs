@@ -44,7 +44,7 @@ impl Set {
         let pictures: Vec<&Features> = frames.iter().map(|&frame| &self.features[frame]).collect();
         let camera = |place: usize| {
             self.document
-                .pointed(&self.document.frames[frames[place]])
+                .ptz_camera(&self.document.frames[frames[place]])
                 .unwrap()
         };
         let cameras: Vec<_> = (0..frames.len()).map(camera).collect();
@@ -107,7 +107,10 @@ impl Set {
             self.burnt_in(frames)
         };
         for (&frame, burnt_in) in frames.iter().zip(burnt_in) {
-            let camera = self.document.pointed(&self.document.frames[frame]).unwrap();
+            let camera = self
+                .document
+                .ptz_camera(&self.document.frames[frame])
+                .unwrap();
             let features = &self.features[frame];
             let rays = features
                 .keypoints
@@ -123,7 +126,7 @@ impl Set {
             );
         }
         let seen: Vec<Ptz> = frames.iter().map(|&frame| self.truth(frame)).collect();
-        let mut range = SeenRange::of(&seen).unwrap();
+        let mut range = SeenRange::from_cameras(&seen).unwrap();
         if self.keeps_standing {
             range.cameras.clear();
         }

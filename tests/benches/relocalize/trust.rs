@@ -126,7 +126,7 @@ impl Match {
         }
         let at = self.document.at(&self.folder);
         let mut reader = FrameReader::new();
-        let evidence = LineEvidence::of(at, &mut reader, is_snapped).unwrap();
+        let evidence = LineEvidence::from_document(at, &mut reader, is_snapped).unwrap();
         let mut all = Vec::new();
         for (asked, training) in groups {
             let Ok(proposals) =
@@ -158,7 +158,7 @@ impl Match {
                 };
             }
         };
-        let fields = Fields::of(self.document.at(&self.folder)).unwrap();
+        let fields = Fields::from_document(self.document.at(&self.folder)).unwrap();
         let base = self
             .document
             .camera_of(frame)
@@ -168,7 +168,7 @@ impl Match {
         let camera = PtzCamera::new(base, answer.ptz.ptz());
         let stated = Uncertainty::from_own(&camera, &answer.own_covariance, frame.image_size).ok();
         let (mut distances, mut chi_squared) = (Vec::new(), Vec::new());
-        for click in observations(frame, fields.of_frame(&self.document, frame)).unwrap() {
+        for click in observations(frame, fields.for_frame(&self.document, frame)).unwrap() {
             let Some(at) = click.shape.point() else {
                 continue;
             };

@@ -52,9 +52,9 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
         store: &store,
     };
     let mut reader = FrameReader::new();
-    let training = TrainingFrames::of_solved(&document).frames;
+    let training = TrainingFrames::from_solved_frames(&document).frames;
     let asked: Vec<usize> = (clicked..document.frames.len()).collect();
-    let evidence = LineEvidence::of(document.at(data), &mut reader, false).unwrap();
+    let evidence = LineEvidence::from_document(document.at(data), &mut reader, false).unwrap();
     let proposals = proposed(&pictures, &mut reader, &evidence, &training, &asked).unwrap();
     let features_s: f64 = proposals
         .iter()
@@ -83,7 +83,7 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
         &Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("proposed-{name}.json")),
     )
     .unwrap();
-    write_document(&out, &proposed.relocated(data, out.folder()), true).unwrap();
+    write_document(&out, &proposed.relocate(data, out.folder()), true).unwrap();
     println!("<!-- written: {} -->", out.file().display());
 }
 
@@ -91,7 +91,7 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
 fn labelled(data: &Path, clicks: &str) -> Document {
     let mut document = document_from_bytes(clicks.as_bytes()).unwrap();
     let camera = document.cameras[0].id.clone();
-    let problem = BaseProblem::of(document.at(data), &camera).unwrap();
+    let problem = BaseProblem::from_document(document.at(data), &camera).unwrap();
     problem
         .estimate(&document, &BaseOptions::default(), &Progress::default())
         .unwrap()

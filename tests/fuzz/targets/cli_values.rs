@@ -2,11 +2,11 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use touchline::cli::said_of;
+use touchline::cli::usage_message;
 use touchline_fuzz::{bounded, one_line};
 
 fuzz_target!(|text: &str| {
-    if let Some(said) = bounded(text.as_bytes(), || said_of(text.lines())) {
+    if let Some(said) = bounded(text.as_bytes(), || usage_message(text.lines())) {
         one_line(&said, text.as_bytes());
     }
 });

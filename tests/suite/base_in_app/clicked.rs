@@ -72,7 +72,7 @@ fn a_frame_is_left_out_and_put_back() {
             .app
             .operations
             .base_estimate
-            .proposed()
+            .proposed_base()
             .unwrap()
             .frames,
         [0, 2, 3]
@@ -113,7 +113,7 @@ fn a_mirrored_frame_is_found_and_mended_in_one_step() {
         .app
         .operations
         .base_estimate
-        .proposed()
+        .proposed_base()
         .unwrap()
         .estimate
         .mirrored
@@ -145,7 +145,7 @@ fn a_mirrored_frame_is_found_and_mended_in_one_step() {
             .app
             .operations
             .base_estimate
-            .found()
+            .estimated_base()
             .unwrap()
             .estimate
             .mirrored
@@ -182,7 +182,12 @@ fn too_little_is_said_and_changes_nothing() {
     let before = document_to_string(fixture.document()).unwrap();
     fixture.estimate();
     assert!(
-        fixture.app.operations.base_estimate.found().is_none(),
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .estimated_base()
+            .is_none(),
         "{:?}",
         fixture.app.operations.base_estimate
     );

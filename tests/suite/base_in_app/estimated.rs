@@ -18,12 +18,12 @@ fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
         .app
         .operations
         .base_estimate
-        .proposed()
+        .proposed_base()
         .unwrap()
         .estimate
         .base;
-    let shown = fixture.app.shown();
-    let (camera, solved) = (shown.camera.unwrap(), shown.solved().unwrap());
+    let shown = fixture.app.shown_values();
+    let (camera, solved) = (shown.camera.unwrap(), shown.click_solution().unwrap());
     assert!(shown.is_estimated && shown.judgement.is_some());
     assert_eq!(shown.base.unwrap().position_m, camera.base().position_m);
     assert!((camera.base().position_m - found.position_m).norm() < 1e-9);
@@ -39,11 +39,11 @@ fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
             .starts_with("Lines and numbers are those of the estimated base.")
     );
     fixture.act(Action::Navigate(Navigation::GoTo(4)));
-    let shown = fixture.app.shown();
+    let shown = fixture.app.shown_values();
     assert!(
         shown.is_estimated
             && shown.camera.is_none()
-            && shown.solved().is_none()
+            && shown.click_solution().is_none()
             && shown.judgement.is_none()
     );
     assert!(
@@ -64,7 +64,12 @@ fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
             .contains(&("Estimate the base now", Command::EstimateBase))
     );
     fixture.estimate();
-    let found = fixture.app.operations.base_estimate.proposed().unwrap();
+    let found = fixture
+        .app
+        .operations
+        .base_estimate
+        .proposed_base()
+        .unwrap();
     assert_eq!(found.frames, [0, 1, 2, 3]);
     assert!(
         found.estimate.median_px < 2.0,
@@ -145,7 +150,7 @@ fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
         .app
         .operations
         .base_estimate
-        .proposed()
+        .proposed_base()
         .unwrap()
         .clone();
     let on_paint = found.on_paint.clone().unwrap();
@@ -225,7 +230,12 @@ fn a_frame_that_is_edited_after_the_estimate_keeps_its_edit() {
 fn the_size_of_the_field_is_fitted_with_the_base_in_one_step() {
     let mut fixture = Fixture::on(document(6, 6));
     fixture.run(Command::FitFieldSize);
-    let found = fixture.app.operations.base_estimate.proposed().unwrap();
+    let found = fixture
+        .app
+        .operations
+        .base_estimate
+        .proposed_base()
+        .unwrap();
     let names: Vec<&str> = found.sizes.iter().map(|size| size.name.as_str()).collect();
     assert_eq!(names, ["length_m", "width_m"]);
     for (size, real) in found.sizes.iter().zip([105.0, 68.0]) {
@@ -259,7 +269,14 @@ fn what_was_found_can_be_discarded_and_the_estimation_stopped() {
     fixture.command(Command::DropEstimatedBase);
     assert!(is_idle(&fixture.app));
     fixture.estimate();
-    assert!(fixture.app.operations.base_estimate.proposed().is_some());
+    assert!(
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .proposed_base()
+            .is_some()
+    );
     fixture.command(Command::Cancel);
     assert!(is_idle(&fixture.app));
     assert!(fixture.base().is_none());
@@ -268,7 +285,7 @@ fn what_was_found_can_be_discarded_and_the_estimation_stopped() {
 /// Nothing is being estimated, and nothing was found.
 fn is_idle(app: &App) -> bool {
     let state = &app.operations.base_estimate;
-    !state.is_open() && state.found().is_none()
+    !state.is_open() && state.estimated_base().is_none()
 }
 
 #[test]
@@ -278,14 +295,26 @@ fn a_second_estimate_replaces_the_first() {
     let first = fixture.app.operations.base_estimate.running().unwrap().id();
     fixture.estimate();
     let before = fixture.app.session.messages.notices.len();
-    assert!(fixture.app.operations.base_estimate.proposed().is_some());
+    assert!(
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .proposed_base()
+            .is_some()
+    );
     let late = Failure::Broken(Breakdown::Panicked("too late".to_owned()));
-    fixture.act(Action::Report(Report::of_end::<BaseEstimate>(
+    fixture.act(Action::Report(Report::from_result::<BaseEstimate>(
         first,
         Err(late),
     )));
     assert!(
-        fixture.app.operations.base_estimate.proposed().is_some(),
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .proposed_base()
+            .is_some(),
         "of the second one"
     );
     assert_eq!(fixture.app.session.messages.notices.len(), before);
@@ -306,7 +335,7 @@ fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
         .app
         .operations
         .base_estimate
-        .proposed()
+        .proposed_base()
         .unwrap()
         .estimate;
     assert!(estimate.previous_median_px.unwrap() > estimate.median_px);

@@ -50,7 +50,7 @@ impl Advice {
         let needs = self.needs.at(document);
         let edition = needs.edition();
         if known_edition != Some(edition) {
-            self.given = LabelAdvice::of(needs, coverage);
+            self.given = LabelAdvice::from_needs(needs, coverage);
         }
         self.given_for = Some(GivenFor {
             revision,

@@ -41,7 +41,7 @@ impl FieldModels {
         if let Some((_, known)) = self.models.iter().find(|(known, _)| known == spec) {
             return known.clone();
         }
-        let model = templates.weighted(document, spec).map(Arc::new);
+        let model = templates.weighted_field(document, spec).map(Arc::new);
         if !matches!(model, Err(FieldError::BeingRead { .. })) {
             self.models.push((spec.clone(), model.clone()));
         }
@@ -89,7 +89,7 @@ mod tests {
         let (same, same_all) = model(&document);
         assert!(Arc::ptr_eq(&first, &same) && Arc::ptr_eq(&all, &same_all));
         assert!(
-            Arc::ptr_eq(&same_all.of_cameras(&document)[0], &first),
+            Arc::ptr_eq(&same_all.per_camera(&document)[0], &first),
             "one model for both"
         );
         document.field.params.insert("length_m".to_owned(), 100.0);

@@ -40,25 +40,25 @@ pub struct FrameCounts {
 impl FrameCounts {
     /// The number of frames with a status.
     #[must_use]
-    pub fn of_status(&self, status: FrameStatus) -> usize {
+    pub fn count_with_status(&self, status: FrameStatus) -> usize {
         self.by_status.get(&status).copied().unwrap_or_default()
     }
 
     /// The number of frames of a camera.
     #[must_use]
-    pub fn of_camera(&self, camera: &CameraId) -> usize {
+    pub fn count_of_camera(&self, camera: &CameraId) -> usize {
         self.by_camera.get(camera).copied().unwrap_or_default()
     }
 
     /// The number of frames that a filter shows.
     #[must_use]
-    pub fn shown_by(&self, filter: Filter) -> usize {
+    pub fn count_matching(&self, filter: Filter) -> usize {
         match filter {
             Filter::All => self.frames.len(),
             Filter::ToDo => self.to_do,
             Filter::Unanswered => self.unanswered,
             Filter::OffPaint => self.off_paint,
-            Filter::Status(status) => self.of_status(status),
+            Filter::Status(status) => self.count_with_status(status),
         }
     }
 
@@ -66,12 +66,12 @@ impl FrameCounts {
     /// None if there are none.
     #[must_use]
     pub fn describe_to_do(&self) -> Option<String> {
-        let drafts = self.of_status(FrameStatus::Draft);
+        let drafts = self.count_with_status(FrameStatus::Draft);
         let new = self
-            .of_status(FrameStatus::New)
+            .count_with_status(FrameStatus::New)
             .saturating_sub(self.unanswered);
         let reasons = [
-            (self.of_status(FrameStatus::Suggested), "to review"),
+            (self.count_with_status(FrameStatus::Suggested), "to review"),
             (drafts, if drafts == 1 { "draft" } else { "drafts" }),
             (self.unanswered, "without an answer"),
             (new, "new"),
@@ -102,7 +102,7 @@ impl FrameCounts {
     }
 
     /// Counts all frames.
-    fn of(frames: &Frames, editions: (u64, u64)) -> Self {
+    fn from_frames(frames: &Frames, editions: (u64, u64)) -> Self {
         let (repeats_edition, suggestions_edition) = editions;
         let mut counts = Self {
             frames: frames.clone(),
@@ -161,7 +161,7 @@ impl FrameCounts {
 impl Follows for FrameCounts {
     fn update(&mut self, document: &Document) {
         let FrameChanges::At(changed) = document.frames.changes_since(&self.frames) else {
-            *self = Self::of(
+            *self = Self::from_frames(
                 &document.frames,
                 (self.repeats_edition + 1, self.suggestions_edition + 1),
             );
@@ -197,9 +197,11 @@ mod tests {
 
     /// All values except the editions.
     fn said(counts: &FrameCounts) -> (Vec<usize>, Vec<usize>, [usize; 7], Vec<usize>) {
-        let filters = Filter::ALL.map(|filter| counts.shown_by(filter)).to_vec();
+        let filters = Filter::ALL
+            .map(|filter| counts.count_matching(filter))
+            .to_vec();
         let cameras = ["main", "other"]
-            .map(|camera| counts.of_camera(&camera.into()))
+            .map(|camera| counts.count_of_camera(&camera.into()))
             .to_vec();
         let rest = [
             counts.uncertain,
@@ -241,13 +243,13 @@ mod tests {
             kept.update(&document);
             assert_eq!(
                 said(&kept),
-                said(&FrameCounts::of(&document.frames, (0, 0)))
+                said(&FrameCounts::from_frames(&document.frames, (0, 0)))
             );
         }
         assert_eq!(
             (
-                kept.of_status(FrameStatus::Suggested),
-                kept.of_camera(&"other".into())
+                kept.count_with_status(FrameStatus::Suggested),
+                kept.count_of_camera(&"other".into())
             ),
             (1, 1)
         );
@@ -266,8 +268,8 @@ mod tests {
         document.frames[3].status = FrameStatus::Suggested;
         document.frames[4].status = FrameStatus::Suggested;
         document.frames[5].solution = Some(in_vain());
-        let counts = FrameCounts::of(&document.frames, (0, 0));
-        assert_eq!((counts.to_do, counts.shown_by(Filter::ToDo)), (6, 6));
+        let counts = FrameCounts::from_frames(&document.frames, (0, 0));
+        assert_eq!((counts.to_do, counts.count_matching(Filter::ToDo)), (6, 6));
         assert_eq!(
             counts.describe_to_do().unwrap(),
             "2 to review, 1 draft, 1 without an answer, 2 new"

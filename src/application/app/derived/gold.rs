@@ -44,10 +44,13 @@ impl Gold {
         self.work.can_choose = can_choose_gold(counts.gold, counts.could_be_gold);
         let of = (counts.repeats_edition(), field_specs(document));
         if self.measured.as_ref() != Some(&of) {
-            let fields = Fields::with(document, |spec| templates.stated(spec).map(Arc::new));
+            let fields = Fields::with(document, |spec| {
+                templates.unweighted_field(spec).map(Arc::new)
+            });
             self.measured = (!matches!(fields, Err(FieldError::BeingRead { .. }))).then_some(of);
             // The error of an invalid field is shown elsewhere.
-            let own = |fields| OwnNoise::of_frames(document, &fields, counts.with_repeats());
+            let own =
+                |fields| OwnNoise::estimate_from_frames(document, &fields, counts.with_repeats());
             self.work.own = fields.map(own).unwrap_or_default();
         }
     }

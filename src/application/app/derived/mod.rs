@@ -100,7 +100,8 @@ impl Derived {
         document: &Document,
         frame: &Frame,
     ) -> Result<FieldModel, FieldError> {
-        self.templates.weighted(document, document.field_of(frame))
+        self.templates
+            .weighted_field(document, document.field_of(frame))
     }
 
     /// The templates that must be read before a field can be built. Each is returned once.

@@ -22,7 +22,7 @@ pub(super) struct Templates(BTreeMap<String, Reading>);
 
 impl Templates {
     /// A field with the click noise that its template states.
-    pub(super) fn stated(&mut self, spec: &FieldSpec) -> Result<FieldModel, FieldError> {
+    pub(super) fn unweighted_field(&mut self, spec: &FieldSpec) -> Result<FieldModel, FieldError> {
         if !spec.is_file() {
             return spec.model(Path::new(""));
         }
@@ -39,12 +39,12 @@ impl Templates {
     }
 
     /// A field with the click noise that a document uses.
-    pub(super) fn weighted(
+    pub(super) fn weighted_field(
         &mut self,
         document: &Document,
         spec: &FieldSpec,
     ) -> Result<FieldModel, FieldError> {
-        let mut field = self.stated(spec)?;
+        let mut field = self.unweighted_field(spec)?;
         document.weight_clicks(&mut field);
         Ok(field)
     }

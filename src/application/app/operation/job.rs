@@ -32,15 +32,15 @@ impl Job {
         let input: Arc<dyn Any + Send + Sync> = Arc::clone(&operation) as _;
         let of_job = cancellation.clone();
         let run = move |decoders: &dyn Decoders, send: &(dyn Fn(Report) + Sync)| {
-            let send = |progress| send(Report::of_progress::<O>(id, progress));
+            let send = |progress| send(Report::from_progress::<O>(id, progress));
             let context = Context {
                 decoders,
                 cancellation: &of_job,
                 send: &send,
             };
-            Report::of_end::<O>(id, operation.run(&context).map_err(Failure::Failed))
+            Report::from_result::<O>(id, operation.run(&context).map_err(Failure::Failed))
         };
-        let fail = |id, breakdown| Report::of_end::<O>(id, Err(Failure::Broken(breakdown)));
+        let fail = |id, breakdown| Report::from_result::<O>(id, Err(Failure::Broken(breakdown)));
         (
             running,
             Self {
@@ -91,7 +91,7 @@ impl Job {
 
     /// The report to return if the work panicked.
     #[must_use]
-    pub fn panicked(&self, message: String) -> Report {
+    pub fn panic_report(&self, message: String) -> Report {
         (self.fail)(self.id, Breakdown::Panicked(message))
     }
 

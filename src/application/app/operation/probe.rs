@@ -31,7 +31,7 @@ impl Probe {
     }
 
     /// A probe that does these steps.
-    pub fn of(steps: impl IntoIterator<Item = Step>) -> Self {
+    pub fn from_steps(steps: impl IntoIterator<Item = Step>) -> Self {
         let (probe, sender) = Self::new();
         steps
             .into_iter()

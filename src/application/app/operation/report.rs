@@ -18,7 +18,7 @@ type Apply = dyn FnOnce(&mut App) -> Option<Report> + Send;
 impl Report {
     /// A report of progress.
     #[must_use]
-    pub fn of_progress<O: Operation>(id: RequestId, progress: O::Progress) -> Self {
+    pub fn from_progress<O: Operation>(id: RequestId, progress: O::Progress) -> Self {
         let apply = move |app: &mut App| {
             O::slot(app).set_progress(id, progress);
             None
@@ -32,13 +32,13 @@ impl Report {
 
     /// A report of the result.
     #[must_use]
-    pub fn of_end<O: Operation>(
+    pub fn from_result<O: Operation>(
         id: RequestId,
         result: Result<O::Output, Failure<O::Error>>,
     ) -> Self {
         let apply = move |app: &mut App| {
             if O::slot(app).is_running_as(id) && O::must_wait(app) {
-                return Some(Self::of_end::<O>(id, result));
+                return Some(Self::from_result::<O>(id, result));
             }
             // The slot no longer holds this request if it was cancelled or replaced, or if its
             // document was closed. Then the result is dropped.

@@ -14,7 +14,7 @@ use touchline_calibration::calibrate::{
     estimate_on_paint,
 };
 use touchline_calibration::proposals::read_picture;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, BaseProgress};
 use touchline_documents::document::{CameraId, Document, Frame, Step};
@@ -138,7 +138,7 @@ impl BaseEstimate {
     ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
         let adjusting = progress.part(EstimateProgress::Adjusting);
         let (at, options) = (self.document.at(&self.folder), BaseOptions::default());
-        let problem = BaseProblem::of(at, &self.camera)?;
+        let problem = BaseProblem::from_document(at, &self.camera)?;
         let found = if self.with_size {
             problem.estimate_with_size(at, &options, &adjusting)
         } else {
@@ -190,7 +190,7 @@ impl BaseEstimateState {
 
     /// The result that waits for the user's decision.
     #[must_use]
-    pub const fn proposed(&self) -> Option<&Arc<EstimatedBase>> {
+    pub const fn proposed_base(&self) -> Option<&Arc<EstimatedBase>> {
         match &self.last {
             LastEstimate::Proposed(found) => Some(found),
             LastEstimate::Applied(_) | LastEstimate::Nothing => None,
@@ -199,7 +199,7 @@ impl BaseEstimateState {
 
     /// The result that the user accepted.
     #[must_use]
-    pub const fn applied(&self) -> Option<&Arc<EstimatedBase>> {
+    pub const fn applied_base(&self) -> Option<&Arc<EstimatedBase>> {
         match &self.last {
             LastEstimate::Applied(found) => Some(found),
             LastEstimate::Proposed(_) | LastEstimate::Nothing => None,
@@ -208,16 +208,16 @@ impl BaseEstimateState {
 
     /// The last result, accepted or not.
     #[must_use]
-    pub fn found(&self) -> Option<&EstimatedBase> {
-        self.proposed()
-            .or_else(|| self.applied())
+    pub fn estimated_base(&self) -> Option<&EstimatedBase> {
+        self.proposed_base()
+            .or_else(|| self.applied_base())
             .map(|found| &**found)
     }
 
     /// Whether an estimation is running or a result waits for a decision.
     #[must_use]
     pub const fn is_open(&self) -> bool {
-        self.slot.is_running() || self.proposed().is_some()
+        self.slot.is_running() || self.proposed_base().is_some()
     }
 }
 
@@ -229,7 +229,7 @@ impl App {
             Command::EstimateBase | Command::FitFieldSize if self.is_read_only() => {
                 Some("The document is read-only.")
             }
-            Command::UseEstimatedBase if state.proposed().is_none() => {
+            Command::UseEstimatedBase if state.proposed_base().is_none() => {
                 Some("There is no estimated base.")
             }
             Command::DropEstimatedBase if !state.is_open() => Some("No base is being estimated."),
@@ -265,8 +265,8 @@ impl App {
         let paint = if with_paint { ", painted lines" } else { "" };
         let from = format!(
             "{}, {}{paint}",
-            counted(ready.frames, "frame"),
-            counted(ready.clicks, "click")
+            pluralise(ready.frames, "frame"),
+            pluralise(ready.clicks, "click")
         );
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
         self.operations.base_estimate.last = LastEstimate::Nothing;
@@ -285,14 +285,14 @@ impl App {
     pub(in crate::app) fn drop_estimated_base(&mut self) {
         let state = &mut self.operations.base_estimate;
         state.slot.cancel();
-        if state.proposed().is_some() {
+        if state.proposed_base().is_some() {
             state.last = LastEstimate::Nothing;
         }
     }
 
     /// Writes the proposed base into the document; one step of undo.
     fn use_estimated_base(&mut self) {
-        if let Some(found) = self.operations.base_estimate.proposed() {
+        if let Some(found) = self.operations.base_estimate.proposed_base() {
             let change = BulkChange::Base(Arc::clone(found));
             self.change_in_bulk(
                 Step::on_document("Estimate base"),
@@ -408,7 +408,7 @@ fn describe(found: &EstimatedBase) -> String {
         .map_or_else(String::new, |on_paint| on_paint.seen.describe());
     format!(
         "Base estimated from {}: median error {:.1} px{before}.{paint}{sizes}{one_view}",
-        counted(frames, "frame"),
+        pluralise(frames, "frame"),
         estimate.median_px
     )
 }

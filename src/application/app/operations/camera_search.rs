@@ -168,7 +168,7 @@ impl CameraSearch {
     /// Replaces frame indices in a found camera by ids, because frames may be added or removed
     /// until the user decides.
     fn with_frame_ids(&self, found: AutocalibratedCamera) -> Arc<FoundCamera> {
-        Arc::new(FoundCamera::of(&self.document, &self.camera, found))
+        Arc::new(FoundCamera::new(&self.document, &self.camera, found))
     }
 }
 
@@ -301,7 +301,7 @@ impl App {
         let Some(which) = two
             .deciding
             .as_ref()
-            .and_then(|deciding| deciding.decided(&open.document))
+            .and_then(|deciding| deciding.favoured_camera(&open.document))
         else {
             return;
         };
@@ -384,7 +384,7 @@ const NEARER: f64 = 2.0;
 impl DecidingClick {
     /// The index of the camera that the document's click favours. None if the landmark is not
     /// clicked in that frame, or the click lies between the two projections.
-    fn decided(&self, document: &Document) -> Option<usize> {
+    fn favoured_camera(&self, document: &Document) -> Option<usize> {
         let frame = &document.frames[document.frames.position_of(&self.frame)?];
         let is_it = |click: &&Click| click.target == Some(Target::Landmark(self.landmark.clone()));
         let click = frame.clicks.iter().find(is_it)?;
@@ -446,7 +446,7 @@ impl TwoCameras {
 /// The result in two sentences: position, its 1-σ, and how many frames agree with their own paint.
 pub fn describe_found(found: &AutocalibratedCamera) -> String {
     let sigma = found.base.sigma.position_m;
-    let (aligned, frames) = (found.snapped_count(), found.frames.len());
+    let (aligned, frames) = (found.aligned_frame_count(), found.frames.len());
     let assumed: String = found
         .sizes
         .iter()

@@ -51,7 +51,7 @@ impl Operation for CameraWatch {
     fn run(&self, _: &Context<'_, Infallible>) -> Result<Option<CameraChange>, Infallible> {
         Ok(camera_change(
             &self.document,
-            &FrameLookup::of(&self.document),
+            &FrameLookup::from_document(&self.document),
             &self.of.camera,
             &self.field,
         ))
@@ -101,7 +101,7 @@ impl App {
             return;
         };
         let lookup = open.derived.lookup(&open.document);
-        if lookup.clicked_count(&of.camera) <= AT_ONCE {
+        if lookup.clicked_frame_count(&of.camera) <= AT_ONCE {
             let change = camera_change(&open.document, lookup, &of.camera, field);
             self.camera_looked_at(of, change);
             return;

@@ -69,7 +69,7 @@ impl ComparisonState {
 
     /// The result of the last comparison; none while another one is running.
     #[must_use]
-    pub const fn made(&self) -> Option<&Arc<Compared>> {
+    pub const fn last_result(&self) -> Option<&Arc<Compared>> {
         self.made.as_ref()
     }
 }

@@ -242,7 +242,7 @@ impl App {
         let before = self
             .open
             .as_ref()
-            .and_then(|open| open.document.pointed(&request.frame));
+            .and_then(|open| open.document.ptz_camera(&request.frame));
         let step = if request.from_scratch {
             "Search the painted lines"
         } else {

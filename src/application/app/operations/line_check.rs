@@ -121,7 +121,9 @@ impl App {
     #[must_use]
     pub fn paint_says(&self, frame: usize) -> Option<PaintSays> {
         let open = self.open.as_ref()?;
-        self.operations.line_checks.of(open, open.frame(frame)?)
+        self.operations
+            .line_checks
+            .frame_result(open, open.frame(frame)?)
     }
 
     /// Whether the line check contradicts a frame's camera.
@@ -140,7 +142,7 @@ impl App {
     pub fn own_paint_says(&self, frame: usize) -> Option<PaintSays> {
         let open = self.open.as_ref()?;
         let frame = open.frame(frame)?;
-        self.operations.line_checks.of_picture(open, frame)
+        self.operations.line_checks.picture_result(open, frame)
     }
 
     /// Whether accepting a frame needs a confirmation because the paint in its picture lies
@@ -156,7 +158,7 @@ impl App {
     fn has_accepted_off_paint(&self) -> bool {
         let Some(open) = &self.open else { return false };
         let mut frames = open.document.frames.iter();
-        frames.any(|frame| frame.accepted_off_paint().is_some())
+        frames.any(|frame| frame.evidence_against_acceptance().is_some())
     }
 
     /// Remembers a frame that is accepted before its paint was checked. If the paint contradicts
@@ -250,7 +252,7 @@ pub struct PaintSays {
 }
 
 impl PaintSays {
-    fn of(check: &LineCheck) -> Self {
+    fn from_check(check: &LineCheck) -> Self {
         let offset_px = Some(check.offset_px).filter(|offset| offset.is_finite());
         Self {
             verdict: check.verdict(),
@@ -260,7 +262,7 @@ impl PaintSays {
         }
     }
 
-    fn recorded(evidence: &PaintEvidence) -> Self {
+    fn from_evidence(evidence: &PaintEvidence) -> Self {
         let open = evidence.open();
         Self {
             verdict: evidence.verdict(),
@@ -330,8 +332,8 @@ fn is_warned(frame: &Frame) -> bool {
 impl LineChecks {
     /// The line check of a frame's camera, if it is known. A check that the document records takes
     /// precedence.
-    fn of(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
-        let says = self.of_picture(open, frame)?;
+    fn frame_result(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
+        let says = self.picture_result(open, frame)?;
         let verdict = match says.verdict {
             verdict if self.is_informative() || is_warned(frame) => verdict,
             _ => LineVerdict::CannotSay,
@@ -340,14 +342,14 @@ impl LineChecks {
     }
 
     /// What the paint of a frame's own picture says, whatever is found in the other frames.
-    fn of_picture(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
+    fn picture_result(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
         let recorded = frame
             .solution
             .as_ref()
             .and_then(|solution| solution.line_check.as_ref());
         let says = match recorded {
-            Some(evidence) => PaintSays::recorded(evidence),
-            None => PaintSays::of(&self.fresh(open, frame)?),
+            Some(evidence) => PaintSays::from_evidence(evidence),
+            None => PaintSays::from_check(&self.fresh(open, frame)?),
         };
         let verdict = if is_warned(frame) {
             LineVerdict::Contradicts
@@ -360,7 +362,7 @@ impl LineChecks {
     /// The check of a frame's present camera that the document does not record yet.
     fn fresh(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheck> {
         let known = self.known.get(&frame.id)?;
-        (Some(known.camera) == open.document.pointed(frame))
+        (Some(known.camera) == open.document.ptz_camera(frame))
             .then_some(known.check)
             .flatten()
     }
@@ -436,7 +438,7 @@ impl LineChecks {
         if frame.status == FrameStatus::Rejected || recorded {
             return None;
         }
-        let camera = open.document.pointed(frame)?;
+        let camera = open.document.ptz_camera(frame)?;
         if self
             .known
             .get(&frame.id)
@@ -523,7 +525,7 @@ mod tests {
             .map(|place| {
                 let frame = &document.frames[place];
                 CheckedLines {
-                    camera: document.pointed(frame).unwrap(),
+                    camera: document.ptz_camera(frame).unwrap(),
                     ..line_check_of(frame.id.clone(), score)
                 }
             })

@@ -8,7 +8,7 @@ use crate::app::{App, Command};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use touchline_calibration::pipelines::{MendError, MendEvent, MendOptions, Mended, Tally, mend};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Share;
 use touchline_documents::document::{Camera, CameraId, Document, Frame, Step};
 
@@ -62,7 +62,7 @@ impl Operation for Mending {
         let mut reader = context.open_reader();
         let mut document = self.document.clone();
         let steps = context.progress();
-        let progress = steps.part(|event: MendEvent| MendingProgress::of_event(&event));
+        let progress = steps.part(|event: MendEvent| MendingProgress::from_event(&event));
         let mended = mend(
             &mut document,
             &self.folder,
@@ -162,7 +162,7 @@ fn keep_camera(merged: &mut Document, camera: Option<&Camera>) -> Option<CameraI
 }
 
 impl MendingProgress {
-    fn of_event(event: &MendEvent) -> Self {
+    fn from_event(event: &MendEvent) -> Self {
         let share = |step, share: &Share| Self {
             step,
             share: Some(share.fraction()),
@@ -295,7 +295,7 @@ fn describe_mended(mended: &Mended, tally: &Tally) -> String {
     let mut text = format!(
         "{}: {} impossible, {} mirrored. {} as they came, {} mended on the painted lines, {} by \
          their neighbours, {} left for you.",
-        counted(tally.came, "camera"),
+        pluralise(tally.came, "camera"),
         tally.impossible,
         tally.mirrored,
         tally.as_they_came,

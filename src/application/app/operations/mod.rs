@@ -133,7 +133,7 @@ impl Operations {
     /// The estimated base that waits for the user's decision.
     #[must_use]
     pub const fn proposed_base(&self) -> Option<&Arc<EstimatedBase>> {
-        self.base_estimate.proposed()
+        self.base_estimate.proposed_base()
     }
 }
 

@@ -6,7 +6,7 @@ use crate::app::session::Level;
 use crate::app::{App, Command};
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::{ExchangeError, Format, recognize_format};
 use touchline_documents::store::PROJECT_FILE;
 use touchline_vision::media::list_images;
@@ -131,7 +131,7 @@ impl App {
             self.session.notify_with(Level::Warning, text, offers);
         }
         if sorted.left_out > 0 {
-            let more = counted(sorted.left_out, "more path");
+            let more = pluralise(sorted.left_out, "more path");
             let text = format!("{more} left out: one video or project is opened at a time.");
             self.session.notify(Level::Warning, text);
         }

@@ -254,7 +254,7 @@ impl App {
             return;
         }
         let Some(open) = &mut self.open else { return };
-        let shots = VideoShots::found(&open.document, &search.video, found.last, &found.cuts);
+        let shots = VideoShots::from_cuts(&open.document, &search.video, found.last, &found.cuts);
         let step = Step::on_document(name.clone());
         // True: the shots went below the user's own steps in the history. They are then no step of
         // their own in the journal, and the document is written with its whole history.

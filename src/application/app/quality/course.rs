@@ -61,7 +61,7 @@ impl PointKind {
     }
 
     /// The kind of a frame; none if it is rejected.
-    fn of(frame: &Frame) -> Option<Self> {
+    fn from_frame(frame: &Frame) -> Option<Self> {
         match frame.status {
             FrameStatus::New | FrameStatus::Draft => Some(Self::Draft),
             FrameStatus::Suggested => Some(Self::Suggested),
@@ -120,7 +120,7 @@ impl Course {
     /// Computes the course of a camera. `found` has the disagreements of all frames of the
     /// document.
     #[must_use]
-    pub fn of(
+    pub fn compute(
         document: &Document,
         found: &Disagreements,
         camera: &CameraId,
@@ -173,15 +173,15 @@ impl Course {
                 course.cuts.push(f64::midpoint(then, at));
             }
             before = Some((at, frame.clip.as_ref()));
-            let (Some(ptz), Some(kind)) = (&frame.ptz, PointKind::of(frame)) else {
+            let (Some(ptz), Some(kind)) = (&frame.ptz, PointKind::from_frame(frame)) else {
                 continue;
             };
-            let disagreement = found.of_frame(index);
+            let disagreement = found.for_frame(index);
             course.points.push(CoursePoint {
                 frame: index,
                 at,
                 values: [
-                    seen.unwrapped(ptz.ptz().pan).degrees(),
+                    seen.unwrap_angle(ptz.ptz().pan).degrees(),
                     ptz.tilt_deg,
                     ptz.focal_px,
                 ],
@@ -256,7 +256,7 @@ fn whole(timed: &[(f64, usize, &Frame)]) -> Option<[f64; 2]> {
 /// Magnifies a span of time by `factor`; the time `around` keeps its position. None if the result
 /// is the whole.
 #[must_use]
-pub fn zoomed(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Option<[f64; 2]> {
+pub fn zoom_span(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Option<[f64; 2]> {
     let smallest = ((whole[1] - whole[0]) * SMALLEST_SHARE).max(1e-3);
     let length = ((span[1] - span[0]) / factor).max(smallest);
     let share = ((around - span[0]) / (span[1] - span[0])).clamp(0.0, 1.0);
@@ -310,7 +310,12 @@ mod tests {
     }
 
     fn course(document: &Document, axis: TimeAxis) -> Course {
-        Course::of(document, &Disagreements::of(document), &"main".into(), axis)
+        Course::compute(
+            document,
+            &Disagreements::from_document(document),
+            &"main".into(),
+            axis,
+        )
     }
 
     #[test]
@@ -372,9 +377,9 @@ mod tests {
         );
         assert_eq!(numbers.points[11].at, 11.0);
         assert_eq!(
-            Course::of(
+            Course::compute(
                 &document,
-                &Disagreements::of(&document),
+                &Disagreements::from_document(&document),
                 &"other".into(),
                 TimeAxis::Frame
             ),
@@ -385,17 +390,17 @@ mod tests {
     #[test]
     fn a_span_is_enlarged_around_the_pointer_and_stays_within_the_whole() {
         let whole = [0.0, 100.0];
-        assert_eq!(zoomed(whole, whole, 20.0, 2.0), Some([10.0, 60.0]));
+        assert_eq!(zoom_span(whole, whole, 20.0, 2.0), Some([10.0, 60.0]));
         assert_eq!(
-            zoomed([10.0, 60.0], whole, 20.0, 0.5),
+            zoom_span([10.0, 60.0], whole, 20.0, 0.5),
             None,
             "back to the whole"
         );
         assert_eq!(
-            zoomed([80.0, 100.0], whole, 100.0, 0.5),
+            zoom_span([80.0, 100.0], whole, 100.0, 0.5),
             Some([60.0, 100.0])
         );
-        let [from, upto] = zoomed([50.0, 50.01], whole, 50.0, 1e9).unwrap();
+        let [from, upto] = zoom_span([50.0, 50.01], whole, 50.0, 1e9).unwrap();
         assert!(upto - from >= 1e-3 - 1e-12, "not for ever");
         assert_eq!(within_whole([-5.0, 5.0], whole), Some([0.0, 10.0]));
         assert_eq!(within_whole([95.0, 105.0], whole), Some([90.0, 100.0]));

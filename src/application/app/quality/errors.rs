@@ -74,13 +74,15 @@ impl ClickErrors {
     /// Computes the errors in a camera's solved frames that are not rejected. Frames are processed
     /// in parallel.
     #[must_use]
-    pub fn of(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
+    pub fn compute(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
         let of_frame = |(index, frame): (usize, &Shared<Frame>)| {
             let counts = frame.camera == *camera
                 && frame.status != FrameStatus::Rejected
                 && !frame.clicks.is_empty();
             counts
-                .then(|| OfFrame::of(document, index, frame, fields.of_frame(document, frame)))
+                .then(|| {
+                    OfFrame::compute(document, index, frame, fields.for_frame(document, frame))
+                })
                 .flatten()
         };
         let of_frames: Vec<OfFrame> = document
@@ -109,7 +111,7 @@ impl ClickErrors {
             count: those().count(),
             median_px,
             most_px,
-            histogram: Histogram::of(those(), step_px),
+            histogram: Histogram::from_errors(those(), step_px),
         })
     }
 }
@@ -125,8 +127,13 @@ struct OfFrame {
 impl OfFrame {
     /// The errors of a frame. None if the frame has no camera, or a click names something that its
     /// field lacks.
-    fn of(document: &Document, index: usize, frame: &Frame, field: &FieldModel) -> Option<Self> {
-        let camera = document.pointed(frame)?;
+    fn compute(
+        document: &Document,
+        index: usize,
+        frame: &Frame,
+        field: &FieldModel,
+    ) -> Option<Self> {
+        let camera = document.ptz_camera(frame)?;
         // Such a frame was never solved.
         let observed = observations(frame, field).ok()?;
         let used = || observed.iter().filter(|observation| !observation.check);
@@ -240,7 +247,7 @@ impl Histogram {
     }
 
     /// Computes a histogram of `errors` with bins of `step_px`.
-    fn of<'a>(errors: impl IntoIterator<Item = &'a ClickError>, step_px: f64) -> Self {
+    fn from_errors<'a>(errors: impl IntoIterator<Item = &'a ClickError>, step_px: f64) -> Self {
         let mut bins = vec![Bin::default(); BINS + 1];
         // Clicks are grouped by their expected median, of which there are few different ones: one
         // for each combination of landmark and number of clicks. Its bits are the key.
@@ -322,9 +329,9 @@ pub(super) mod tests {
     }
 
     pub fn errors(document: &Document) -> ClickErrors {
-        ClickErrors::of(
+        ClickErrors::compute(
             document,
-            &Fields::of(document.at(Path::new(""))).unwrap(),
+            &Fields::from_document(document.at(Path::new(""))).unwrap(),
             &"main".into(),
         )
     }
@@ -386,7 +393,7 @@ pub(super) mod tests {
             step_px < 0.7 && step_px * BINS as f64 > 2.4,
             "2.0 px and more in 24 bins: {step_px}"
         );
-        let histogram = Histogram::of(&clicks, step_px);
+        let histogram = Histogram::from_errors(&clicks, step_px);
         assert_eq!(histogram.bins.iter().map(|bin| bin.count).sum::<usize>(), 6);
         assert_eq!(
             (histogram.bins[BINS].count, histogram.bins[BINS].worst),

@@ -10,11 +10,11 @@ mod targets;
 mod thinned;
 
 pub use super::choices::{QualityChoice, TimeAxis};
-pub use course::{Course, CoursePoint, PointKind, Quantity, within_whole, zoomed};
+pub use course::{Course, CoursePoint, PointKind, Quantity, within_whole, zoom_span};
 pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
 pub use seen::Seen;
 pub use targets::{TargetErrors, by_target};
-pub use thinned::{Column, Drawn, drawn};
+pub use thinned::{Column, Drawn, thin_points};
 
 use super::{OpenProject, session::Session};
 use touchline_documents::document::{CameraId, Document, Frame};
@@ -64,7 +64,7 @@ impl Quality {
         let disagreements = open.derived.disagreements(&open.document);
         let document = &*open.document;
         let off_paint = off_paint(document, id);
-        let course_of = || Course::of(document, disagreements, id, axis);
+        let course_of = || Course::compute(document, disagreements, id, axis);
         // Without a valid field there are no errors of clicks and no coverage.
         let Ok(fields) = fields else {
             return Self {
@@ -75,13 +75,13 @@ impl Quality {
             };
         };
         let errors_of = || {
-            let errors = ClickErrors::of(document, &fields, id);
+            let errors = ClickErrors::compute(document, &fields, id);
             let targets = by_target(&errors);
             (errors, targets)
         };
         let place = document.cameras.iter().position(|camera| camera.id == *id);
-        let field = place.map(|place| fields.of_cameras(document).swap_remove(place));
-        let seen_of = || Seen::of(document, &*field?, id);
+        let field = place.map(|place| fields.per_camera(document).swap_remove(place));
+        let seen_of = || Seen::compute(document, &*field?, id);
         // The three are independent, and each takes a pass over all frames.
         let (course, ((errors, targets), seen)) =
             rayon::join(course_of, || rayon::join(errors_of, seen_of));
@@ -99,7 +99,8 @@ impl Quality {
 
 /// The indices of the camera's accepted frames whose paint contradicts them.
 fn off_paint(document: &Document, camera: &CameraId) -> Vec<usize> {
-    let is_off = |frame: &Frame| frame.camera == *camera && frame.accepted_off_paint().is_some();
+    let is_off =
+        |frame: &Frame| frame.camera == *camera && frame.evidence_against_acceptance().is_some();
     document
         .frames
         .iter()

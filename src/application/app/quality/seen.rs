@@ -16,7 +16,7 @@ pub struct Seen {
 impl Seen {
     /// The coverage of a camera's frames; none if it has no base.
     #[must_use]
-    pub fn of(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {
+    pub fn compute(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {
         let of = |status: FrameStatus| {
             let frames = document
                 .frames
@@ -24,7 +24,7 @@ impl Seen {
                 .enumerate()
                 .filter(|(_, frame)| frame.status == status);
             let frames: Vec<usize> = frames.map(|(index, _)| index).collect();
-            Coverage::of(document, field, camera, &frames)
+            Coverage::measure(document, field, camera, &frames)
         };
         Some(Self {
             references: of(FrameStatus::Reference)?,

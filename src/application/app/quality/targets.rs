@@ -57,7 +57,7 @@ pub fn by_target(errors: &ClickErrors) -> Vec<TargetErrors> {
     }
     let mut found: Vec<TargetErrors> = clicked
         .into_iter()
-        .filter_map(|(target, clicks)| of_target(target, &clicks))
+        .filter_map(|(target, clicks)| target_errors(target, &clicks))
         .collect();
     found.sort_by(|a, b| {
         b.is_known()
@@ -68,7 +68,7 @@ pub fn by_target(errors: &ClickErrors) -> Vec<TargetErrors> {
 }
 
 /// Statistics of the clicks on one target. None without clicks.
-fn of_target(target: &Target, clicks: &[&ClickError]) -> Option<TargetErrors> {
+fn target_errors(target: &Target, clicks: &[&ClickError]) -> Option<TargetErrors> {
     let [median_px, most_px] = middle_and_most(clicks.iter().map(|click| click.error_px))?;
     let [expected_px, _] = middle_and_most(clicks.iter().map(|click| click.expected_px))?;
     let mut worst: Vec<(usize, usize, f64)> = clicks

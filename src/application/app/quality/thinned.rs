@@ -28,7 +28,7 @@ pub struct Column {
 /// range from the smallest to the largest value of each kind in each column, so that no outlier
 /// disappears.
 #[must_use]
-pub fn drawn(
+pub fn thin_points(
     points: &[CoursePoint],
     quantity: Quantity,
     span: [f64; 2],
@@ -89,11 +89,11 @@ mod tests {
     fn few_points_are_drawn_as_they_are() {
         let points = points(50);
         assert_eq!(
-            drawn(&points, Quantity::Pan, [0.0, 49.0], 50),
+            thin_points(&points, Quantity::Pan, [0.0, 49.0], 50),
             Drawn::Points(&points)
         );
         assert_eq!(
-            drawn(&points, Quantity::Pan, [3.0, 3.0], 5),
+            thin_points(&points, Quantity::Pan, [3.0, 3.0], 5),
             Drawn::Points(&points),
             "no time at all"
         );
@@ -103,7 +103,8 @@ mod tests {
     fn many_points_become_columns_and_a_single_spike_stays() {
         let mut points = points(10_000);
         points[4321].values[0] = 170.0;
-        let Drawn::Columns(columns) = drawn(&points, Quantity::Pan, [0.0, 9_999.0], 500) else {
+        let Drawn::Columns(columns) = thin_points(&points, Quantity::Pan, [0.0, 9_999.0], 500)
+        else {
             panic!("10,000 points on 500 columns")
         };
         assert!(columns.len() <= 1000, "{}", columns.len());

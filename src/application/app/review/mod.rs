@@ -67,7 +67,7 @@ impl BulkAccept {
     }
 
     /// The suggestions that will be accepted.
-    pub fn taken(&self) -> impl Iterator<Item = &ReviewRow> {
+    pub fn ticked_rows(&self) -> impl Iterator<Item = &ReviewRow> {
         self.rows
             .iter()
             .filter(|row| !self.unticked.contains(&row.frame))
@@ -96,7 +96,7 @@ impl BulkAccept {
     /// confidences.
     #[must_use]
     pub fn expected_wrong(&self) -> ExpectedWrong {
-        ExpectedWrong::among(self.taken().filter_map(|row| row.confidence))
+        ExpectedWrong::among(self.ticked_rows().filter_map(|row| row.confidence))
     }
 }
 
@@ -360,7 +360,7 @@ mod tests {
         assert!(all.least > 0 && (all.least as f64) < all.mean && all.mean < all.most as f64);
         bulk.unticked.extend([25, 26]);
         assert_eq!(
-            (bulk.taken().count(), bulk.preview().len()),
+            (bulk.ticked_rows().count(), bulk.preview().len()),
             (73, 12),
             "what is taken out stays in sight"
         );

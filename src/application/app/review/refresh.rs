@@ -93,8 +93,8 @@ impl Review {
             // sorting all rows, or shows one row per shot, which depends on all frames of the shot.
             let stays =
                 before.filter(|before| !source.one_per_shot && (source.held || !before.held));
-            let few =
-                stays.and_then(|before| changed(&open.document, &frames, before, disagreements));
+            let few = stays
+                .and_then(|before| changed_frames(&open.document, &frames, before, disagreements));
             let rows = rows_of(
                 &open.document.frames,
                 few.as_ref(),
@@ -156,7 +156,7 @@ impl Review {
 
 /// The indices of the frames whose rows may differ from a former state of the list. None if there
 /// are too many to update one by one.
-fn changed(
+fn changed_frames(
     document: &Document,
     frames: &Frames,
     before: Source,
@@ -167,7 +167,7 @@ fn changed(
     };
     let mut places: BTreeSet<usize> = changed.into_iter().collect();
     if let Some((disagreements, edition)) = disagreements.zip(before.neighbours) {
-        places.extend(disagreements.changed_since(edition)?);
+        places.extend(disagreements.changes_since(edition)?);
     }
     Some(places)
 }
@@ -180,7 +180,7 @@ fn rows_of(
     order: ReviewOrder,
 ) -> Vec<ReviewRow> {
     let row = |(place, frame): (usize, &Shared<Frame>)| {
-        let disagreement = disagreements.and_then(|disagreements| disagreements.of_frame(place));
+        let disagreement = disagreements.and_then(|disagreements| disagreements.for_frame(place));
         let is_suggested = frame.status == FrameStatus::Suggested;
         is_suggested.then(|| ReviewRow::new(place, frame, disagreement))
     };

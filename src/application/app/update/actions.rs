@@ -137,14 +137,14 @@ impl App {
                 revision,
                 at,
                 document,
-            } => self.saved(revision, at, document),
+            } => self.handle_save(revision, at, document),
             DiskReport::SaveFailed(message) => self.save_failed(message),
             DiskReport::Copied(path) => {
                 self.session.disk.copies.written = self.session.disk.copies.begun.take();
                 self.session
                     .notify(Level::Info, format!("Copy written: {}", path.display()));
             }
-            DiskReport::ChangedOutside { path, own } => self.changed_outside(path, own),
+            DiskReport::ChangedOutside { path, own } => self.handle_outside_change(path, own),
             DiskReport::Outside(outside) => self.merge_outside(&outside),
             DiskReport::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),
             DiskReport::OrphanSaved { document } => {

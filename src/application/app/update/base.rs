@@ -93,7 +93,8 @@ impl App {
 fn mirror(frame: &mut Frame, field: &FieldModel, symmetry: Symmetry) {
     for Click { target, .. } in &mut frame.clicks {
         let element = target.as_ref().and_then(|target| target.element(field));
-        let twin = element.and_then(|element| Name::of(element.twin(symmetry, field)?, field));
+        let twin =
+            element.and_then(|element| Name::from_element(element.twin(symmetry, field)?, field));
         if let Some(twin) = &twin {
             *target = Some(Target::from(twin));
         }

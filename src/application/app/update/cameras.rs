@@ -6,7 +6,7 @@ use crate::app::Command;
 use crate::app::selection::{Scope, Selecting, after_click};
 use crate::app::session::{Dialog, Level};
 use touchline_calibration::calibrate::{AssignedFrames, BulkChange, NewCamera};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::Step;
 
 impl App {
@@ -54,7 +54,7 @@ impl App {
         let (CameraChoice::Known(name) | CameraChoice::New(name)) = choice;
         let step = Step::on_document(format!(
             "Assign {} to {name}",
-            counted(frames.len(), "frame")
+            pluralise(frames.len(), "frame")
         ));
         let is_new = matches!(choice, CameraChoice::New(_));
         let frames = frames
@@ -78,7 +78,7 @@ impl App {
         let BulkChange::Assign(given) = change else {
             return;
         };
-        let (count, name) = (counted(given.frames.len(), "frame"), &given.camera);
+        let (count, name) = (pluralise(given.frames.len(), "frame"), &given.camera);
         let has_base = given.new.as_ref().is_some_and(|new| new.base.is_some());
         let mut text = format!("{count} assigned to camera “{name}”.");
         if has_base {
@@ -98,7 +98,7 @@ impl App {
             "New camera from frame {}",
             open.frame_number(change.frame)
         ));
-        let given = change.assigned(&open.document);
+        let given = change.assignment(&open.document);
         self.change_in_bulk(
             step,
             BulkChange::Assign(Box::new(given)),

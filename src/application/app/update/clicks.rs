@@ -68,7 +68,7 @@ impl App {
         };
         let mut click = match placing {
             Some(target) => Click::new(target, at),
-            None => Click::unnamed(at),
+            None => Click::without_name(at),
         };
         click.check = tool == Tool::Check;
         let (placed, named) = (click.target.is_none(), click.target.clone());

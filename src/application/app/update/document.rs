@@ -42,7 +42,7 @@ impl App {
     }
 
     /// Shows a document that was read, with a new session.
-    pub(super) fn opened(&mut self, opened: Opened) {
+    pub(super) fn show_document(&mut self, opened: Opened) {
         // A new session keeps the log of messages, the panel and a part of the trainer's state.
         // Dropping the operations cancels all requests on the former document.
         self.operations = Operations::default();
@@ -63,7 +63,7 @@ impl App {
         // A new document has no sport yet. With labels that wait, their sheet names the field.
         if opened.is_new && self.waiting_labels.is_none() {
             self.session.dialog = Some(Dialog::Sport);
-            self.session.sport_guess = super::sport::guessed_from(&opened.file.to_string_lossy());
+            self.session.sport_guess = super::sport::guess_template(&opened.file.to_string_lossy());
         }
         self.session.disk.orphans.clone_from(&opened.orphans);
         self.tell_orphans();
@@ -82,9 +82,9 @@ impl App {
             ..
         } = opened;
         // The document itself, and the derived values of the former one reset.
-        let mut open = OpenProject::of(prepared, file, folder, read_only);
+        let mut open = OpenProject::from_prepared(prepared, file, folder, read_only);
         open.history = history;
-        self.session.frame = left_at(&open);
+        self.session.frame = frame_to_resume_at(&open);
         self.open = Some(open);
         self.current = Current::default();
         self.review = super::Review::default();
@@ -179,7 +179,7 @@ impl App {
 
     /// Handles a successful write of the state at `revision`. If the document itself was written,
     /// and not only the journal, `document` is the number of the last request for that.
-    pub(super) fn saved(&mut self, revision: u64, at: String, document: Option<u64>) {
+    pub(super) fn handle_save(&mut self, revision: u64, at: String, document: Option<u64>) {
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
             self.session.disk.saving = Saving::Saved { at };
@@ -216,7 +216,7 @@ impl App {
 
 /// The frame at which to continue: the next one to do, from the one that was changed last. The
 /// first frame if none is to do.
-fn left_at(open: &OpenProject) -> usize {
+fn frame_to_resume_at(open: &OpenProject) -> usize {
     let frames = &open.document.frames;
     let changed = open
         .history

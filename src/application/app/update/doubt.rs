@@ -47,7 +47,7 @@ impl App {
     fn farthest_click(&self) -> Option<(usize, f64)> {
         /// The same limit as in the list of points, which marks larger residuals.
         const SIGMAS: f64 = 3.0;
-        let solved = self.current.solved()?;
+        let solved = self.current.click_solution()?;
         let used = solved.residuals.iter().filter_map(|residual| {
             let px = residual.distance_px()?;
             Some((residual.click, px, px / residual.sigma_px))
@@ -69,7 +69,7 @@ impl App {
     pub fn cause(&self) -> Option<&Warning> {
         let reason = &self.current.judgement.as_ref()?.reason;
         self.current
-            .solved()?
+            .click_solution()?
             .warnings
             .iter()
             .find(|warning| warning.message == *reason)
@@ -78,7 +78,7 @@ impl App {
     /// The command that corrects the shown frame, if there is one, and the label of its button.
     #[must_use]
     pub fn mend(&self) -> Option<(Command, &'static str)> {
-        let solved = self.current.solved()?;
+        let solved = self.current.click_solution()?;
         if let Some(found) = self.current.other_names() {
             let word = match found.kind {
                 IdentityKind::Swapped => "Swap",

@@ -76,7 +76,7 @@ impl App {
                 unnamed + 1
             ));
         }
-        if frame.ptz.is_some() || self.current.solved().is_some() {
+        if frame.ptz.is_some() || self.current.click_solution().is_some() {
             return None;
         }
         Some(match &self.current.solution {
@@ -109,7 +109,7 @@ impl App {
             .filter(|_| self.session.panel == SidePanel::Review);
         // Write the solution, the status and the line check into the frame.
         if self.begin("Accept") {
-            let solved = self.current.solved().cloned();
+            let solved = self.current.click_solution().cloned();
             if let Some(frame) = self.frame_mut() {
                 if let (None, Some(solved)) = (&frame.ptz, &solved) {
                     frame.record(solved);
@@ -144,7 +144,7 @@ impl App {
         if frame.status == FrameStatus::Rejected && !whole_shot {
             if self.begin("Remove the mark") {
                 if let Some(frame) = self.frame_mut() {
-                    frame.status = frame.undecided();
+                    frame.status = frame.undecided_status();
                     frame.reason = None;
                 }
                 self.commit();

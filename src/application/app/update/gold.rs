@@ -111,7 +111,7 @@ impl App {
             self.session.notify(Level::Warning, text);
             return;
         }
-        let round = Reclick::of(&open.document);
+        let round = Reclick::from_document(&open.document);
         if round.is_empty() {
             let text = "No frame is gold. Mark a few references, or let the program choose them.";
             self.session
@@ -218,7 +218,7 @@ impl App {
         if round.held.take().is_some() {
             return;
         }
-        if round.clicked() == 0 {
+        if round.clicked_count() == 0 {
             self.session
                 .notify(Level::Info, "No points have been clicked again yet.");
             return;
@@ -263,7 +263,7 @@ impl App {
 
     /// Ends the round. Clicks of the round are kept.
     pub(super) fn end_round(&mut self) {
-        let Some(clicked) = self.round().map(Reclick::clicked) else {
+        let Some(clicked) = self.round().map(Reclick::clicked_count) else {
             return;
         };
         self.session.mode = Mode::Idle;

@@ -171,7 +171,7 @@ impl App {
             Action::Answer(question, path) => self.answer(question, path),
             Action::Open(path) => self.open_path(path),
             Action::OpenAny(paths) => self.open_any(paths),
-            Action::Opened(opened) => self.opened(*opened),
+            Action::Opened(opened) => self.show_document(*opened),
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),
             Action::MergeOrphan(orphan) => self.effects.push(Effect::Orphan {
@@ -318,7 +318,7 @@ impl App {
         if let Some(frame) = open.document.frames.get_mut(index)
             && !matches!(frame.status, FrameStatus::Rejected)
         {
-            frame.status = frame.undecided();
+            frame.status = frame.undecided_status();
         }
         // Kept, so that the derived values need not solve the frame a second time.
         self.fresh = result.map(|result| FreshSolve {

@@ -107,7 +107,7 @@ impl App {
     /// Highlights a candidate in the list.
     pub(super) fn highlight_name(&mut self, index: usize) {
         if let Mode::Naming(naming) = &mut self.session.mode {
-            naming.highlighted = index.min(naming.offered().len().saturating_sub(1));
+            naming.highlighted = index.min(naming.listed_candidates().len().saturating_sub(1));
         }
     }
 
@@ -117,7 +117,7 @@ impl App {
             return;
         };
         let Some(target) = naming
-            .offered()
+            .listed_candidates()
             .get(index.min(OFFERED))
             .map(|candidate| candidate.target.clone())
         else {

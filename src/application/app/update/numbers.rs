@@ -281,7 +281,7 @@ mod tests {
                 _ => None,
             });
             let written =
-                Report::of_end::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
+                Report::from_result::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
             app.update(Action::Report(written));
             let offers = |app: &App| {
                 app.session

@@ -47,7 +47,7 @@ impl App {
     /// whenever the user wants to leave the document; in between a row at the top of the window
     /// shows the state. Until the user decides, the window's version (`own`) is listed among the
     /// edits that were set aside.
-    pub(super) fn changed_outside(&mut self, path: PathBuf, own: Option<Orphan>) {
+    pub(super) fn handle_outside_change(&mut self, path: PathBuf, own: Option<Orphan>) {
         let is_leaving = self.stay().is_some();
         if self.session.disk.changed_outside.replace(path).is_none() || is_leaving {
             self.session.dialog = Some(Dialog::ChangedOutside);
@@ -111,7 +111,7 @@ impl App {
     /// Merges edits that were set aside into the document.
     pub(super) fn merge_orphan(&mut self, orphan: PathBuf, edits: &OrphanEdits) {
         let Some(open) = &self.open else { return };
-        let merged = edits.merged_into(&open.document);
+        let merged = edits.merge_with(&open.document);
         if self.take_merged(merged, edits.result().as_ref(), MergeOf::SetAside) {
             self.effects.push(Effect::Orphan {
                 file: orphan,
@@ -156,7 +156,7 @@ impl App {
         } = merged;
         let sides: Vec<&Document> = std::iter::once(&ours).chain(theirs).collect();
         let solved = solve_after_merge(&mut document, &sides, &open.folder);
-        let replaced = replaced_labels(&ours, &document);
+        let replaced = frames_with_replaced_label(&ours, &document);
         *open.document = document;
         let place = open
             .document
@@ -228,7 +228,7 @@ impl App {
 }
 
 /// The names of the frames in which a merge replaced or removed the user's label.
-fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
+fn frames_with_replaced_label(before: &Document, now: &Document) -> Vec<String> {
     let replaced = before.frames.iter().filter(|frame| frame.gives_way_in(now));
     replaced.map(|frame| frame.name()).collect()
 }

@@ -25,7 +25,7 @@ impl App {
         let frame = match place {
             Place::Frame(wanted) => {
                 let nearest = open
-                    .numbered_beside(self.session.frame)
+                    .frame_numbers_in_video(self.session.frame)
                     .min_by_key(|(_, number)| number.abs_diff(wanted));
                 if let Some((_, number)) = nearest.filter(|(_, number)| *number != wanted) {
                     let text = format!("There is no frame {wanted}: the nearest one is {number}.");

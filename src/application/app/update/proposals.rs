@@ -6,7 +6,7 @@ use crate::app::session::Level;
 use crate::app::trainer::TrainerOrder;
 use touchline_calibration::calibrate::follow_all_bases;
 use touchline_calibration::proposals::{BatchId, Discarded, NoProposal, Proposal, TrackedProposal};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::Frame;
 
 impl App {
@@ -171,7 +171,7 @@ fn describe_discarded(
 fn frames_that(frames: usize, one: &str, many: &str) -> String {
     format!(
         "{} {}",
-        counted(frames, "frame"),
+        pluralise(frames, "frame"),
         if frames == 1 { one } else { many }
     )
 }

@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::quality::{TimeAxis, zoomed};
+use crate::app::quality::{TimeAxis, zoom_span};
 use crate::app::session::Mode;
 use touchline_documents::document::CameraId;
 
@@ -63,8 +63,8 @@ impl App {
             .filter(|at| (span[0]..=span[1]).contains(at));
         let around = shown.unwrap_or(f64::midpoint(span[0], span[1]));
         self.session.quality.span = match command {
-            Command::ZoomIn => zoomed(span, whole, around, ZOOM_STEP),
-            Command::ZoomOut => zoomed(span, whole, around, 1.0 / ZOOM_STEP),
+            Command::ZoomIn => zoom_span(span, whole, around, ZOOM_STEP),
+            Command::ZoomOut => zoom_span(span, whole, around, 1.0 / ZOOM_STEP),
             _ => None,
         };
     }

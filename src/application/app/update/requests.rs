@@ -63,21 +63,21 @@ mod tests {
 
     /// Starts a probe as a command would.
     fn start(app: &mut App) -> Job {
-        let Effect::Start(job) = app.start_probe(Probe::of([])) else {
+        let Effect::Start(job) = app.start_probe(Probe::from_steps([])) else {
             panic!("nothing was started")
         };
         job
     }
 
     fn end(id: RequestId, output: u32) -> Action {
-        Action::Report(Report::of_end::<Probe>(id, Ok(output)))
+        Action::Report(Report::from_result::<Probe>(id, Ok(output)))
     }
 
     #[test]
     fn a_request_is_followed_to_its_end_and_taken_over_once() {
         let mut app = app();
         let job = start(&mut app);
-        app.update(Action::Report(Report::of_progress::<Probe>(job.id(), 40)));
+        app.update(Action::Report(Report::from_progress::<Probe>(job.id(), 40)));
         assert_eq!(
             app.operations.probe.slot.running().unwrap().progress(),
             Some(&40)
@@ -97,7 +97,10 @@ mod tests {
         let mut app = app();
         let (first, second) = (start(&mut app), start(&mut app));
         assert!(first.is_cancelled() && !second.is_cancelled() && first.id() < second.id());
-        app.update(Action::Report(Report::of_progress::<Probe>(first.id(), 40)));
+        app.update(Action::Report(Report::from_progress::<Probe>(
+            first.id(),
+            40,
+        )));
         app.update(end(first.id(), 1));
         assert!(app.operations.probe.taken.is_empty());
         assert_eq!(

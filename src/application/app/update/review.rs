@@ -7,7 +7,7 @@ use crate::app::progress::ALL_DONE;
 use crate::app::review::{AcceptQuestion, AcceptSheet, BulkAccept};
 use crate::app::session::{Dialog, Level, SidePanel, is_to_do};
 use std::sync::Arc;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Frame, FrameStatus, Step};
 
 impl App {
@@ -125,7 +125,7 @@ impl App {
         let bulk = self.bulk_accept();
         let is_stretch = bulk.of_stretch.is_some();
         let frames: Vec<usize> = bulk
-            .taken()
+            .ticked_rows()
             .map(|row| row.frame)
             .filter(|place| is_stretch || self.is_suggested_at(*place))
             .collect();
@@ -138,7 +138,7 @@ impl App {
             self.session.notify(Level::Info, none);
             return;
         }
-        let count = counted(
+        let count = pluralise(
             frames.len(),
             if is_stretch { "frame" } else { "suggestion" },
         );
@@ -168,7 +168,7 @@ impl App {
         {
             self.session.retract(Command::DiscardTracked);
         }
-        let undo = self.settings.keys.shown(Command::Undo);
+        let undo = self.settings.keys.key_label(Command::Undo);
         self.session.notify(
             Level::Info,
             format!("{count} accepted. {undo} undoes all of it."),

@@ -26,7 +26,7 @@ impl App {
     /// The shots of the shown frame's video. None for a still image, or a video without shots.
     #[must_use]
     pub fn shots(&self) -> Option<VideoShots> {
-        VideoShots::of(
+        VideoShots::from_document(
             &self.open.as_ref()?.document,
             &self.frame()?.video.as_ref()?.path,
         )
@@ -102,8 +102,8 @@ impl App {
                 .unwrap_or(0)
         };
         // A video without shots starts as one shot up to its last frame in the document.
-        let mut shots = VideoShots::of(&open.document, &video.path)
-            .unwrap_or_else(|| VideoShots::found(&open.document, &video.path, last(), &[]));
+        let mut shots = VideoShots::from_document(&open.document, &video.path)
+            .unwrap_or_else(|| VideoShots::from_cuts(&open.document, &video.path, last(), &[]));
         if let Err(error) = change(&mut shots, &open.document, video.frame_index) {
             self.session
                 .notify(Level::Info, crate::app::sentence(&error.to_string()));

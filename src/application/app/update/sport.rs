@@ -60,7 +60,7 @@ impl App {
 }
 
 /// The field template that a file's name suggests, if any.
-pub(super) fn guessed_from(name: &str) -> Option<&'static str> {
+pub(super) fn guess_template(name: &str) -> Option<&'static str> {
     /// Words in names, and the templates that they suggest. Special ones precede general ones.
     const WORDS: [(&str, &str); 20] = [
         ("nba", "basketball_nba"),
@@ -106,13 +106,19 @@ mod tests {
     #[test]
     fn a_name_tells_the_sport_by_its_words() {
         assert_eq!(
-            guessed_from("NBA_2019_finals_g1.mp4"),
+            guess_template("NBA_2019_finals_g1.mp4"),
             Some("basketball_nba")
         );
-        assert_eq!(guessed_from("final-icehockey.mkv"), Some("ice_hockey_iihf"));
-        assert_eq!(guessed_from("basketball-nba-match"), Some("basketball_nba"));
-        assert_eq!(guessed_from("uefa cl"), Some("soccer"));
-        assert_eq!(guessed_from("bernabeu.mp4"), None, "no word of it");
-        assert_eq!(guessed_from("0412.jpg"), None);
+        assert_eq!(
+            guess_template("final-icehockey.mkv"),
+            Some("ice_hockey_iihf")
+        );
+        assert_eq!(
+            guess_template("basketball-nba-match"),
+            Some("basketball_nba")
+        );
+        assert_eq!(guess_template("uefa cl"), Some("soccer"));
+        assert_eq!(guess_template("bernabeu.mp4"), None, "no word of it");
+        assert_eq!(guess_template("0412.jpg"), None);
     }
 }

@@ -47,7 +47,7 @@ impl App {
             } else {
                 let open = self.open.as_mut()?;
                 let disagreements = open.derived.disagreements(&open.document);
-                stretch.take(place, disagreements.of_frame(place));
+                stretch.take(place, disagreements.for_frame(place));
             }
         }
         Some(stretch)
@@ -65,7 +65,7 @@ impl App {
         if frame.status == FrameStatus::Rejected {
             return Some(LeftReason::Rejected);
         }
-        if document.pointed(frame).is_none() {
+        if document.ptz_camera(frame).is_none() {
             return Some(LeftReason::NoCamera);
         }
         if impossible_camera(document, frame, field).is_some() {

@@ -100,10 +100,10 @@ impl App {
     /// The state of the document as the tour sees it.
     fn tour_view(&self) -> Option<TourView> {
         let open = self.open.as_ref()?;
-        Some(TourView::of(
+        Some(TourView::from_document(
             &open.document,
             self.frame(),
-            self.current.solved().is_some(),
+            self.current.click_solution().is_some(),
         ))
     }
 }

@@ -108,7 +108,7 @@ impl Runner {
                 own: Some(own),
             }) => Some(Action::View(ViewAction::Notify(
                 Level::Warning,
-                kept_own(&path, &own),
+                describe_kept_version(&path, &own),
             ))),
             _ => None,
         };
@@ -190,7 +190,7 @@ pub(super) fn actions_of(report: SaverReport) -> Vec<Action> {
 }
 
 /// The message for a document that is closed after another program has changed it.
-fn kept_own(path: &Path, own: &Orphan) -> String {
+fn describe_kept_version(path: &Path, own: &Orphan) -> String {
     let (path, own) = (path.display(), own.path.display());
     format!("Another program changed {path}; your version is kept as {own}.")
 }

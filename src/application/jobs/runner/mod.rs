@@ -192,7 +192,7 @@ impl Runner {
             while let Some(report) = background.poll() {
                 actions.push(Action::Report(match report {
                     BackgroundReport::Progress(report) | BackgroundReport::Done(report) => report,
-                    BackgroundReport::Panicked(message) => job.panicked(message),
+                    BackgroundReport::Panicked(message) => job.panic_report(message),
                 }));
             }
         }
@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn a_panic_of_any_operation_is_its_failure() {
         let mut bench = Bench::new();
-        bench.start(Probe::of([Step::Panic]));
+        bench.start(Probe::from_steps([Step::Panic]));
         bench.wait();
         let message = "the probe broke".to_owned();
         assert_eq!(
@@ -300,7 +300,7 @@ mod tests {
     #[test]
     fn another_document_ends_the_work() {
         let mut bench = Bench::new();
-        bench.start(Probe::of([Step::WaitUntilCancelled]));
+        bench.start(Probe::from_steps([Step::WaitUntilCancelled]));
         bench.app.update(opened());
         bench.wait();
         assert!(bench.app.operations.probe.taken.is_empty());
@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn dropping_the_runner_ends_the_work_and_waits_for_it() {
         let mut bench = Bench::new();
-        bench.start(Probe::of([Step::WaitUntilCancelled]));
+        bench.start(Probe::from_steps([Step::WaitUntilCancelled]));
         drop(bench.runner);
         assert!(
             bench.app.operations.probe.slot.is_running(),

@@ -145,7 +145,9 @@ impl<'a> Work<'a> {
                 }
             }
             // The journal was deleted. Writing the document also creates a new one.
-            Err(StoreError::Gone { .. }) if self.keep(Others::Stay).is_ok() => self.saved(None),
+            Err(StoreError::Gone { .. }) if self.keep(Others::Stay).is_ok() => {
+                self.report_saved(None)
+            }
             Err(error) => {
                 if !self.journal_refused {
                     self.report(SaverReport::Failed {
@@ -168,7 +170,7 @@ impl<'a> Work<'a> {
     /// version is written beside it.
     fn save(&mut self, others: Others) {
         match self.keep(others) {
-            Ok(set_aside) => self.saved(set_aside),
+            Ok(set_aside) => self.report_saved(set_aside),
             Err(error) => {
                 // Try again after the usual interval, not at once.
                 self.behind_since = self.behind_since.map(|_| Instant::now());
@@ -200,7 +202,7 @@ impl<'a> Work<'a> {
     }
 
     /// Records and reports that the document was written.
-    fn saved(&mut self, set_aside: Option<PathBuf>) {
+    fn report_saved(&mut self, set_aside: Option<PathBuf>) {
         self.journal_refused = false;
         self.behind_since = None;
         self.to_journal.clear();

@@ -201,19 +201,19 @@ impl AnswerCache {
     }
 
     /// Number of answers to one kind of query.
-    pub(super) fn given_by(&self, by: Asking) -> usize {
+    pub(super) fn count_answers(&self, by: Asking) -> usize {
         self.entries.values().filter(|entry| entry.by == by).count()
     }
 
     /// Number of undecided frames with a proposed camera.
-    pub(super) fn answered(&self, document: &Document) -> usize {
+    pub(super) fn count_answered(&self, document: &Document) -> usize {
         self.open(document)
             .filter(|entry| matches!(entry.answer, CachedAnswer::Camera(_)))
             .count()
     }
 
     /// Number of undecided frames for which the forest finds no camera.
-    pub(super) fn unanswered(&self, document: &Document) -> usize {
+    pub(super) fn count_unanswered(&self, document: &Document) -> usize {
         self.open(document)
             .filter(|entry| entry.answer == CachedAnswer::NotFound)
             .count()

@@ -2,7 +2,7 @@
 
 use super::super::shared_pictures::{SharedPictures, SharedReader};
 use super::error::TrainerError;
-use super::kept_forest::{keep_forest, kept_forest};
+use super::kept_forest::{keep_forest, load_forest};
 use super::mailbox::TrainerMailbox;
 use crate::app::{Doing, UnusableReference};
 use std::ops::ControlFlow;
@@ -142,7 +142,7 @@ impl ForestBackend {
 
 impl Backend for ForestBackend {
     fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
-        Ok(kept_forest(
+        Ok(load_forest(
             &self.place,
             training_set,
             &self.options.features,
@@ -218,7 +218,8 @@ impl Backend for ForestBackend {
         };
         // An invalid field is reported when the document is opened; without it lines are no
         // evidence.
-        let evidence = LineEvidence::of(document.at(&self.folder), &mut self.reader, snapping).ok();
+        let evidence =
+            LineEvidence::from_document(document.at(&self.folder), &mut self.reader, snapping).ok();
         let mut made = Vec::with_capacity(frames.len());
         // In small batches, so that a pause takes effect soon.
         for few in frames.chunks(rayon::current_num_threads()) {
@@ -252,7 +253,7 @@ impl Backend for ForestBackend {
             .first()
             .and_then(|place| document.frames.get(*place));
         // An invalid field is reported when the document is opened.
-        let Some((first, fields)) = first.zip(Fields::of(at).ok()) else {
+        let Some((first, fields)) = first.zip(Fields::from_document(at).ok()) else {
             return Some(Vec::new());
         };
         let pictures = window.clip.frames.len();
@@ -264,7 +265,7 @@ impl Backend for ForestBackend {
             ClipProgress::Adjusting => pictures / 2,
         });
         let (field, options) = (
-            fields.of_frame(document, first),
+            fields.for_frame(document, first),
             TrackClipOptions::default(),
         );
         let mut evidence = ClipEvidence::default();
@@ -282,7 +283,9 @@ impl Backend for ForestBackend {
                 Some(
                     tracked
                         .filter_map(|tracked| {
-                            TrackedProposal::of(document, &clip, tracked, generation)
+                            TrackedProposal::from_tracked_frame(
+                                document, &clip, tracked, generation,
+                            )
                         })
                         .collect(),
                 )
@@ -336,7 +339,9 @@ impl Backend for ForestBackend {
             store: &self.store,
         };
         let used = pictures.each(&mut self.reader, &[frame], |index, _, found| {
-            let used = |found| UsedFeatures::of(document, index, &found, model, &self.relocalizing);
+            let used = |found| {
+                UsedFeatures::from_query(document, index, &found, model, &self.relocalizing)
+            };
             ControlFlow::Continue(found.ok().map(used))
         });
         used?.pop()?

@@ -51,7 +51,7 @@ pub(super) fn keep_forest(
 ///
 /// # Errors
 /// The file exists, but is damaged or cannot be read.
-pub(super) fn kept_forest(
+pub(super) fn load_forest(
     place: &WorkFolder,
     training_set: &TrainingSet,
     features: &FeatureOptions,

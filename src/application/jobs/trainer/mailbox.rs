@@ -147,7 +147,7 @@ impl TrainerMailbox {
             at: Some(now),
             begun: Some(begun),
         };
-        let left = status.doing.left_since(begun.0, now - begun.1);
+        let left = status.doing.estimate_time_left(begun.0, now - begun.1);
         let report = TrainerReport::Status(Box::new(TrainerStatus {
             left,
             ..status.clone()

@@ -73,7 +73,12 @@ impl<'a> Watch<'a> {
         let Some(document) = document else {
             return true;
         };
-        let taught = || TrainingSet::of(&document, &TrainingFrames::of_solved(&document).frames);
+        let taught = || {
+            TrainingSet::from_frames(
+                &document,
+                &TrainingFrames::from_solved_frames(&document).frames,
+            )
+        };
         let wanted = match &self.until {
             Until::Done => true,
             Until::Unlearnt(learning) => taught().contains(learning),

@@ -46,7 +46,7 @@ impl Windows {
             .as_ref()
             .is_some_and(|before| has_the_same_pictures(before, document))
         {
-            self.all = KeyWindow::of(document.at(folder));
+            self.all = KeyWindow::from_document(document.at(folder));
             self.between = vec![false; document.frames.len()];
             for place in self.all.iter().flat_map(|window| &window.between) {
                 self.between[*place] = true;
@@ -153,7 +153,7 @@ impl Windows {
         document: &Document,
         wanted: &impl Fn(usize) -> bool,
     ) -> bool {
-        let known = known(window, document);
+        let known = known_frames(window, document);
         let Some(first) = window
             .keys
             .first()
@@ -185,7 +185,7 @@ impl Windows {
             .and_then(|place| document.frames.get(*place))
         {
             self.tracked
-                .insert(first.id.clone(), known(window, document));
+                .insert(first.id.clone(), known_frames(window, document));
         }
         // Cameras from an earlier propagation are replaced; those that the user tracked stay.
         let is_news = |tracked: &TrackedProposal| {
@@ -216,7 +216,7 @@ impl Windows {
 /// The frames from which cameras are propagated: key frames, and frames between that a person
 /// decided. Answers of the forest between key frames do not count; they are no reason to repeat the
 /// propagation.
-fn known(window: &KeyWindow, document: &Document) -> Vec<Known> {
+fn known_frames(window: &KeyWindow, document: &Document) -> Vec<Known> {
     let places = window
         .clip
         .frames
@@ -245,7 +245,7 @@ fn has_the_same_pictures(before: &Document, now: &Document) -> bool {
             && one.image == other.image
             && rejected(one) == rejected(other)
     };
-    let changed = now.frames.changed_in_place(&before.frames);
+    let changed = now.frames.changes_in_place(&before.frames);
     changed.is_some_and(|changed| {
         changed
             .iter()

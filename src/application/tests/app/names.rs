@@ -33,12 +33,12 @@ fn the_names_suggested_for_the_second_click_put_the_right_one_first_beside_a_sol
     bench.command(Command::Accept);
     bench.click(bench.image_of("centre_mark"));
     if let Mode::Naming(naming) = &bench.app.session.mode {
-        assert_eq!(naming.offered()[0].target.as_str(), "centre_mark");
+        assert_eq!(naming.listed_candidates()[0].target.as_str(), "centre_mark");
         bench.act(Action::Edit(EditAction::TakeName(0)));
     }
     bench.click(bench.image_of("centre_circle_halfway_far"));
     let name = match &bench.app.session.mode {
-        Mode::Naming(naming) => naming.offered()[0].target.clone(),
+        Mode::Naming(naming) => naming.listed_candidates()[0].target.clone(),
         _ => bench.frame().clicks[1].target.clone().unwrap(),
     };
     assert_eq!(name.as_str(), "centre_circle_halfway_far");
@@ -62,7 +62,7 @@ fn in_a_new_shot_the_names_follow_where_the_camera_usually_looks() {
     };
     assert!(
         naming
-            .offered()
+            .listed_candidates()
             .iter()
             .take(2)
             .any(|name| name.target.as_str() == "halfway_far"),
@@ -77,7 +77,7 @@ fn in_a_new_shot_the_names_follow_where_the_camera_usually_looks() {
         panic!("a camera of another shot vouches for no name")
     };
     assert_eq!(
-        naming.offered()[0].target.as_str(),
+        naming.listed_candidates()[0].target.as_str(),
         "centre_circle_halfway_near"
     );
 }

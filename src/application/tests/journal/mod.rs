@@ -76,7 +76,7 @@ fn click(store: &mut Store, before: &Document, number: usize) -> Document {
     let index = number % after.frames.len();
     after.frames[index]
         .clicks
-        .push(Click::unnamed(ImagePoint::new(number as f64, 0.5)));
+        .push(Click::without_name(ImagePoint::new(number as f64, 0.5)));
     store
         .append(&[Edit::between(before, &after, &format!("Click {number}"))])
         .unwrap();

@@ -166,7 +166,7 @@ fn an_edit_that_does_not_fit_is_named_with_those_behind_it() {
     let mut elsewhere = first.clone();
     elsewhere.frames[0]
         .clicks
-        .push(Click::unnamed(ImagePoint::new(9.0, 9.0)));
+        .push(Click::without_name(ImagePoint::new(9.0, 9.0)));
     elsewhere.frames[0].revision += 7;
     let misfit = click(&mut store, &elsewhere, 2);
     click(&mut store, &misfit, 3);

@@ -51,7 +51,7 @@ fn the_saver_acknowledges_what_is_on_disk_and_drains_at_closing() {
         let mut after = document.clone();
         after.frames[revision % 4]
             .clicks
-            .push(Click::unnamed(ImagePoint::new(revision as f64, 1.0)));
+            .push(Click::without_name(ImagePoint::new(revision as f64, 1.0)));
         saver.edit(
             Edit::between(&document, &after, "Click"),
             snapshot(&after, revision as u64),

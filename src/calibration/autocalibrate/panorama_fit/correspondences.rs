@@ -170,7 +170,7 @@ pub(super) struct Correspondence {
 
 impl Correspondence {
     /// Direction and line at other parameters, to first order.
-    fn moved_to(&self, at: &Parameters) -> PaintCorrespondence {
+    fn extrapolate_to(&self, at: &Parameters) -> PaintCorrespondence {
         let from = &self.linearised_at;
         let direction = self.paint.direction_in_panorama
             + self.direction_by_log_scale * (at.log_scale - from.log_scale);
@@ -199,14 +199,14 @@ impl Residual<1, 0, NUM_PARAMETERS> for Correspondence {
     }
 
     fn value(&self, at: &Parameters) -> Option<SVector<f64, 1>> {
-        self.moved_to(at).value(&at.pose)
+        self.extrapolate_to(at).value(&at.pose)
     }
 
-    fn linearised(&self, at: &Parameters) -> Option<Linearised<1, 0, NUM_PARAMETERS>> {
+    fn linearise(&self, at: &Parameters) -> Option<Linearised<1, 0, NUM_PARAMETERS>> {
         // The derivatives by the pose are those of the pair; the others follow from them by the
         // chain rule.
-        let moved = self.moved_to(at);
-        let by_pose = moved.linearised(&at.pose)?;
+        let moved = self.extrapolate_to(at);
+        let by_pose = moved.linearise(&at.pose)?;
         let (normal, _) = moved.plane(&at.pose)?;
         let mut by_own = SMatrix::<f64, 1, NUM_PARAMETERS>::zeros();
         by_own
@@ -254,13 +254,13 @@ impl Problem for PaintProblem {
         equations
     }
 
-    fn stepped(&self, from: &Parameters, step: &SVector<f64, NUM_PARAMETERS>) -> Parameters {
+    fn apply_step(&self, from: &Parameters, step: &SVector<f64, NUM_PARAMETERS>) -> Parameters {
         // Position and rotation are updated in `world`, the rotation by a rotation vector, so it
         // needs no parametrisation of its own.
         let shift_m = step.fixed_rows::<3>(POSITION).into_owned();
         let turn = step.fixed_rows::<3>(ROTATION).into_owned();
         Parameters {
-            pose: from.pose.moved(shift_m, turn),
+            pose: from.pose.move_by(shift_m, turn),
             log_scale: from.log_scale + step[LOG_SCALE],
             crown_m: (from.crown_m + step[CROWN]).clamp(CROWN_RANGE_M[0], CROWN_RANGE_M[1]),
             lengths_m: [0, 1].map(|index| from.lengths_m[index] + step[LENGTHS + index]),

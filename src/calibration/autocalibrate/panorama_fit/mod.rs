@@ -296,7 +296,7 @@ mod tests {
             (Vec3::new(0.6, -0.9, 0.1), 0.3, 0.01),
             (Vec3::new(-0.8, 0.7, -0.1), -0.3, -0.01),
         ] {
-            let from = pose.moved(shift_m, Vec3::new(0.0, 0.0, f64::to_radians(turn_deg)));
+            let from = pose.move_by(shift_m, Vec3::new(0.0, 0.0, f64::to_radians(turn_deg)));
             let start = PanoramaStart {
                 pose: from,
                 log_scale,

@@ -163,7 +163,7 @@ impl Residual<1, 0, NUM_PARAMETERS> for Prior {
         Some(Vector1::new(self.parameter_at(at) - self.value))
     }
 
-    fn linearised(&self, at: &Parameters) -> Option<Linearised<1, 0, NUM_PARAMETERS>> {
+    fn linearise(&self, at: &Parameters) -> Option<Linearised<1, 0, NUM_PARAMETERS>> {
         let mut by_own = SMatrix::<f64, 1, NUM_PARAMETERS>::zeros();
         by_own[self.parameter] = 1.0;
         Some(Linearised {

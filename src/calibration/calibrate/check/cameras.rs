@@ -11,17 +11,17 @@ use touchline_documents::document::{DocumentAt, Fields};
 /// [`check_values`](super::check_values).
 #[must_use]
 pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
-    let Ok(fields) = Fields::of(document) else {
+    let Ok(fields) = Fields::from_document(document) else {
         return Vec::new();
     };
-    let of_cameras = fields.of_cameras(&document);
-    let lookup = FrameLookup::of(&document);
+    let of_cameras = fields.per_camera(&document);
+    let lookup = FrameLookup::from_document(&document);
     let mut problems: Vec<Problem> = (0..document.frames.len())
         .into_par_iter()
         .filter(|_| document.cameras.len() > 1)
         .filter_map(|index| {
             let frame = &document.frames[index];
-            let field = fields.of_frame(&document, frame);
+            let field = fields.for_frame(&document, frame);
             let solved = calibrate(&document, &lookup, frame, field, index).ok()?;
             let better = better_camera(&document, frame, &solved, &of_cameras)?;
             let fault = Fault::OtherCamera {

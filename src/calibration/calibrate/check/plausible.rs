@@ -45,7 +45,7 @@ pub fn check_view(
     problem: &mut dyn FnMut(Fault),
 ) {
     let Some(pointed) = document
-        .pointed(frame)
+        .ptz_camera(frame)
         .filter(|pointed| pointed.ptz().is_finite())
     else {
         return;
@@ -92,7 +92,7 @@ pub fn impossible_camera(
     frame: &Frame,
     field: Option<&FieldModel>,
 ) -> Option<Fault> {
-    let pointed = document.pointed(frame)?;
+    let pointed = document.ptz_camera(frame)?;
     let mut found = Vec::new();
     if let Some(camera) = document.camera_of(frame) {
         check_place(camera, &mut |fault| found.push(fault));

@@ -17,13 +17,18 @@ const TOLERATED_PX: f64 = 2.0;
 /// reported by [`check_values`](super::check_values).
 #[must_use]
 pub fn check_solutions(document: DocumentAt<'_>) -> Vec<Problem> {
-    let Ok(fields) = Fields::of(document) else {
+    let Ok(fields) = Fields::from_document(document) else {
         return Vec::new();
     };
-    let lookup = FrameLookup::of(&document);
+    let lookup = FrameLookup::from_document(&document);
     let check = |index: usize| {
         let frame = &document.frames[index];
-        let fault = find_stale(&document, &lookup, index, fields.of_frame(&document, frame))?;
+        let fault = find_stale(
+            &document,
+            &lookup,
+            index,
+            fields.for_frame(&document, frame),
+        )?;
         Some(Problem {
             place: place_of(index, frame),
             frame: Some(index),
@@ -62,7 +67,7 @@ fn find_stale(
 /// Root mean square residual of a frame's clicks with its stored camera, px; none without a camera
 /// or clicks.
 fn distance_of_clicks_px(document: &Document, frame: &Frame, field: &FieldModel) -> Option<f64> {
-    let camera = document.pointed(frame)?;
+    let camera = document.ptz_camera(frame)?;
     let observations = observations(frame, field).ok()?;
     let used = observations.iter().filter(|observation| !observation.check);
     let squares: Vec<f64> = used

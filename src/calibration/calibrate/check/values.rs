@@ -256,7 +256,7 @@ fn check_frame(
         FrameStatus::Rejected if frame.reason.is_none() => problem(Fault::NoReason),
         _ => {}
     }
-    if let Some(paint) = frame.accepted_off_paint() {
+    if let Some(paint) = frame.evidence_against_acceptance() {
         problem(Fault::OffPaint {
             found: paint.found,
             open: paint.open(),
@@ -279,7 +279,7 @@ fn check_lens(camera: &Camera, frame: &Frame, problem: &mut dyn FnMut(Fault)) {
         });
         return;
     }
-    if let Some(pointed) = camera.pointed(frame)
+    if let Some(pointed) = camera.ptz_camera(frame)
         && lens_folds(&pointed, frame.image_size)
     {
         problem(Fault::LensFolds { k1: pointed.k1() });

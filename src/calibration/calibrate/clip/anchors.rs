@@ -21,7 +21,7 @@ pub(super) fn anchors(
         .enumerate()
         .filter_map(|(at, frame)| Some((at, &**document.frames.get(frame.place?)?)));
     frames
-        .filter_map(|(at, frame)| of_frame(frame, at, field, &camera.base_at(at)))
+        .filter_map(|(at, frame)| anchor_from_frame(frame, at, field, &camera.base_at(at)))
         .collect()
 }
 
@@ -49,7 +49,7 @@ fn is_persons(frame: &Frame) -> bool {
     frame.status == FrameStatus::Reference || frame.is_solved_by_clicks()
 }
 
-fn of_frame(
+fn anchor_from_frame(
     frame: &Frame,
     at: usize,
     field: &FieldModel,

@@ -40,11 +40,11 @@ impl ClipPictures<'_> {
 
     fn read(&self, reader: &mut dyn ReadFrames, frame: usize) -> Result<Picture, TrackClipError> {
         let source = &self.clip.frames[frame].source;
-        self.checked(source, reader.read(source))
+        self.check_size(source, reader.read(source))
     }
 
     /// A picture of the clip, if it could be read and has the size of the others.
-    fn checked(
+    fn check_size(
         &self,
         source: &FrameRef,
         picture: Result<Picture, MediaError>,
@@ -125,7 +125,7 @@ impl ClipPictures<'_> {
             let Some(StreamedFrame { source, picture }) = next else {
                 break;
             };
-            let picture = self.checked(&source, picture)?;
+            let picture = self.check_size(&source, picture)?;
             let mut ended: Result<usize, TrackError> = Ok(0);
             // Decoding the next picture overlaps with tracking through this one.
             next = frames.next_during(|| ended = follower.add(&picture, masks));
@@ -134,7 +134,7 @@ impl ClipPictures<'_> {
         if progress.is_cancelled() {
             return Err(TrackClipError::Stopped);
         }
-        Ok(follower.finished())
+        Ok(follower.into_tracks())
     }
 
     /// The pictures that are read again after the points were tracked, to search their paint:

@@ -202,7 +202,7 @@ pub fn track_clip(
     // Smoothing changes the focal length of all frames; a frame that states its lens gets its own
     // back.
     let mut smoothed = if options.smooth {
-        smoothed(at, clip, &adjusted)
+        smooth_cameras(at, clip, &adjusted)
     } else {
         raw.clone()
     };
@@ -219,8 +219,8 @@ pub fn track_clip(
         sigma_px: adjusted.sigma_px,
         inflation: adjusted.inflation,
         painted,
-        jitter: Jitter::of(&smoothed),
-        raw_jitter: Jitter::of(&raw).filter(|_| options.smooth),
+        jitter: Jitter::measure(&smoothed),
+        raw_jitter: Jitter::measure(&raw).filter(|_| options.smooth),
     };
     let witnesses = BaseWitnesses::new(raw.iter().copied().zip(&paint), size);
     // No tracked frame is more certain than the most certain prior.
@@ -261,7 +261,7 @@ pub fn track_clip(
                 let camera = PtzCamera::new(camera.base_at(frame), ptz);
                 Some((
                     camera,
-                    Uncertainty::of_known(&camera, covariance, size).ok()?,
+                    Uncertainty::from_covariance(&camera, covariance, size).ok()?,
                 ))
             });
         let Some((camera, uncertainty)) = reached else {
@@ -351,7 +351,11 @@ fn stops(clip: &ClipFrames, propagated: &PropagatedClip) -> Vec<ClipStop> {
 }
 
 /// The smoothed cameras. Each run of reached frames without a gap is smoothed as one motion.
-fn smoothed(at: DocumentAt<'_>, clip: &ClipFrames, adjusted: &AdjustedClip) -> Vec<Option<Ptz>> {
+fn smooth_cameras(
+    at: DocumentAt<'_>,
+    clip: &ClipFrames,
+    adjusted: &AdjustedClip,
+) -> Vec<Option<Ptz>> {
     let is_reference = |frame: usize| {
         let of_document = clip.frames[frame]
             .place

@@ -19,7 +19,7 @@ pub(super) struct Accepted {
 }
 
 impl Accepted {
-    pub(super) fn of(all: &[Ptz]) -> Self {
+    pub(super) fn from_ptz(all: &[Ptz]) -> Self {
         Self {
             pans: all.iter().map(|ptz| ptz.pan).collect(),
             tilts: all.iter().map(|ptz| ptz.tilt.radians()).collect(),

@@ -49,7 +49,7 @@ struct ShotKey {
 impl FrameLookup {
     /// Builds the lookup of a document.
     #[must_use]
-    pub fn of(document: &Document) -> Self {
+    pub fn from_document(document: &Document) -> Self {
         let mut accepted: BTreeMap<CameraId, Vec<Ptz>> = BTreeMap::new();
         let mut shots: BTreeMap<ShotKey, BTreeMap<Moment, Ptz>> = BTreeMap::new();
         let mut clicked: BTreeMap<CameraId, Clicked> = BTreeMap::new();
@@ -57,11 +57,11 @@ impl FrameLookup {
             if let Some(ptz) = accepted_ptz(frame) {
                 accepted.entry(frame.camera.clone()).or_default().push(ptz);
             }
-            if let Some((key, number, ptz)) = solved_in_shot(frame) {
+            if let Some((key, number, ptz)) = ptz_in_shot(frame) {
                 shots.entry(key).or_default().insert((number, index), ptz);
             }
             // A frame without clicks also counts if it was excluded from the base.
-            let readiness = BaseReadiness::of_frame(frame);
+            let readiness = BaseReadiness::from_frame(frame);
             if !frame.clicks.is_empty() || readiness != BaseReadiness::default() {
                 let of_camera = clicked.entry(frame.camera.clone()).or_default();
                 of_camera.readiness += readiness;
@@ -75,11 +75,11 @@ impl FrameLookup {
             frames: document.frames.clone(),
             accepted: accepted
                 .into_iter()
-                .map(|(camera, all)| (camera, Accepted::of(&all)))
+                .map(|(camera, all)| (camera, Accepted::from_ptz(&all)))
                 .collect(),
             shots: shots
                 .into_iter()
-                .map(|(key, solved)| (key, Shot::of(solved)))
+                .map(|(key, solved)| (key, Shot::new(solved)))
                 .collect(),
         }
     }
@@ -88,7 +88,7 @@ impl FrameLookup {
     /// reordered, it is built anew.
     pub fn update(&mut self, document: &Document) {
         let FrameChanges::At(changed) = document.frames.changes_since(&self.frames) else {
-            *self = Self::of(document);
+            *self = Self::from_document(document);
             return;
         };
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
@@ -103,7 +103,7 @@ impl FrameLookup {
             (
                 &frame.camera,
                 !frame.clicks.is_empty(),
-                BaseReadiness::of_frame(frame),
+                BaseReadiness::from_frame(frame),
             )
         });
         if clicked[0] != clicked[1] {
@@ -141,7 +141,7 @@ impl FrameLookup {
             }
         }
         // The solved frames of a shot, and the speeds beside the change.
-        let solved = [before, frame].map(solved_in_shot);
+        let solved = [before, frame].map(ptz_in_shot);
         if solved[0] != solved[1] {
             let [removed, added] = solved;
             if let Some((key, number, _)) = removed {
@@ -158,7 +158,7 @@ impl FrameLookup {
 
     /// The indices of a camera's frames that have clicks, ascending.
     #[must_use]
-    pub fn clicked(&self, camera: &CameraId) -> Vec<usize> {
+    pub fn clicked_frames(&self, camera: &CameraId) -> Vec<usize> {
         self.clicked
             .get(camera)
             .map(|clicked| clicked.places.iter().copied().collect())
@@ -167,7 +167,7 @@ impl FrameLookup {
 
     /// Number of a camera's frames that have clicks.
     #[must_use]
-    pub fn clicked_count(&self, camera: &CameraId) -> usize {
+    pub fn clicked_frame_count(&self, camera: &CameraId) -> usize {
         self.clicked
             .get(camera)
             .map_or(0, |clicked| clicked.places.len())
@@ -224,7 +224,7 @@ fn shot_of(frame: &Frame) -> Option<(ShotKey, u64)> {
 }
 
 /// The shot, frame number, and pan, tilt and focal length of a solved frame of a video.
-fn solved_in_shot(frame: &Frame) -> Option<(ShotKey, u64, Ptz)> {
+fn ptz_in_shot(frame: &Frame) -> Option<(ShotKey, u64, Ptz)> {
     let ptz = frame
         .ptz
         .as_ref()

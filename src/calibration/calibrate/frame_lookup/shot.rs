@@ -29,7 +29,7 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    pub(super) fn of(solved: BTreeMap<Moment, Ptz>) -> Self {
+    pub(super) fn new(solved: BTreeMap<Moment, Ptz>) -> Self {
         let pairs = solved.iter().zip(solved.iter().skip(1));
         let moves: Vec<[f64; 3]> = pairs.filter_map(|(from, to)| rates(from, to)).collect();
         let rates = [0, 1, 2].map(|which| moves.iter().map(|rates| rates[which]).collect());

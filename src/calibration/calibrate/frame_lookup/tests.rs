@@ -2,7 +2,7 @@
 
 use super::accepted::MIN_ACCEPTED;
 use super::shot::{MIN_MOVES, WITHIN_FRAMES, rates};
-use super::{FrameLookup, accepted_ptz, shot_of, solved_in_shot};
+use super::{FrameLookup, accepted_ptz, ptz_in_shot, shot_of};
 use crate::calibrate::BaseReadiness;
 use proptest::prelude::*;
 use touchline_core::camera::Ptz;
@@ -43,7 +43,7 @@ fn looked_up(document: &Document, index: usize) -> MotionPrior {
 fn motion_looked_up<'a>(frame: &Frame, others: impl Iterator<Item = &'a Frame>) -> Option<Motion> {
     let (key, number) = shot_of(frame)?;
     let of_shot = others
-        .filter_map(solved_in_shot)
+        .filter_map(ptz_in_shot)
         .filter(|(other, ..)| *other == key);
     let mut solved: Vec<(u64, Ptz)> = of_shot.map(|(_, number, ptz)| (number, ptz)).collect();
     solved.sort_by_key(|(number, _)| *number);
@@ -127,12 +127,12 @@ fn same_as_looked_up(index: &FrameLookup, document: &Document) -> Result<(), Tes
         let of_camera: Vec<usize> = (0..document.frames.len()).filter(of_camera).collect();
         let mut readiness = BaseReadiness::default();
         for &place in &of_camera {
-            readiness += BaseReadiness::of_frame(&document.frames[place]);
+            readiness += BaseReadiness::from_frame(&document.frames[place]);
         }
         prop_assert_eq!(index.readiness(&camera.into()), readiness);
         let has_clicks = |place: &usize| !document.frames[*place].clicks.is_empty();
         let places: Vec<usize> = of_camera.into_iter().filter(has_clicks).collect();
-        prop_assert_eq!(index.clicked(&camera.into()), places);
+        prop_assert_eq!(index.clicked_frames(&camera.into()), places);
     }
     Ok(())
 }
@@ -146,7 +146,7 @@ proptest! {
     ) {
         let mut document = Document::new(FieldSpec::new("soccer"));
         document.frames.extend(frames.into_iter().map(Shared::new));
-        let mut index = FrameLookup::of(&document);
+        let mut index = FrameLookup::from_document(&document);
         same_as_looked_up(&index, &document)?;
         for (place, frame) in edits {
             let place = place % document.frames.len();

@@ -130,7 +130,7 @@ impl Seen<'_> {
             self.frame.status,
             FrameStatus::Suggested | FrameStatus::Rejected
         );
-        self.document.pointed(self.frame).filter(|_| own)
+        self.document.ptz_camera(self.frame).filter(|_| own)
     }
 }
 
@@ -174,7 +174,7 @@ pub(super) fn frame_agreement(
     let cameras = (first.camera(), second.camera());
     // Whether two landmarks coincide in the picture depends on the camera. Either annotator's
     // camera is exact enough.
-    found.names = disputed_names(&ones, &others, scale, |a, b| {
+    found.names = name_disputes(&ones, &others, scale, |a, b| {
         let camera = cameras.0.as_ref().or(cameras.1.as_ref());
         camera.is_some_and(|camera| lie_together(camera, field, a, b, scale))
     });
@@ -194,7 +194,7 @@ pub(super) fn frame_agreement(
 /// Pairs of clicks at one point with different names. A click is not disputed if the other
 /// annotator clicked the same name there as well, nor if the picture shows both landmarks at one
 /// point.
-fn disputed_names(
+fn name_disputes(
     ones: &[(&LandmarkId, ImagePoint, usize)],
     others: &[(&LandmarkId, ImagePoint, usize)],
     scale: f64,

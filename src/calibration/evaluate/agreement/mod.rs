@@ -9,7 +9,7 @@ mod frame;
 
 pub use frame::{CameraAgreement, ClickPair, FrameAgreement, NameDispute};
 
-use super::matching::matched;
+use super::matching::match_frames;
 use frame::{Seen, frame_agreement};
 use std::collections::BTreeMap;
 use touchline_core::field::{FieldError, LandmarkId};
@@ -110,8 +110,8 @@ impl Agreement {
 /// # Errors
 /// A field of the first document is not valid.
 pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreement, FieldError> {
-    let fields = Fields::of(first)?;
-    let partners = matched(first, second);
+    let fields = Fields::from_document(first)?;
+    let partners = match_frames(first, second);
     let mut frames = Vec::new();
     let mut lone = Vec::new();
     let mut met = vec![false; second.frames.len()];
@@ -124,7 +124,7 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
         let labelled = (is_labelled(one), other.is_some_and(is_labelled));
         match (labelled, partner, other) {
             ((true, true), Some(partner), Some(other)) => {
-                let field = fields.of_frame(&first, one);
+                let field = fields.for_frame(&first, one);
                 let seen = Seen {
                     document: &first,
                     frame: one,
@@ -155,7 +155,7 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
     {
         lone.push(lone_frame(other, None, [None, Some(index)], false));
     }
-    Ok(summed_up(frames, lone))
+    Ok(summarise(frames, lone))
 }
 
 /// Whether an annotator has labelled anything in the frame.
@@ -186,7 +186,7 @@ fn lone_frame(
 
 /// Computes the statistics of all frames and of each landmark. Copied clicks are left out, because
 /// they are not independent measurements.
-fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
+fn summarise(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
     let pairs = || frames.iter().flat_map(|frame| &frame.clicks);
     let own = || pairs().filter(|pair| !pair.is_copy());
     let differences: Vec<Vec2> = own().map(ClickPair::difference).collect();
@@ -202,8 +202,8 @@ fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
     let distances: Vec<f64> = own().map(ClickPair::apart_px).collect();
     Agreement {
         landmarks,
-        distances: Summary::of(&distances, 0),
-        noise: ClickScatter::of(&differences),
+        distances: Summary::from_values(&distances, 0),
+        noise: ClickScatter::from_differences(&differences),
         noise_by_axis: [0, 1]
             .map(|axis| ClickScatter::along(differences.iter().map(|difference| difference[axis]))),
         copies: pairs().filter(|pair| pair.is_copy()).count(),
@@ -230,6 +230,6 @@ fn landmark_agreement(landmark: &LandmarkId, pairs: &[&ClickPair]) -> LandmarkAg
             quantile(&sorted(&|pair| pair.offset_px.x), 0.5),
             quantile(&sorted(&|pair| pair.offset_px.y), 0.5),
         ),
-        noise: ClickScatter::of(&differences),
+        noise: ClickScatter::from_differences(&differences),
     }
 }

@@ -80,7 +80,7 @@ impl FrameGroup {
             .map(|jaccard| jaccard.mean * self.completeness())
     }
 
-    fn of(kind: GroupKind, name: String, frames: &[&FrameResult], seed: u64) -> Self {
+    fn from_frames(kind: GroupKind, name: String, frames: &[&FrameResult], seed: u64) -> Self {
         let scored: Vec<&FrameScores> = frames
             .iter()
             .filter_map(|frame| frame.scores.as_ref().ok())
@@ -93,7 +93,7 @@ impl FrameGroup {
                 .flat_map(|scores| of(scores))
                 .copied()
                 .collect();
-            Summary::of(&values, seed)
+            Summary::from_values(&values, seed)
         };
         let values = |measure: Measure| -> Vec<f64> {
             scored
@@ -102,7 +102,7 @@ impl FrameGroup {
                 .collect()
         };
         let summaries = Measure::ALL.into_iter().filter_map(|measure| {
-            let summary = Summary::of(&values(measure), seed)?;
+            let summary = Summary::from_values(&values(measure), seed)?;
             Some((measure, summary))
         });
         // The measure is the root mean square over three parameters; the coverage needs their sum,
@@ -120,7 +120,7 @@ impl FrameGroup {
             clicks_px: pooled(|scores| &scores.clicks_px),
             held_out_px: pooled(|scores| &scores.held_out_px),
             held_out_m: pooled(|scores| &scores.held_out_m),
-            coverage: SigmaCoverage::of(&squared),
+            coverage: SigmaCoverage::from_squared_distances(&squared),
         }
     }
 }
@@ -131,7 +131,12 @@ impl Evaluation {
     #[must_use]
     pub fn groups(&self, seed: u64) -> Vec<FrameGroup> {
         let all: Vec<&FrameResult> = self.frames.iter().collect();
-        let mut groups = vec![FrameGroup::of(GroupKind::All, "all".to_owned(), &all, seed)];
+        let mut groups = vec![FrameGroup::from_frames(
+            GroupKind::All,
+            "all".to_owned(),
+            &all,
+            seed,
+        )];
         let clip = |frame: &FrameResult| frame.clip.as_ref().map(ToString::to_string);
         let camera = |frame: &FrameResult| Some(frame.camera.as_str().to_owned());
         self.add(&mut groups, GroupKind::Clip, &clip, seed);
@@ -161,7 +166,7 @@ impl Evaluation {
                 .iter()
                 .filter(|frame| name(frame).as_ref() == Some(&wanted))
                 .collect();
-            groups.push(FrameGroup::of(kind, wanted, &of_group, seed));
+            groups.push(FrameGroup::from_frames(kind, wanted, &of_group, seed));
         }
     }
 }

@@ -13,7 +13,7 @@ pub use groups::{FrameGroup, GroupKind};
 pub use measure::Measure;
 pub use scores::FrameScores;
 
-use super::matching::matched;
+use super::matching::match_frames;
 use rayon::prelude::*;
 use scores::{TrueFrame, scores};
 use serde::{Serialize, Serializer};
@@ -121,11 +121,11 @@ pub fn evaluate(
     estimate: DocumentAt<'_>,
 ) -> Result<Evaluation, EvaluationError> {
     let fields = |document: DocumentAt<'_>, which: &'static str| {
-        Fields::of(document).map_err(|source| EvaluationError::Field { which, source })
+        Fields::from_document(document).map_err(|source| EvaluationError::Field { which, source })
     };
     let true_fields = fields(truth, "truth")?;
     let estimated_fields = fields(estimate, "estimate")?;
-    let partners = matched(truth, estimate);
+    let partners = match_frames(truth, estimate);
     // The frames for which the truth has a camera or clicks. Without any, there is nothing to
     // evaluate.
     let known: Vec<usize> = (0..truth.frames.len())
@@ -138,11 +138,11 @@ pub fn evaluate(
         let frame = &*truth.frames[index];
         let known = TrueFrame {
             frame,
-            field: true_fields.of_frame(&truth, frame),
-            camera: truth.pointed(frame),
+            field: true_fields.for_frame(&truth, frame),
+            camera: truth.ptz_camera(frame),
         };
         let partner = partners[index].map(|partner| &*estimate.frames[partner]);
-        let estimated_camera = partner.and_then(|partner| estimate.pointed(partner));
+        let estimated_camera = partner.and_then(|partner| estimate.ptz_camera(partner));
         let focal_px = known
             .camera
             .or(estimated_camera)
@@ -177,7 +177,7 @@ pub fn evaluate(
 /// Whether the truth has a camera or a named click for a frame that is not rejected.
 fn is_known(truth: &Document, frame: &Frame) -> bool {
     frame.status != FrameStatus::Rejected
-        && (truth.pointed(frame).is_some()
+        && (truth.ptz_camera(frame).is_some()
             || frame.clicks.iter().any(|click| click.target.is_some()))
 }
 
@@ -195,7 +195,7 @@ fn score_frame(
             estimate: frame.image_size,
         });
     }
-    let camera = estimate.pointed(frame).ok_or_else(|| {
+    let camera = estimate.ptz_camera(frame).ok_or_else(|| {
         let first = frame
             .solution
             .as_ref()
@@ -205,7 +205,7 @@ fn score_frame(
         }
     })?;
     let shown = FieldView {
-        field: fields.of_frame(estimate, frame),
+        field: fields.for_frame(estimate, frame),
         camera: &camera,
     };
     Ok(scores(truth, frame, shown)?)

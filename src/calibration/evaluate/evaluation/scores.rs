@@ -9,7 +9,7 @@ use touchline_core::field::{FieldElement, FieldModel};
 use touchline_core::geometry::{ImageSize, Vec3, mean, median};
 use touchline_core::score::{
     AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m,
-    iou_part, iou_segments, iou_whole, landmark_errors, squared_sigmas,
+    iou_part, iou_segments, iou_whole, landmark_errors, squared_mahalanobis,
 };
 use touchline_core::solve::{Observation, ObservationError};
 use touchline_documents::document::{Frame, Target};
@@ -93,7 +93,7 @@ pub(super) fn scores(
         None => clicked_lines(truth),
     };
     if !annotated.is_empty() {
-        let found = MarkingMatch::of(truth.field, &annotated, shown, size);
+        let found = MarkingMatch::compare(truth.field, &annotated, shown, size);
         scores.set(Measure::Jaccard5, Some(found.jaccard(5.0)));
         scores.set(Measure::Jaccard10, Some(found.jaccard(10.0)));
         scores.set(Measure::Jaccard20, Some(found.jaccard(20.0)));
@@ -149,7 +149,7 @@ fn add_sigmas(scores: &mut FrameScores, truth: &PtzCamera, estimate: &PtzCamera,
         .as_ref()
         .and_then(|solution| solution.covariance);
     // Squared Mahalanobis distance of the error, divided by three parameters.
-    let squared = stated.and_then(|covariance| squared_sigmas(error, &covariance));
+    let squared = stated.and_then(|covariance| squared_mahalanobis(error, &covariance));
     scores.set(
         Measure::Sigmas,
         squared.map(|squared| (squared / 3.0).sqrt()),

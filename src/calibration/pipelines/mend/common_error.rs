@@ -58,7 +58,7 @@ impl fmt::Display for CommonError {
 
 impl CommonError {
     /// The lengths of the field that contradict the assumed ones.
-    pub(super) fn of_field(sizes: &[FittedSize]) -> impl Iterator<Item = Self> {
+    pub(super) fn from_field_sizes(sizes: &[FittedSize]) -> impl Iterator<Item = Self> {
         let is_other = |size: &&FittedSize| {
             let off_m = (size.value_m - size.assumed_m).abs();
             !size.is_open && off_m > OTHER_SIZE_M && off_m > OTHER_SIZE_SIGMAS * size.sigma_m
@@ -67,7 +67,7 @@ impl CommonError {
     }
 
     /// The lens that a base has and another one lacks, if it matters in the frames of its camera.
-    pub(super) fn of_lens(
+    pub(super) fn from_lens_difference(
         document: &Document,
         camera: &CameraId,
         given: &CameraBase,

@@ -58,10 +58,10 @@ impl GivenCamera {
 /// The given camera of each frame of a document. Frames that people decided on count as possible.
 pub(super) fn given_cameras(document: &Document, fields: &Fields) -> Vec<GivenCamera> {
     let given = |frame: &Frame| {
-        let Some(camera) = document.pointed(frame) else {
+        let Some(camera) = document.ptz_camera(frame) else {
             return GivenCamera::Missing;
         };
-        let field = fields.of_frame(document, frame);
+        let field = fields.for_frame(document, frame);
         match impossible_camera(document, frame, Some(field)) {
             Some(fault) => GivenCamera::Impossible(GivenFault(fault)),
             None => GivenCamera::Possible(Box::new(camera)),

@@ -200,7 +200,7 @@ impl Test<'_> {
             let base = with_lens(&shots.as_ref()?.place_of(*index)?.base, *lens);
             let (ptz, _) = ptz_on_base(given[*index].usable()?, &base, frame.image_size)?;
             let ground = GroundPicture::new(picture, &self.document.masks_of(frame));
-            let field = self.fields.of_frame(self.document, frame);
+            let field = self.fields.for_frame(self.document, frame);
             let snapped = snap(
                 &ground,
                 field,

@@ -125,11 +125,11 @@ pub(super) fn compare_frames(
 ) -> Vec<MendedFrame> {
     let frame = |(index, given): (usize, &GivenCamera)| {
         let frame = &after.frames[index];
-        let now = after.pointed(frame);
+        let now = after.ptz_camera(frame);
         let camera = given
             .usable()
             .copied()
-            .or_else(|| before.pointed(&before.frames[index]));
+            .or_else(|| before.ptz_camera(&before.frames[index]));
         let moved_px = camera
             .zip(now)
             .and_then(|(given, now)| ground_moved_px(&given, &now, frame.image_size));
@@ -147,7 +147,7 @@ impl Mended {
     /// Writes into each mended frame the camera that it came with.
     pub(super) fn record_imported(&self, before: &Document, after: &mut Document) {
         for (index, mended) in self.frames.iter().enumerate() {
-            let came = before.pointed(&before.frames[index]);
+            let came = before.ptz_camera(&before.frames[index]);
             let is_mended = mended.outcome != Outcome::Decided;
             let Some(came) = came.filter(|_| is_mended) else {
                 continue;

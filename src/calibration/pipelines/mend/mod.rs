@@ -158,7 +158,7 @@ pub fn mend(
     progress: &Progress<'_, MendEvent>,
 ) -> Result<Mended, MendError> {
     let before = document.clone();
-    let fields = Fields::of(before.at(folder))?;
+    let fields = Fields::from_document(before.at(folder))?;
     let given = given_cameras(&before, &fields);
     let usable = count_usable(&given)?;
     let mut mending = Mending {
@@ -304,9 +304,15 @@ impl Mending<'_> {
             Some(given) => found.with_base(given, before.field_of_camera(camera).crown_m()),
             None => found,
         };
-        let mut common: Vec<CommonError> = CommonError::of_field(&found.estimated.sizes).collect();
+        let mut common: Vec<CommonError> =
+            CommonError::from_field_sizes(&found.estimated.sizes).collect();
         let base = &found.estimated.estimate.base;
-        common.extend(CommonError::of_lens(&before, camera, &place.base, base));
+        common.extend(CommonError::from_lens_difference(
+            &before,
+            camera,
+            &place.base,
+            base,
+        ));
         found.estimated.write_camera(document);
         let field = document
             .at(folder)
@@ -334,7 +340,7 @@ impl Mending<'_> {
     /// Compares the frames that were tracked, and those left in doubt, with their paint. What
     /// tracking saw before its last adjustment does not apply to the cameras that came out of it.
     fn check_again(&mut self, document: &mut Document) -> Result<(), MendError> {
-        let fields = Fields::of(document.at(self.folder))?;
+        let fields = Fields::from_document(document.at(self.folder))?;
         let unchecked: Vec<usize> = (0..document.frames.len())
             .filter(|index| mended::wants_check(&document.frames[*index]))
             .collect();
@@ -345,7 +351,7 @@ impl Mending<'_> {
                 .with_reader(&mut *self.reader)
                 .with_progress(self.progress.part(MendEvent::Checking));
             let check = |read: &FramePicture<'_>| {
-                let field = fields.of_frame(document, read.frame);
+                let field = fields.for_frame(document, read.frame);
                 let picture = read.picture.as_ref().ok()?;
                 let check = check_frame(document, read.frame, field, picture)?;
                 Some((read.index, check))

@@ -53,7 +53,7 @@ pub struct MendedNumbers {
 /// There is nothing to mend, the cameras have no place in common, or the field of a camera is not
 /// valid; the document is then unchanged.
 pub fn mend_numbers(document: &mut Document, folder: &Path) -> Result<MendedNumbers, MendError> {
-    let fields = Fields::of(document.at(folder))?;
+    let fields = Fields::from_document(document.at(folder))?;
     let given = given_cameras(document, &fields);
     let cameras = count_usable(&given)?;
     // All frames are one shot, since only pictures show cuts.
@@ -97,12 +97,12 @@ fn drop_out_of_line(document: &mut Document) -> usize {
     let is_out = |found: &Disagreement| {
         found.apart_px > OUT_OF_LINE_PX && found.apart_px > found.neighbours_px
     };
-    let mut disagreements = Disagreements::of(document);
+    let mut disagreements = Disagreements::from_document(document);
     let mut dropped = 0;
     loop {
         let out = (0..document.frames.len())
             .filter(|index| document.frames[*index].is_open())
-            .filter_map(|index| Some((index, disagreements.of_frame(index).filter(is_out)?)));
+            .filter_map(|index| Some((index, disagreements.for_frame(index).filter(is_out)?)));
         let worst = out.max_by(|(_, a), (_, b)| a.apart_px.total_cmp(&b.apart_px));
         let Some((index, _)) = worst else {
             return dropped;

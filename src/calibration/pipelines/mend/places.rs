@@ -289,7 +289,7 @@ mod tests {
                 .unwrap()
                 .plane_from_image(SIZE.centre(), 0.0);
             let now = placed
-                .pointed(frame)
+                .ptz_camera(frame)
                 .unwrap()
                 .image_from_world(ground.unwrap());
             assert!(now.unwrap().distance_px(SIZE.centre()) < 1.0, "{index}");

@@ -41,7 +41,7 @@ fn name_of_camera(frame: &Frame) -> String {
 /// The field of a camera is not valid.
 pub fn survey_cameras(at: DocumentAt<'_>) -> Result<CameraSurvey, FieldError> {
     let document = at.document;
-    let fields = Fields::of(at)?;
+    let fields = Fields::from_document(at)?;
     let mut given = given_cameras(document, &fields);
     for (frame, given) in document.frames.iter().zip(&mut given) {
         if !frame.has_imported_camera() {

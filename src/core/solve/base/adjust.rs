@@ -111,7 +111,7 @@ pub fn adjust_base(
     let start_ptz = cameras_with_clicks(frames, start_ptz);
     let clicks = frames
         .iter()
-        .map(|frame| frame.used().map(on_ground).collect());
+        .map(|frame| frame.used_clicks().map(on_ground).collect());
     let (clicks, ptz): (_, Vec<Ptz>) = clicks
         .zip(&start_ptz)
         .filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?)))
@@ -120,7 +120,7 @@ pub fn adjust_base(
     // Minimise the robust cost of all clicks and the priors.
     let bundle = Bundle::<OF_BASE> {
         frames: clicks,
-        priors: options.priors.of_model(
+        priors: options.priors.for_model(
             model,
             image_width_px,
             &UsualView::from_frames(start, &ptz),
@@ -144,14 +144,14 @@ pub fn adjust_base(
     };
     let view = UsualView::from_frames(start, ptz);
     let covariance = held.covariance(bundle, &|model| {
-        options.priors.of_model(model, image_width_px, &view)
+        options.priors.for_model(model, image_width_px, &view)
     });
 
     // Return to the pan gauge: the rotation that it takes out of the base is added to every pan.
     let (mut base, added) = shared.base.in_pan_gauge();
     base.sigma = BaseSigma::from_covariance(&covariance, shared.crown.width_m);
     let mut solved = ptz.iter().map(|ptz| Ptz {
-        pan: (ptz.pan + added).wrapped(),
+        pan: (ptz.pan + added).wrap(),
         ..*ptz
     });
     AdjustedBase {
@@ -170,7 +170,7 @@ pub fn adjust_base(
 
 /// The cameras of the frames that have clicks or paint to be adjusted to.
 pub(super) fn cameras_with_clicks(frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> Vec<Option<Ptz>> {
-    let has_clicks = |frame: &FrameClicks| frame.used().next().is_some();
+    let has_clicks = |frame: &FrameClicks| frame.used_clicks().next().is_some();
     let frames = frames.iter().zip(ptz);
     frames
         .map(|(frame, ptz)| ptz.filter(|_| has_clicks(frame)))
@@ -209,7 +209,7 @@ pub(super) fn starting(
             },
         },
     };
-    let height_m = model.crown.fixed_m().unwrap_or(field.crown_m);
+    let height_m = model.crown.fixed_height_m().unwrap_or(field.crown_m);
     Shared::new(
         &CameraBase {
             distortion,
@@ -281,7 +281,7 @@ impl BasePriors {
     ///
     /// Pitch and roll refer to the direction from the camera to the field, along and across which
     /// heads are levelled, not to the field's axes.
-    pub(in crate::solve) fn of_model(
+    pub(in crate::solve) fn for_model(
         &self,
         model: &BaseModel,
         image_width_px: u32,

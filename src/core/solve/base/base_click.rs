@@ -41,7 +41,7 @@ impl BaseClick {
     /// A click on a field of known size; `crown` is the crown of the field on which the
     /// observation's shape lies.
     pub fn new(observation: &Observation, crown: Crown) -> Self {
-        let shape = observation.shape.recrowned(crown, Crown::FLAT);
+        let shape = observation.shape.change_crown(crown, Crown::FLAT);
         Self {
             flat: Observation {
                 shape,
@@ -54,7 +54,11 @@ impl BaseClick {
     /// The same click with a fitted length of the field: its shape becomes `larger` (on flat
     /// ground) when the length grows by `by_m`. The shape is linear in the length.
     pub fn growing(mut self, size: usize, larger: &ObservedShape, by_m: f64) -> Self {
-        self.larger[size] = Some(self.flat.shape.moved(&self.flat.shape, larger, 1.0 / by_m));
+        self.larger[size] = Some(
+            self.flat
+                .shape
+                .move_along(&self.flat.shape, larger, 1.0 / by_m),
+        );
         self
     }
 
@@ -77,11 +81,11 @@ impl BaseClick {
         let mut shape = self.flat.shape;
         for (larger, larger_m) in self.larger.iter().zip(shared.larger_m) {
             if let Some(larger) = larger {
-                shape = shape.moved(&self.flat.shape, larger, larger_m);
+                shape = shape.move_along(&self.flat.shape, larger, larger_m);
             }
         }
         Observation {
-            shape: shape.recrowned(Crown::FLAT, shared.crown),
+            shape: shape.change_crown(Crown::FLAT, shared.crown),
             ..self.flat
         }
     }
@@ -119,7 +123,7 @@ impl<const SHARED: usize> Residual<2, SHARED, 3> for BaseClick {
             .residual_px(&at.camera, self.flat.image)
     }
 
-    fn linearised(&self, at: &FrameView) -> Option<Linearised<2, SHARED, 3>> {
+    fn linearise(&self, at: &FrameView) -> Option<Linearised<2, SHARED, 3>> {
         let FrameView { shared, camera } = at;
         let here = self
             .observation(shared)
@@ -228,16 +232,16 @@ mod tests {
         let larger = [field(105.2, 68.0), field(105.0, 68.2)];
         let click = |element: FieldElement| {
             let image = ImagePoint::new(620.0, 420.0);
-            let at = Observation::of_point(Vec3::zeros(), image, 2.0, 0)
-                .renamed(&usual, element)
+            let at = Observation::from_point(Vec3::zeros(), image, 2.0, 0)
+                .with_element(&usual, element)
                 .unwrap();
             let click = BaseClick::new(&at, usual.crown());
             larger
                 .iter()
                 .enumerate()
                 .fold(click, |click, (size, larger)| {
-                    let shape = ObservedShape::of_element(larger, element).unwrap();
-                    click.growing(size, &shape.recrowned(larger.crown(), Crown::FLAT), 0.2)
+                    let shape = ObservedShape::from_element(larger, element).unwrap();
+                    click.growing(size, &shape.change_crown(larger.crown(), Crown::FLAT), 0.2)
                 })
         };
         elements(&usual).into_iter().map(click).collect()
@@ -260,11 +264,11 @@ mod tests {
         for click in clicks() {
             let what = format!("{:?}", click.flat.element);
             let stepped = |step: &SVector<f64, OF_BASE_AND_SIZE>, own: &Vec3| {
-                FrameView::new(&shared.stepped(step), refine::stepped(&ptz, own))
+                FrameView::new(&shared.apply_step(step), refine::apply_step(&ptz, own))
             };
             check_derivatives::<2, OF_BASE_AND_SIZE, 3, _>(&click, stepped).expect(&what);
             let stepped = |step: &SVector<f64, OF_BASE>, own: &Vec3| {
-                FrameView::new(&shared.stepped(step), refine::stepped(&ptz, own))
+                FrameView::new(&shared.apply_step(step), refine::apply_step(&ptz, own))
             };
             check_derivatives::<2, OF_BASE, 3, _>(&click, stepped).expect(&what);
         }
@@ -278,12 +282,12 @@ mod tests {
             ..Shared::new(&base(), larger.crown())
         };
         for (click, element) in clicks().into_iter().zip(elements(&usual)) {
-            let there = ObservedShape::of_element(&larger, element).unwrap();
-            let there = there.recrowned(larger.crown(), Crown::FLAT);
+            let there = ObservedShape::from_element(&larger, element).unwrap();
+            let there = there.change_crown(larger.crown(), Crown::FLAT);
             let moved = click
                 .observation(&shared)
                 .shape
-                .recrowned(shared.crown, Crown::FLAT);
+                .change_crown(shared.crown, Crown::FLAT);
             for parameter in [0.0, 0.4, 1.0] {
                 let off = (moved.nominal_at(parameter) - there.nominal_at(parameter)).norm();
                 assert!(off < 1e-9, "{element:?}: {off}");

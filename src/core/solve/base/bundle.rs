@@ -56,15 +56,15 @@ impl<const SHARED: usize> Problem for Bundle<SHARED> {
         }
     }
 
-    fn stepped(&self, from: &BundleState, step: &BorderedStep<SHARED, 3>) -> BundleState {
+    fn apply_step(&self, from: &BundleState, step: &BorderedStep<SHARED, 3>) -> BundleState {
         let ptz = from
             .ptz
             .iter()
             .zip(&step.own)
-            .map(|(ptz, step)| refine::stepped(ptz, step))
+            .map(|(ptz, step)| refine::apply_step(ptz, step))
             .collect();
         BundleState {
-            shared: from.shared.stepped(&step.shared),
+            shared: from.shared.apply_step(&step.shared),
             ptz,
         }
     }
@@ -154,7 +154,7 @@ impl<const SHARED: usize> Bundle<SHARED> {
     pub fn covariance(&self, at: &BundleState, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
         let equations = self.equations(at);
         let inverse = keep_determined(equations.clone())
-            .reduced(0.0)
+            .eliminate_blocks(0.0)
             .and_then(|(matrix, _)| matrix.try_inverse());
         let Some(inverse) = inverse else {
             return SMatrix::from_diagonal_element(f64::INFINITY);

@@ -106,8 +106,8 @@ pub fn base_change(
     // given base; here a base is fitted to either side, and the clicks after the change are
     // measured under both.
     let (before, after) = telling.split_at(at);
-    let held = Displaced::fitted(&shared, before);
-    let own = Displaced::fitted(&shared, after);
+    let held = Displaced::fit(&shared, before);
+    let own = Displaced::fit(&shared, after);
     let before_px = held.median_px(before)?;
     let after_px = held.median_px(after)?;
     let own_px = own.median_px(after)?;
@@ -136,7 +136,7 @@ struct Telling {
 
 impl Telling {
     fn new(place: usize, frame: &FrameClicks, ptz: Ptz, field: &FieldModel) -> Self {
-        let observations: Vec<Observation> = frame.used().copied().collect();
+        let observations: Vec<Observation> = frame.used_clicks().copied().collect();
         let clicks = observations
             .iter()
             .map(|observation| BaseClick::new(observation, field.crown()))
@@ -150,7 +150,7 @@ impl Telling {
     }
 
     fn pull(&self, shared: &Shared) -> Pull {
-        Pull::of(&frame_equations(
+        Pull::from_equations(&frame_equations(
             shared,
             self.ptz,
             &self.clicks,
@@ -177,8 +177,8 @@ impl Pull {
 
     /// Eliminates the frame's pan, tilt and focal length (Schur complement). Zero for a frame that
     /// does not determine them.
-    fn of(frame: &BlockEquations<OF_BASE, 3>) -> Self {
-        let Some((information, gradient)) = frame.eliminated() else {
+    fn from_equations(frame: &BlockEquations<OF_BASE, 3>) -> Self {
+        let Some((information, gradient)) = frame.eliminate_own() else {
             return Self::none();
         };
         Self {
@@ -203,7 +203,7 @@ impl Pull {
 
     /// How much of χ² a displacement explains, gᵀ (H + V⁻¹)⁻¹ g with gradient g, information H and
     /// prior covariance V, and the expectation of that under click noise alone, tr((H + V⁻¹)⁻¹ H).
-    fn explained(&self) -> (f64, f64) {
+    fn explained_chi_squared(&self) -> (f64, f64) {
         let Some(inverse) = (self.information + prior()).try_inverse() else {
             return (0.0, 0.0);
         };
@@ -261,7 +261,7 @@ fn split(pulls: &[Pull]) -> Option<Split> {
     let all = pulls.iter().fold(Pull::none(), Pull::plus);
     let (mut misfit, mut freedom) = (0.0, 0.0);
     for pull in pulls {
-        let (explained, expected) = pull.explained();
+        let (explained, expected) = pull.explained_chi_squared();
         misfit += explained;
         freedom += expected;
     }
@@ -273,7 +273,10 @@ fn split(pulls: &[Pull]) -> Option<Split> {
     for (index, pull) in pulls.iter().enumerate() {
         let after = all.minus(&before);
         if index >= MIN_SIDE && index + MIN_SIDE <= pulls.len() {
-            let (of_before, of_after) = (before.explained(), after.explained());
+            let (of_before, of_after) = (
+                before.explained_chi_squared(),
+                after.explained_chi_squared(),
+            );
             // What separate displacements of the frames explain beyond one displacement on each
             // side is scatter: lens, pitch and names. Compared with its expectation it scales the
             // noise, never below the noise of the clicks.
@@ -303,7 +306,7 @@ struct Displaced {
 impl Displaced {
     /// Adjusts position and rotation to the clicks of some frames, with the prior of a bump around
     /// the start. The lens is kept.
-    fn fitted(start: &Shared, frames: &[Telling]) -> Self {
+    fn fit(start: &Shared, frames: &[Telling]) -> Self {
         const UNTIL: Stopping = Stopping {
             max_iterations: 8,
             short_step: 0.0,
@@ -326,7 +329,7 @@ impl Displaced {
             },
             UNTIL,
         );
-        let pulls = found.equations.blocks.iter().map(Pull::of);
+        let pulls = found.equations.blocks.iter().map(Pull::from_equations);
         let sum = pulls.fold(Pull::none(), |sum, pull| sum.plus(&pull));
         Self {
             shared: found.state.shared,

@@ -52,7 +52,7 @@ pub(super) fn disputed_clicks(
     for (index, (frame, ptz)) in frames.iter().zip(ptz).enumerate() {
         let Some(ptz) = ptz else { continue };
         let camera = PtzCamera::new(*base, *ptz);
-        for click in frame.used() {
+        for click in frame.used_clicks() {
             let error_px = click.distance_px(&camera);
             if squared_sigmas(error_px, click.sigma_px * noise_scale)
                 <= DISPUTED_SIGMAS * DISPUTED_SIGMAS
@@ -106,7 +106,7 @@ pub(super) fn mirrored_frames(
     let context = SolveContext::new(image_size);
     let mut found = Vec::new();
     for (index, frame) in frames.iter().enumerate() {
-        let clicks: Vec<Observation> = frame.used().copied().collect();
+        let clicks: Vec<Observation> = frame.used_clicks().copied().collect();
         if clicks.len() < MIN_CLICKS {
             continue;
         }
@@ -119,7 +119,7 @@ pub(super) fn mirrored_frames(
         for symmetry in Symmetry::ALL {
             let mirrored: Option<Vec<Observation>> = clicks
                 .iter()
-                .map(|click| mirrored(click, symmetry))
+                .map(|click| mirror_click(click, symmetry))
                 .collect();
             let Some(mirrored) = mirrored else { continue };
             let Ok(solved) = solve_frame(base, &mirrored, &context) else {
@@ -146,10 +146,10 @@ pub(super) fn mirrored_frames(
 }
 
 /// A landmark click moved to its mirror image; none for a click on a line.
-fn mirrored(click: &Observation, symmetry: Symmetry) -> Option<Observation> {
+fn mirror_click(click: &Observation, symmetry: Symmetry) -> Option<Observation> {
     Some(Observation {
         element: None,
-        shape: click.shape.mirrored_point(symmetry)?,
+        shape: click.shape.mirror_point(symmetry)?,
         ..*click
     })
 }
@@ -169,7 +169,7 @@ fn median_and_cost(
     let cost = distances
         .iter()
         .zip(clicks)
-        .map(|(distance, click)| loss.of(squared_sigmas(*distance, click.sigma_px)).0)
+        .map(|(distance, click)| loss.evaluate(squared_sigmas(*distance, click.sigma_px)).0)
         .sum();
     let mut distances: Vec<f64> = distances
         .into_iter()

@@ -292,7 +292,7 @@ pub fn estimate_base_on_paint(
 /// camera is refined on one half of its clicks and paint and evaluated on the other. `crown_m` is
 /// the crown that belongs to the base.
 #[must_use]
-pub fn held_out_on_paint(
+pub fn held_out_errors(
     painted: &CameraClicks<'_>,
     base: &CameraBase,
     crown_m: f64,
@@ -487,7 +487,7 @@ fn on_field(frames: &[FrameClicks], from: &FieldModel, to: &FieldModel) -> Vec<F
             observations: frame
                 .observations
                 .iter()
-                .map(|click| click.recrowned(from, to))
+                .map(|click| click.change_crown(from, to))
                 .collect(),
             start: frame.start,
         })
@@ -511,7 +511,11 @@ fn distances(base: &CameraBase, frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> 
     for (frame, ptz) in frames.iter().zip(ptz) {
         let Some(ptz) = ptz else { continue };
         let camera = PtzCamera::new(*base, *ptz);
-        found.extend(frame.used().filter_map(|click| click.distance_px(&camera)));
+        found.extend(
+            frame
+                .used_clicks()
+                .filter_map(|click| click.distance_px(&camera)),
+        );
     }
     found
 }

@@ -140,7 +140,7 @@ pub fn fit_field_size(
         if moved_m < ENOUGH_M || round == MAX_FITS {
             found.equations.free = fit.free([false; SIZES]);
             let noise_scale = bundle.noise_scale(&found.state);
-            let (information, _) = found.equations.reduced(0.0)?;
+            let (information, _) = found.equations.eliminate_blocks(0.0)?;
             let covariance = information.try_inverse()?;
             let of = |size: usize| {
                 let variance = covariance[(SIZE + size, SIZE + size)];
@@ -150,7 +150,7 @@ pub fn fit_field_size(
                     Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
                 (variance * noise_scale, position_by_size)
             };
-            return fit.fitted(&values, (0..values.len()).map(of));
+            return fit.fitted_sizes(&values, (0..values.len()).map(of));
         }
         state = found.state;
     }
@@ -170,7 +170,7 @@ struct SizeFit<'a> {
 impl SizeFit<'_> {
     /// The field with one length changed by ± [`STEP_M`], downwards where the upper limit of the
     /// rules is near, and the change, m.
-    fn changed(&self, values: &[f64], size: usize) -> Option<(FieldModel, f64)> {
+    fn perturb_length(&self, values: &[f64], size: usize) -> Option<(FieldModel, f64)> {
         let by_m = if values[size] + STEP_M <= self.params[size].max_m {
             STEP_M
         } else {
@@ -202,7 +202,7 @@ impl SizeFit<'_> {
         let field = (self.sized)(values)?;
         // The field at this size, and one with each length changed.
         let changed: Vec<(FieldModel, f64)> = (0..values.len())
-            .map(|size| self.changed(values, size))
+            .map(|size| self.perturb_length(values, size))
             .collect::<Option<_>>()?;
         let crown = Crown {
             width_m: field.width_m,
@@ -216,13 +216,13 @@ impl SizeFit<'_> {
         // the field, which do not depend on its size, are left out.
         let on_field = |click: &Observation| {
             let element = click.element?;
-            let sized = BaseClick::new(&click.renamed(&field, element)?, field.crown());
+            let sized = BaseClick::new(&click.with_element(&field, element)?, field.crown());
             changed
                 .iter()
                 .enumerate()
                 .try_fold(sized, |sized, (size, (larger, by_m))| {
-                    let shape = ObservedShape::of_element(larger, element)?
-                        .recrowned(larger.crown(), Crown::FLAT);
+                    let shape = ObservedShape::from_element(larger, element)?
+                        .change_crown(larger.crown(), Crown::FLAT);
                     Some(sized.growing(size, &shape, *by_m))
                 })
         };
@@ -232,7 +232,7 @@ impl SizeFit<'_> {
             .zip(start.ptz)
             .filter(|(_, ptz)| ptz.is_some());
         let frames = solved
-            .map(|(frame, _)| frame.used().filter_map(on_field).collect())
+            .map(|(frame, _)| frame.used_clicks().filter_map(on_field).collect())
             .collect();
 
         // The priors of the base, and one for each size. The parameter is the change from the
@@ -244,7 +244,7 @@ impl SizeFit<'_> {
         let mut priors = start
             .options
             .priors
-            .of_model(start.model, start.image_width_px, &view);
+            .for_model(start.model, start.image_width_px, &view);
         priors.extend(
             self.params
                 .iter()
@@ -266,12 +266,12 @@ impl SizeFit<'_> {
 
     /// The sizes with their sigmas. The variance of each has two independent parts: that of click
     /// noise (`variances`) and that of displaced landmarks ([`Self::displaced`]).
-    fn fitted(
+    fn fitted_sizes(
         &self,
         values: &[f64],
         variances: impl Iterator<Item = Known>,
     ) -> Option<Vec<FittedSize>> {
-        let displaced = self.displaced(values)?;
+        let displaced = self.displacement_variances(values)?;
         let known = variances.zip(displaced);
         let of = |((param, value), ((variance, position_by_size), displaced)): (
             (&SizeParam, &f64),
@@ -295,7 +295,7 @@ impl SizeFit<'_> {
     /// positions: that of a least-squares fit of one length, σ² / Σ |∂position / ∂length|² over the
     /// elements clicked. All frames see the same displacement, so more clicks on one element do not
     /// reduce it.
-    fn displaced(&self, values: &[f64]) -> Option<Vec<f64>> {
+    fn displacement_variances(&self, values: &[f64]) -> Option<Vec<f64>> {
         let field = (self.sized)(values)?;
         let clicks = self
             .start
@@ -307,7 +307,7 @@ impl SizeFit<'_> {
         clicked.dedup();
         let variance = (USUAL_DISPLACEMENT * field.width_m).powi(2);
         let of = |size: usize| {
-            let (changed, by_m) = self.changed(values, size)?;
+            let (changed, by_m) = self.perturb_length(values, size)?;
             let slopes = clicked.iter().filter_map(|&element| {
                 let by = nominal_m(&changed, element)? - nominal_m(&field, element)?;
                 Some(by.norm_squared() / (by_m * by_m))
@@ -357,7 +357,7 @@ mod tests {
                     .ok()?;
                 let seen = SIZE.contains(image) && landmark.nominal_m.z == 0.0;
                 seen.then(|| {
-                    Observation::of_landmark(&field, landmark.id.as_str(), image, SIZE, number)
+                    Observation::from_landmark(&field, landmark.id.as_str(), image, SIZE, number)
                         .unwrap()
                 })
             };

@@ -65,14 +65,14 @@ impl Adjusted<'_> {
         // coupling B of the principal point with them.
         let mut equations = keep_determined(bundle.equations(self.state));
         let held = equations
-            .reduced(0.0)
+            .eliminate_blocks(0.0)
             .and_then(|(matrix, _)| matrix.try_inverse());
         let middle = Some(self.state.shared.base.principal_point);
         equations.free = free_parameters(&BaseModel {
             principal_point: middle,
             ..uncertain
         });
-        let with_all = equations.reduced(0.0);
+        let with_all = equations.eliminate_blocks(0.0);
         let (Some(inverse), Some((information, _))) = (held, with_all) else {
             return covariance;
         };

@@ -72,7 +72,7 @@ pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
 pub use change::{BaseChange, base_change};
 pub use disputes::{DisputedClick, MirroredFrame};
 pub use estimate::{
-    BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_on_paint, held_out_on_paint,
+    BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_on_paint, held_out_errors,
 };
 pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
 pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
@@ -99,7 +99,7 @@ pub struct FrameClicks {
 
 impl FrameClicks {
     /// The clicks that are used, without held-out ones.
-    pub(super) fn used(&self) -> impl Iterator<Item = &Observation> + Clone {
+    pub(super) fn used_clicks(&self) -> impl Iterator<Item = &Observation> + Clone {
         self.observations
             .iter()
             .filter(|observation| !observation.check)
@@ -108,7 +108,7 @@ impl FrameClicks {
     /// The number of equations of the clicks used.
     #[must_use]
     pub fn equations(&self) -> usize {
-        self.used().map(Observation::equations).sum()
+        self.used_clicks().map(Observation::equations).sum()
     }
 }
 
@@ -131,7 +131,7 @@ pub struct CameraClicks<'a> {
 impl<'a> CameraClicks<'a> {
     /// The clicks of a camera whose principal point is the middle of the picture.
     #[must_use]
-    pub fn centred(
+    pub fn with_centred_principal_point(
         field: &'a FieldModel,
         frames: &'a [FrameClicks],
         image_size: ImageSize,

@@ -130,9 +130,9 @@ impl CrossValidation<'_> {
                 };
             }
             let tried = if enough {
-                self.held_out_frames(model, fold)
+                self.evaluate_frame_fold(model, fold)
             } else {
-                self.held_out_clicks(model, fold)
+                self.evaluate_click_fold(model, fold)
             };
             // A cancellation is noticed by the next fold.
             let _ = self.adjustments.count();
@@ -151,7 +151,7 @@ impl CrossValidation<'_> {
             (
                 errors.paint,
                 PAINT_CLIP_PX * scale,
-                HeldOutErrors::of(errors.clicks),
+                HeldOutErrors::from_errors(errors.clicks),
             )
         };
         // Clip the errors, so that a few wrong names or other paint do not decide between models.
@@ -160,7 +160,7 @@ impl CrossValidation<'_> {
             .map(|error| error.min(clip_px).powi(2))
             .sum();
         let clipped_rms_px = (squares / deciding.len().max(1) as f64).sqrt();
-        let summary = HeldOutErrors::of(deciding).unwrap_or(HeldOutErrors::NONE);
+        let summary = HeldOutErrors::from_errors(deciding).unwrap_or(HeldOutErrors::NONE);
         ModelScore {
             model: *model,
             median_px: summary.median_px,
@@ -174,7 +174,7 @@ impl CrossValidation<'_> {
 
     /// Adjusts the base to the frames of the other groups. Each frame of this group is refined on
     /// half of its clicks and evaluated on the other half, and the reverse.
-    fn held_out_frames(&self, model: &BaseModel, fold: usize) -> Fold {
+    fn evaluate_frame_fold(&self, model: &BaseModel, fold: usize) -> Fold {
         // Groups are formed of the frames with a camera, by their rank. By their index all of them
         // may be one group: paint is measured in a subsample, which may be every fifth frame.
         let with_camera = self.start_ptz.iter().enumerate();
@@ -186,7 +186,7 @@ impl CrossValidation<'_> {
         for (index, _) in &held_out {
             ptz[*index] = None;
         }
-        let (adjusted, field) = self.adjusted(self.clicks.frames, &ptz, model);
+        let (adjusted, field) = self.adjust(self.clicks.frames, &ptz, model);
         let mut errors = Errors::default();
         for (index, start) in held_out {
             let frame = &self.clicks.frames[index];
@@ -200,19 +200,19 @@ impl CrossValidation<'_> {
 
     /// Adjusts base and frames to the clicks of the other groups, and evaluates them on the clicks
     /// of this group.
-    fn held_out_clicks(&self, model: &BaseModel, fold: usize) -> Fold {
+    fn evaluate_click_fold(&self, model: &BaseModel, fold: usize) -> Fold {
         let part = |(index, frame): (usize, &FrameClicks)| {
             // Stagger the groups from frame to frame; otherwise one fold would hold out the first
             // click of every frame, and frames with few clicks would miss the later folds.
             let held_out = |group: usize| (group + index) % FOLDS == fold;
             let hold = |(group, click): (usize, &Observation)| {
                 if held_out(group) {
-                    click.held_out()
+                    click.hold_out()
                 } else {
                     *click
                 }
             };
-            let observations = grouped(frame).map(hold).collect();
+            let observations = group_observations(frame).map(hold).collect();
             FrameClicks {
                 observations,
                 start: frame.start,
@@ -226,7 +226,7 @@ impl CrossValidation<'_> {
             .zip(self.start_ptz)
             .map(|(frame, ptz)| ptz.filter(|_| frame.equations() >= 3))
             .collect();
-        let (adjusted, field) = self.adjusted(&frames, &ptz, model);
+        let (adjusted, field) = self.adjust(&frames, &ptz, model);
         let mut errors = Errors::default();
         for (frame, ptz) in frames.iter().zip(&adjusted.ptz) {
             let Some(ptz) = ptz else { continue };
@@ -234,7 +234,7 @@ impl CrossValidation<'_> {
             let held_out = frame.observations.iter().filter(|click| click.check);
             errors.add(
                 &camera,
-                held_out.map(|click| click.recrowned(self.clicks.field, &field)),
+                held_out.map(|click| click.change_crown(self.clicks.field, &field)),
             );
         }
         Fold {
@@ -243,7 +243,7 @@ impl CrossValidation<'_> {
         }
     }
 
-    fn adjusted(
+    fn adjust(
         &self,
         frames: &[FrameClicks],
         ptz: &[Option<Ptz>],
@@ -285,7 +285,7 @@ impl HeldOutErrors {
     };
 
     /// Summarises errors (px, in any order); none if there are none.
-    fn of(mut errors: Vec<f64>) -> Option<Self> {
+    fn from_errors(mut errors: Vec<f64>) -> Option<Self> {
         errors.sort_by(f64::total_cmp);
         let at = |share| quantile(&errors, share);
         (!errors.is_empty()).then(|| Self {
@@ -328,9 +328,9 @@ impl Errors {
         to: &FieldModel,
     ) {
         let half = |half: usize| -> Vec<Observation> {
-            let of_half = grouped(frame).filter(|(group, _)| group % 2 == half);
+            let of_half = group_observations(frame).filter(|(group, _)| group % 2 == half);
             of_half
-                .map(|(_, observation)| observation.recrowned(from, to))
+                .map(|(_, observation)| observation.change_crown(from, to))
                 .collect()
         };
         let (even, odd) = (half(0), half(1));
@@ -353,14 +353,14 @@ impl Errors {
     /// The summaries for paint and for clicks.
     pub fn summaries(self) -> (Option<HeldOutErrors>, Option<HeldOutErrors>) {
         (
-            HeldOutErrors::of(self.paint),
-            HeldOutErrors::of(self.clicks),
+            HeldOutErrors::from_errors(self.paint),
+            HeldOutErrors::from_errors(self.clicks),
         )
     }
 }
 
 /// The observations of a frame that are used, each with the number of its hold-out group.
-fn grouped(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
+fn group_observations(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
     let group = |(index, observation): (usize, &Observation)| {
         if observation.is_paint() {
             index / PAINT_BLOCK
@@ -369,7 +369,7 @@ fn grouped(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
         }
     };
     frame
-        .used()
+        .used_clicks()
         .enumerate()
         .map(move |item| (group(item), item.1))
 }

@@ -96,7 +96,7 @@ pub(super) fn one_more_frame(
             at + half_view
         };
         let there = Ptz {
-            pan: pan.wrapped(),
+            pan: pan.wrap(),
             ..*outermost
         };
         let observations = points_shown(
@@ -137,7 +137,7 @@ fn points_shown(
             .image_from_world(field.landmark_in_world(landmark))
             .ok()?;
         let click =
-            Observation::of_landmark(field, landmark.id.as_str(), image, image_size, 0).ok()?;
+            Observation::from_landmark(field, landmark.id.as_str(), image, image_size, 0).ok()?;
         image_size.contains(image).then_some(click)
     };
     let mut shown: Vec<Observation> = field.landmarks.iter().filter_map(click).collect();

@@ -48,7 +48,7 @@ impl Shared {
 
     /// The parameters after a step. The rotation is multiplied from the right, in `world`, and made
     /// orthonormal again, because rounding accumulates over steps.
-    pub fn stepped<const SHARED: usize>(&self, step: &SVector<f64, SHARED>) -> Self {
+    pub fn apply_step<const SHARED: usize>(&self, step: &SVector<f64, SHARED>) -> Self {
         let position_m = self.base.position_m + Vec3::new(step[0], step[1], step[2]);
         let turn = from_rotation_vector(Vec3::new(step[ROTATION], step[ROTATION + 1], 0.0));
         let curve = self.base.distortion;
@@ -60,7 +60,7 @@ impl Shared {
         let principal_point = self
             .base
             .principal_point
-            .moved(Vec2::new(step[PRINCIPAL_POINT], step[PRINCIPAL_POINT + 1]));
+            .translate(Vec2::new(step[PRINCIPAL_POINT], step[PRINCIPAL_POINT + 1]));
         let base_from_world = nearest_rotation(&(self.base.base_from_world * turn));
         let base = CameraBase {
             position_m,

@@ -24,7 +24,7 @@
 //! The result is a start: an adjustment to painted lines or clicks follows (`adjust.rs`).
 
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, PtzCamera};
-use crate::geometry::{Angle, ImagePoint, Vec3, counted, median, subsample};
+use crate::geometry::{Angle, ImagePoint, Vec3, median, pluralise, subsample};
 use nalgebra::{Matrix2, Vector2};
 use std::fmt;
 
@@ -79,7 +79,7 @@ impl fmt::Display for SharedPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = <[f64; 3]>::from(self.base.position_m);
         let [dx, dy, dz] = <[f64; 3]>::from(self.scatter_m);
-        let frames = counted(self.members.len(), "frame");
+        let frames = pluralise(self.members.len(), "frame");
         write!(
             f,
             "({x:.2}, {y:.2}, {z:.2}) m, scattered by ({dx:.2}, {dy:.2}, {dz:.2}) m, in {frames}"

@@ -129,7 +129,7 @@ impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
         Some(SVector::<f64, 1>::new(self.of.off(shared).0))
     }
 
-    fn linearised(&self, shared: &Shared) -> Option<Linearised<1, SHARED, 3>> {
+    fn linearise(&self, shared: &Shared) -> Option<Linearised<1, SHARED, 3>> {
         let (value, derivatives) = self.of.off(shared);
         let mut by_shared = SMatrix::zeros();
         for (parameter, by) in derivatives {
@@ -227,7 +227,7 @@ mod tests {
         all.extend((0..SIZES).map(|size| Expected::Larger(0.3, size)));
         for of in all {
             let prior = SharedPrior { of, sigma: 0.4 };
-            let stepped = |step: &SVector<f64, OF_BASE_AND_SIZE>, _: &Vec3| shared.stepped(step);
+            let stepped = |step: &SVector<f64, OF_BASE_AND_SIZE>, _: &Vec3| shared.apply_step(step);
             check_derivatives::<1, OF_BASE_AND_SIZE, 3, _>(&prior, stepped)
                 .unwrap_or_else(|error| panic!("{of:?}: {error}"));
         }

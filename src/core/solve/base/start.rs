@@ -135,10 +135,12 @@ fn frame_cost(base: &CameraBase, frame: &FrameClicks, image_size: ImageSize) -> 
     let solved = solve_frame(base, &frame.observations, &SolveContext::new(image_size)).ok();
     let camera = solved.map(|solved| crate::camera::PtzCamera::new(*base, solved.ptz));
     frame
-        .used()
+        .used_clicks()
         .map(|click| {
             let distance = camera.as_ref().and_then(|camera| click.distance_px(camera));
-            SCORE_LOSS.of(squared_sigmas(distance, click.sigma_px)).0
+            SCORE_LOSS
+                .evaluate(squared_sigmas(distance, click.sigma_px))
+                .0
         })
         .sum()
 }
@@ -148,7 +150,7 @@ fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
     /// Maximum height of ground above z = 0: a crowned pitch counts as flat here, m.
     const GROUND_M: f64 = 0.4;
     frame
-        .used()
+        .used_clicks()
         .filter_map(|click| {
             click
                 .shape

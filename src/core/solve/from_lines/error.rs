@@ -1,6 +1,6 @@
 //! Why lines give no camera, with the numbers.
 
-use crate::geometry::counted;
+use crate::geometry::pluralise;
 use thiserror::Error;
 
 /// Why the lines of one picture give no camera. Clicks are indices into the picture's
@@ -18,7 +18,7 @@ pub enum FromLinesError {
     #[error(
         "{equations} equations from {}, {needed} are needed: draw more lines (a straight one with \
          two points gives two, a circle one for each point, at most five)",
-        counted(*.lines, "line")
+        pluralise(*.lines, "line")
     )]
     TooFewLines {
         /// Lines, and landmarks, that have points.

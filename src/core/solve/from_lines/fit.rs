@@ -65,7 +65,7 @@ pub(super) fn starting_state(
     };
     let height_m = options
         .crown(picture.field)
-        .fixed_m()
+        .fixed_height_m()
         .unwrap_or(usual.crown_m.0);
     let crown = Crown {
         height_m,
@@ -108,7 +108,7 @@ impl PictureFit {
                 .collect(),
             place: priors.place(picture.field),
             focal: priors.focal(width_px),
-            shared: priors.base.of_model(&model, width_px, &view),
+            shared: priors.base.for_model(&model, width_px, &view),
             free: free_parameters(&model),
             loss,
         }
@@ -137,7 +137,7 @@ impl PictureFit {
     /// The covariance of the shared parameters at a minimum; none where a combination of them is
     /// not determined.
     pub fn covariance(&self, at: &PictureState) -> Option<SharedCovariance> {
-        let (information, _) = self.equations(at).reduced(0.0)?;
+        let (information, _) = self.equations(at).eliminate_blocks(0.0)?;
         let mut covariance = information.cholesky()?.inverse();
         clear_fixed(&mut covariance, &self.free);
         Some(covariance)
@@ -163,10 +163,10 @@ impl Problem for PictureFit {
         }
     }
 
-    fn stepped(&self, from: &PictureState, step: &BorderedStep<OF_BASE, 3>) -> PictureState {
+    fn apply_step(&self, from: &PictureState, step: &BorderedStep<OF_BASE, 3>) -> PictureState {
         PictureState {
-            shared: from.shared.stepped(&step.shared),
-            ptz: refine::stepped(&from.ptz, &step.own[0]),
+            shared: from.shared.apply_step(&step.shared),
+            ptz: refine::apply_step(&from.ptz, &step.own[0]),
         }
     }
 }

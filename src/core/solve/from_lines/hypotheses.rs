@@ -73,7 +73,7 @@ pub(super) fn fit_picture(
     let found = best.ok_or(FromLinesError::NoStart)?;
     let (from, to) = (picture.field.crown(), found.state.shared.crown);
     let on_fitted_ground = observations.into_iter().map(|observation| Observation {
-        shape: observation.shape.recrowned(from, to),
+        shape: observation.shape.change_crown(from, to),
         ..observation
     });
     Ok(FittedPicture {

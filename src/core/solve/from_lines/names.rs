@@ -96,7 +96,7 @@ pub(super) fn find_new_names(
             .alike(field)
             .filter(|other| *other != element && !is_taken(other))
             .filter_map(|other| {
-                let ObservedShape::Curve(curve) = ObservedShape::of_element(field, other)? else {
+                let ObservedShape::Curve(curve) = ObservedShape::from_element(field, other)? else {
                     return None;
                 };
                 let same_kind = matches!(curve.nominal(), Curve::Arc { .. })
@@ -128,7 +128,7 @@ pub(super) fn rename(
     let mut renamed = observations.to_vec();
     for name in names {
         for &index in &name.indices {
-            renamed[index] = renamed[index].renamed(field, name.element)?;
+            renamed[index] = renamed[index].with_element(field, name.element)?;
         }
     }
     Some(renamed)
@@ -141,7 +141,7 @@ pub(super) fn mirror(
     symmetry: Symmetry,
 ) -> Option<Vec<Observation>> {
     let twin = |observation: &Observation| {
-        observation.renamed(field, observation.element?.twin(symmetry, field)?)
+        observation.with_element(field, observation.element?.twin(symmetry, field)?)
     };
     observations.iter().map(twin).collect()
 }
@@ -165,7 +165,7 @@ pub(super) fn renames(field: &FieldModel, from: &[Observation], to: &[Observatio
             let element = after.element?;
             Some(Rename {
                 click: after.click,
-                name: Name::of(element, field)?,
+                name: Name::from_element(element, field)?,
                 label: element.label(field)?.to_owned(),
             })
         })

@@ -132,7 +132,7 @@ mod tests {
                     let pixel = truth.image_from_world(curve.point_at(share)).unwrap();
                     let click = observations.len();
                     observations
-                        .push(Observation::of_line(&field, name, pixel, SIZE, click).unwrap());
+                        .push(Observation::from_line(&field, name, pixel, SIZE, click).unwrap());
                 }
             }
             camera_from_ground_lines(&DrawnLine::group(&observations), SIZE)

@@ -95,7 +95,7 @@ impl PlacePrior {
 
     /// The cost of a position, sigmas².
     pub fn cost(&self, position_m: Vec3) -> f64 {
-        PLACE_LOSS.of(self.off(position_m).norm_squared()).0
+        PLACE_LOSS.evaluate(self.off(position_m).norm_squared()).0
     }
 }
 
@@ -114,7 +114,7 @@ impl Residual<3, OF_BASE, 3> for PlacePrior {
         Some(self.off(at.base.position_m))
     }
 
-    fn linearised(&self, at: &Shared) -> Option<Linearised<3, OF_BASE, 3>> {
+    fn linearise(&self, at: &Shared) -> Option<Linearised<3, OF_BASE, 3>> {
         let mut by_shared = SMatrix::zeros();
         for axis in 0..3 {
             by_shared[(axis, axis)] = self.sigma_m[axis].recip();
@@ -161,7 +161,7 @@ impl Residual<1, OF_BASE, 3> for FocalPrior {
         Some(SVector::<f64, 1>::new((at.focal_px / self.focal_px).ln()))
     }
 
-    fn linearised(&self, at: &Ptz) -> Option<Linearised<1, OF_BASE, 3>> {
+    fn linearise(&self, at: &Ptz) -> Option<Linearised<1, OF_BASE, 3>> {
         let mut by_own = SMatrix::zeros();
         by_own[2] = 1.0;
         Some(Linearised {
@@ -191,10 +191,10 @@ mod tests {
         let priors = PicturePriors::default();
         let shared = Shared::new(&base(), field.crown());
         let place = priors.place(&field);
-        check_derivatives(&place, |step, _| shared.stepped(step)).unwrap();
+        check_derivatives(&place, |step, _| shared.apply_step(step)).unwrap();
         let ptz = Ptz::from_degrees(4.0, -12.0, 1900.0);
         let focal = priors.focal(960);
-        check_derivatives(&focal, |_, step| refine::stepped(&ptz, step)).unwrap();
+        check_derivatives(&focal, |_, step| refine::apply_step(&ptz, step)).unwrap();
         let value = Residual::<1, OF_BASE, 3>::value(&focal, &ptz).unwrap()[0];
         assert!((focal.cost(1900.0) - (value / focal.sigma_log).powi(2)).abs() < 1e-12);
     }

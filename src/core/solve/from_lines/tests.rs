@@ -60,7 +60,7 @@ fn exact_lines(field: &FieldModel, camera: &PtzCamera) -> Vec<Observation> {
         };
         for point in points {
             let click = drawn.len();
-            let on_line = Observation::of_line(field, line.id.as_str(), point, SIZE, click);
+            let on_line = Observation::from_line(field, line.id.as_str(), point, SIZE, click);
             drawn.push(on_line.unwrap());
         }
     }
@@ -190,7 +190,7 @@ fn a_line_with_the_name_of_another_one_is_named() {
         let name = observation.element.and_then(|element| element.name(&field));
         if name == Some("penalty_arc_left") {
             let element = field.line_element("penalty_arc_right").unwrap();
-            return observation.renamed(&field, element).unwrap();
+            return observation.with_element(&field, element).unwrap();
         }
         *observation
     };
@@ -235,7 +235,7 @@ fn a_circle_and_one_landmark_give_a_camera() {
     let mut drawn = exact_lines(&field, &truth);
     drawn.retain(|observation| observation.element == field.line_element("centre_circle"));
     let image = truth.image_from_world(Vec3::zeros()).unwrap();
-    let mark = Observation::of_landmark(&field, "centre_mark", image, SIZE, drawn.len());
+    let mark = Observation::from_landmark(&field, "centre_mark", image, SIZE, drawn.len());
     drawn.push(mark.unwrap());
     let found = solve(&field, &drawn).unwrap();
     let off_px = found.camera().image_from_world(Vec3::zeros()).unwrap();
@@ -251,7 +251,7 @@ fn a_circle_and_one_landmark_give_a_camera() {
 /// Observations at pixels of named lines.
 fn on_lines(field: &FieldModel, points: &[(&str, [f64; 2])]) -> Vec<Observation> {
     let observation = |(click, (name, at)): (usize, &(&str, [f64; 2]))| {
-        Observation::of_line(field, name, ImagePoint::from(*at), SIZE, click).unwrap()
+        Observation::from_line(field, name, ImagePoint::from(*at), SIZE, click).unwrap()
     };
     points.iter().enumerate().map(observation).collect()
 }
@@ -357,8 +357,8 @@ fn landmarks_count_among_the_lines() {
         let image = truth
             .image_from_world(at)
             .unwrap()
-            .moved(Vec2::new(0.2, -0.1));
-        Observation::of_landmark(&field, name, image, SIZE, click).unwrap()
+            .translate(Vec2::new(0.2, -0.1));
+        Observation::from_landmark(&field, name, image, SIZE, click).unwrap()
     };
     let clicked: Vec<Observation> = names.into_iter().enumerate().map(landmark).collect();
     let found = solve(&field, &clicked).unwrap();

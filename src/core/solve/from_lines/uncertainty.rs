@@ -53,7 +53,7 @@ fn scatter(observations: &[Observation], camera: &PtzCamera) -> f64 {
 /// where its shape has no image.
 fn weigh(observation: &Observation, camera: &PtzCamera) -> Option<(f64, f64)> {
     let z_squared = (observation.distance_px(camera)? / observation.sigma_px).powi(2);
-    Some((z_squared, FINAL_LOSS.of(z_squared).1))
+    Some((z_squared, FINAL_LOSS.evaluate(z_squared).1))
 }
 
 /// How much a displacement of its line moves an observation, 1-σ, px; none where its shape has no
@@ -144,13 +144,14 @@ pub(super) fn state_uncertainty(
         ..base
     };
     let ptz = Ptz {
-        pan: (state.ptz.pan + added).wrapped(),
+        pan: (state.ptz.pan + added).wrap(),
         ..state.ptz
     };
     let camera = PtzCamera::new(base, ptz);
     let focal = options.priors.focal(picture.image_size.width);
-    let uncertainty = Uncertainty::of(&camera, &weighted, Some(&prior_of_focal(&focal, ptz)))
-        .map_err(|_| FromLinesError::Undetermined)?;
+    let uncertainty =
+        Uncertainty::from_observations(&camera, &weighted, Some(&prior_of_focal(&focal, ptz)))
+            .map_err(|_| FromLinesError::Undetermined)?;
     Ok(CameraFromLines {
         base,
         ptz,

@@ -138,7 +138,7 @@ impl Search<'_> {
     pub fn single_mistakes(&self) -> Vec<Hypothesis> {
         self.sides()
             .chain(self.swaps())
-            .chain(self.left_out_one_by_one())
+            .chain(self.leave_one_out())
             .collect()
     }
 
@@ -146,7 +146,7 @@ impl Search<'_> {
     pub fn sides(&self) -> impl Iterator<Item = Hypothesis> {
         Symmetry::ALL
             .into_iter()
-            .filter_map(|side| self.mirrored(side))
+            .filter_map(|side| self.mirror_names(side))
     }
 
     /// All clicks on one part of the field, or on one line, renamed to another part or line.
@@ -165,7 +165,7 @@ impl Search<'_> {
         /// A hypothesis whose χ² is larger by less than this fits as well.
         const AS_WELL: f64 = 4.0;
         // A camera expected from the start or the neighbouring frames decides the side already.
-        if self.context.expected().is_some() {
+        if self.context.expected_ptz().is_some() {
             return None;
         }
         self.sides()
@@ -179,7 +179,7 @@ impl Search<'_> {
 
     /// All clicks renamed by a symmetry; none if an element has no mirror image on this field, or
     /// if nothing would change.
-    fn mirrored(&self, symmetry: Symmetry) -> Option<Hypothesis> {
+    fn mirror_names(&self, symmetry: Symmetry) -> Option<Hypothesis> {
         let twins: Option<Vec<FieldElement>> = self
             .clicks
             .iter()
@@ -217,11 +217,11 @@ impl Search<'_> {
             let Some(element) = element.filter(|element| click.element != Some(*element)) else {
                 continue;
             };
-            *click = click.renamed(self.field, element)?;
+            *click = click.with_element(self.field, element)?;
             let label = element.label(self.field)?.to_owned();
             renames.push(Rename {
                 click: click.click,
-                name: Name::of(element, self.field)?,
+                name: Name::from_element(element, self.field)?,
                 label,
             });
         }
@@ -260,7 +260,7 @@ impl Search<'_> {
 
     /// Leaves out each click in turn, solves the camera from the others, and names the click by
     /// what that camera sees there.
-    fn left_out_one_by_one(&self) -> Vec<Hypothesis> {
+    fn leave_one_out(&self) -> Vec<Hypothesis> {
         let mut found = Vec::new();
         for left_out in 0..self.clicks.len() {
             let mut others = self.clicks.to_vec();
@@ -268,7 +268,7 @@ impl Search<'_> {
             // The remaining clicks are presumed right, so a plain square uses all of their
             // information.
             if let Some(camera) = self.camera_of(&others, Loss::Squared) {
-                found.extend(self.renamed(&camera, &[left_out]));
+                found.extend(self.rename_odd_clicks(&camera, &[left_out]));
             }
         }
         found
@@ -282,7 +282,7 @@ impl Search<'_> {
         if odd.is_empty() || 2 * odd.len() > self.clicks.len() {
             return None;
         }
-        self.renamed(camera, &odd)
+        self.rename_odd_clicks(camera, &odd)
     }
 
     /// Every swap among the clicks that are farthest off in the majority's camera. Where the base
@@ -312,7 +312,7 @@ impl Search<'_> {
 
     /// The clicks with new names for the odd ones, those that fit in `camera`; none if one of them
     /// fits nothing.
-    fn renamed(&self, camera: &PtzCamera, odd: &[usize]) -> Option<Hypothesis> {
+    fn rename_odd_clicks(&self, camera: &PtzCamera, odd: &[usize]) -> Option<Hypothesis> {
         let mut named = vec![None; self.clicks.len()];
         for &index in odd {
             named[index] = Some(self.name_for(camera, &self.clicks[index])?);
@@ -341,7 +341,7 @@ impl Search<'_> {
         let named = click.element?;
         let others = named.alike(self.field).filter(|element| *element != named);
         let fitting = others.filter_map(|element| {
-            let renamed = click.renamed(self.field, element)?;
+            let renamed = click.with_element(self.field, element)?;
             let distance = renamed
                 .distance_px(camera)
                 .filter(|distance| *distance < FITS_SIGMAS * click.sigma_px)?;

@@ -66,7 +66,7 @@ impl Serialize for Name {
 impl Name {
     /// The name of a field's landmark or line; none if the field has no such element.
     #[must_use]
-    pub fn of(element: FieldElement, field: &FieldModel) -> Option<Self> {
+    pub fn from_element(element: FieldElement, field: &FieldModel) -> Option<Self> {
         match element {
             FieldElement::Landmark(index) => field
                 .landmarks

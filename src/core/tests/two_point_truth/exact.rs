@@ -190,13 +190,14 @@ fn a_landmark_and_a_line_or_three_lines_find_the_camera() {
                 .image_from_world(at)
                 .ok()
                 .filter(|image| SIZE.contains(*image))?;
-            Some(Observation::of_line(&field, name, image, SIZE, click).unwrap())
+            Some(Observation::from_line(&field, name, image, SIZE, click).unwrap())
         };
         let mark = field.landmark_in_world(field.landmark("penalty_mark_right").unwrap());
         let Ok(image) = camera.image_from_world(mark) else {
             continue;
         };
-        let mark = Observation::of_landmark(&field, "penalty_mark_right", image, SIZE, 0).unwrap();
+        let mark =
+            Observation::from_landmark(&field, "penalty_mark_right", image, SIZE, 0).unwrap();
         let lines = [
             on_line("goal_line_right", 0.55, 1),
             on_line("penalty_area_right_far", 0.5, 2),

@@ -67,7 +67,7 @@ fn world_behind(camera: &PtzCamera, pixel: ImagePoint) -> Vec3 {
 }
 
 fn landmark(at: Vec3, image: ImagePoint, click: usize) -> Observation {
-    Observation::of_point(at, image, 2.0, click)
+    Observation::from_point(at, image, 2.0, click)
 }
 
 fn exact_clicks(camera: &PtzCamera, pixels: &[ImagePoint]) -> Vec<Observation> {
@@ -89,7 +89,7 @@ pub fn noisy(clicks: &[Observation], rng: &mut Pcg64Mcg) -> Vec<Observation> {
     let shake = |click: &Observation, rng: &mut Pcg64Mcg| {
         let image = click
             .image
-            .moved(Vec2::new(normal(rng), normal(rng)) * click.sigma_px);
+            .translate(Vec2::new(normal(rng), normal(rng)) * click.sigma_px);
         let inside = |x: f64, upto: u32| x.clamp(0.0, f64::from(upto));
         Observation {
             image: ImagePoint::new(inside(image.x, SIZE.width), inside(image.y, SIZE.height)),

@@ -39,7 +39,7 @@ fn every_degenerate_case_is_named_with_its_numbers() {
         (
             "only a check",
             base,
-            vec![one, two.held_out()],
+            vec![one, two.hold_out()],
             "2 equations for 3 unknowns",
         ),
         (
@@ -227,7 +227,7 @@ fn clicks_that_contradict_each_other_are_wrong() {
         .verdict,
         Verdict::Good
     );
-    clicks[2].image = clicks[2].image.moved(Vec2::new(70.0, 0.0));
+    clicks[2].image = clicks[2].image.translate(Vec2::new(70.0, 0.0));
     let solution = solve_frame(&known_base(), &clicks, &context).unwrap();
     assert_eq!(judge(&solution, SIZE).verdict, Verdict::Wrong);
     let warning = solution
@@ -240,7 +240,7 @@ fn clicks_that_contradict_each_other_are_wrong() {
         "{warning}"
     );
     // Held out, it fails as a check and leaves the solution alone.
-    clicks[2] = clicks[2].held_out();
+    clicks[2] = clicks[2].hold_out();
     let solution = solve_frame(&known_base(), &clicks, &context).unwrap();
     assert!(is_truth(&solution.ptz, &camera.ptz()));
     assert!((solution.checks[0].error_px.unwrap() - 70.0).abs() < 1e-6);

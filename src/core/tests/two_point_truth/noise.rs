@@ -162,7 +162,7 @@ fn check_clicks_get_honest_z_scores() {
             &exact_clicks(&camera, &[one, two, good_pair(&mut rng)[0]]),
             &mut rng,
         );
-        clicks[2] = clicks[2].held_out();
+        clicks[2] = clicks[2].hold_out();
         let solution = solve_frame(camera.base(), &clicks, &SolveContext::new(SIZE)).unwrap();
         let z = solution.checks[0].z_score.unwrap();
         all += 1.0;

@@ -24,14 +24,14 @@ use super::files::{base_name, stem};
 use super::format::Format;
 use super::imported::Imported;
 use super::places::{Places, names_video};
-use crate::document::{DocumentAt, Frame, Frames, Shared, VideoFrame, resolved};
+use crate::document::{DocumentAt, Frame, Frames, Shared, VideoFrame, resolve_path};
 use candidates::{NumberedCameras, is_most};
 use numbers::{numbers_in_names, without_word_ending};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
-use touchline_core::geometry::{ImageSize, counted};
+use touchline_core::geometry::{ImageSize, pluralise};
 
 /// What tells which frame of a video an imported frame is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ pub enum NotAttached {
     #[error(
         "nothing is attached to {video}: the numbers {first} to {last} of {} do not fit its {}; rename the files so that \
          their numbers count the video's frames",
-        counted(*cameras, "camera"), counted(*frames, "frame")
+        pluralise(*cameras, "camera"), pluralise(*frames, "frame")
     )]
     NumbersDoNotFit {
         /// The video's file name.
@@ -77,7 +77,7 @@ pub enum NotAttached {
     /// Many cameras have the same number.
     #[error(
         "nothing is attached to {video}: {} have only {distinct} different numbers; import one camera at a time",
-        counted(*cameras, "camera")
+        pluralise(*cameras, "camera")
     )]
     NumbersRepeat {
         /// The video's file name.
@@ -91,7 +91,7 @@ pub enum NotAttached {
     #[error(
         "nothing is attached to {video}: {} without frame numbers do not fit its {}; give each camera the number of its \
          frame",
-        counted(*cameras, "camera"), counted(*frames, "frame")
+        pluralise(*cameras, "camera"), pluralise(*frames, "frame")
     )]
     CountsDiffer {
         /// The video's file name.
@@ -217,7 +217,7 @@ impl Attachment {
         let mut document = imported
             .document
             .clone()
-            .relocated(&imported.folder, &self.video.folder);
+            .relocate(&imported.folder, &self.video.folder);
         let before = std::mem::take(&mut document.frames);
         let attach = |pair: &AttachedPair| {
             self.video
@@ -257,7 +257,7 @@ impl Attachment {
         let more = if others > 0 { ", …" } else { "" };
         Some(format!(
             "{} left out, because {} has no frame of their number or another has it: {first}{more}",
-            counted(1 + others, kind),
+            pluralise(1 + others, kind),
             self.video.name()
         ))
     }
@@ -272,7 +272,7 @@ impl Attachment {
         };
         let mut note = format!(
             "{} {verb} attached to {} {by}",
-            counted(attached, kind),
+            pluralise(attached, kind),
             self.video.name()
         );
         if self.matched_by != MatchedBy::Order {
@@ -331,7 +331,7 @@ impl OnlyVideo {
         let paths: BTreeSet<&str> = frames.iter().map(|frame| frame.path.as_str()).collect();
         let files: BTreeSet<PathBuf> = paths
             .into_iter()
-            .map(|path| resolved(&open.folder.join(path)))
+            .map(|path| resolve_path(&open.folder.join(path)))
             .collect();
         if files.len() != 1 {
             return None;

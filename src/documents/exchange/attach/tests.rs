@@ -71,7 +71,7 @@ fn join_with(open: &Document, imported: &Imported) -> Joined {
 /// ground, over the frames that the first one has solved.
 fn worst_m(truth: &Document, joined: &Document) -> f64 {
     let middle = |document: &Document, index: usize| {
-        let camera = document.pointed(document.frames.get(index)?)?;
+        let camera = document.ptz_camera(document.frames.get(index)?)?;
         camera.plane_from_image(SIZE.centre(), 0.0)
     };
     let mut worst_m = 0.0_f64;
@@ -244,7 +244,7 @@ fn attached_cameras_are_exported_under_the_names_that_they_came_with() {
     let names = |index: usize| format!("camera_shot7-{:03}.json", 100 + index);
     for (index, (_, bytes)) in exported(&truth, Format::SoccerNet)
         .files
-        .sorted()
+        .sorted_entries()
         .iter()
         .enumerate()
     {
@@ -267,7 +267,7 @@ fn attached_cameras_are_exported_under_the_names_that_they_came_with() {
     let again = exported(&joined.document, Format::SoccerNet).files;
     let expected: Vec<String> = (0..FRAMES).map(names).collect();
     let written: Vec<String> = again
-        .sorted()
+        .sorted_entries()
         .iter()
         .map(|(name, _)| (*name).to_owned())
         .collect();

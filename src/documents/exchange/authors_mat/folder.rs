@@ -1,10 +1,10 @@
 //! A folder of annotated sequences as a document.
 
 use super::mat_file::read_mat;
-use super::mat_value::{MatValue, named};
+use super::mat_value::{MatValue, find_by_name};
 use super::sequence::{AuthorsSequence, MAX_MAT_BYTES, read_authors_sequence};
 use super::{AuthorsError, MatError};
-use crate::document::resolved;
+use crate::document::resolve_path;
 use crate::document::{
     Camera, CameraId, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, path_between,
 };
@@ -47,7 +47,7 @@ pub fn read_authors_folder(
     folder: &Path,
     field_yd: [f64; 2],
 ) -> Result<AuthorsFolder, AuthorsError> {
-    let folder = &resolved(folder);
+    let folder = &resolve_path(folder);
     let mut sequences = Vec::new();
     for path in mat_files(folder)? {
         sequences.extend(read_authors_sequence(&path)?);
@@ -167,7 +167,7 @@ fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsErro
 /// Length and width of a field's model, yards: the larger number is the length.
 fn model_size(bytes: &[u8]) -> Result<Option<[f64; 2]>, MatError> {
     let variables = read_mat(bytes, &[MODEL_SIZE])?;
-    let Some(&[a, b]) = named(&variables, MODEL_SIZE).and_then(MatValue::numbers) else {
+    let Some(&[a, b]) = find_by_name(&variables, MODEL_SIZE).and_then(MatValue::numbers) else {
         return Ok(None);
     };
     Ok((a > 0.0 && b > 0.0 && a.is_finite() && b.is_finite()).then(|| [a.max(b), a.min(b)]))

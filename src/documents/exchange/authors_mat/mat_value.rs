@@ -52,7 +52,7 @@ impl MatValue {
 }
 
 /// A field or variable by its name.
-pub fn named<'a>(fields: &'a [(Arc<str>, MatValue)], name: &str) -> Option<&'a MatValue> {
+pub fn find_by_name<'a>(fields: &'a [(Arc<str>, MatValue)], name: &str) -> Option<&'a MatValue> {
     fields
         .iter()
         .find(|(known, _)| **known == *name)

@@ -2,7 +2,7 @@
 
 use super::AuthorsError;
 use super::mat_file::read_mat;
-use super::mat_value::{MatValue, named};
+use super::mat_value::{MatValue, find_by_name};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
@@ -64,19 +64,19 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
             path: path.to_path_buf(),
             source,
         })?;
-    let Some(annotation) = named(&variables, "annotation") else {
+    let Some(annotation) = find_by_name(&variables, "annotation") else {
         return Ok(None);
     };
     let missing = |what: String| AuthorsError::Missing {
         path: path.to_path_buf(),
         what,
     };
-    let meta = named(&variables, "meta")
+    let meta = find_by_name(&variables, "meta")
         .and_then(MatValue::structures)
         .and_then(<[_]>::first);
     let meta = meta.ok_or_else(|| missing("meta".to_owned()))?;
     let three = |name: &str| {
-        let numbers = named(meta, name).and_then(MatValue::numbers);
+        let numbers = find_by_name(meta, name).and_then(MatValue::numbers);
         numbers
             .and_then(vector)
             .ok_or_else(|| missing(format!("three numbers meta.{name}")))
@@ -93,7 +93,7 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
             from_rotation_vector(base_rotation),
             ImagePoint::new(0.0, 0.0),
         ),
-        logo: named(meta, "logo_bbox")
+        logo: find_by_name(meta, "logo_bbox")
             .and_then(MatValue::numbers)
             .and_then(logo),
         image_folders: image_folders(path, &name, meta),
@@ -103,14 +103,14 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
     };
     for (index, fields) in frames.iter().enumerate() {
         let missing = |what: &str| missing(format!("{what} in annotation {}", index + 1));
-        let image = named(fields, "image_name")
+        let image = find_by_name(fields, "image_name")
             .and_then(MatValue::words)
             .ok_or_else(|| missing("image_name"))?;
-        let camera = named(fields, "camera")
+        let camera = find_by_name(fields, "camera")
             .and_then(MatValue::numbers)
             .filter(|numbers| is_row(numbers, 9));
         let camera = camera.ok_or_else(|| missing("nine numbers of a camera"))?;
-        let ptz = named(fields, "ptz")
+        let ptz = find_by_name(fields, "ptz")
             .and_then(MatValue::numbers)
             .filter(|numbers| is_row(numbers, 3));
         let ptz = ptz.ok_or_else(|| missing("pan, tilt and focal length (ptz)"))?;
@@ -202,7 +202,7 @@ fn image_folders(path: &Path, name: &str, meta: &[(Arc<str>, MatValue)]) -> Vec<
     let beside = path.parent().unwrap_or(Path::new(""));
     let stated = ["base_dir", "seq"]
         .into_iter()
-        .filter_map(|key| named(meta, key)?.words());
+        .filter_map(|key| find_by_name(meta, key)?.words());
     // `base_dir` is a path on the authors' machine: only its last part is used.
     let stated = stated.filter_map(|words| words.rsplit(['/', '\\']).find(|part| !part.is_empty()));
     let folders = [name].into_iter().chain(stated).chain(["images", ""]);

@@ -157,7 +157,7 @@ fn a_published_frame_projects_as_its_own_matrix_does() {
     let field = read.document.field_of(frame).model(root.path()).unwrap();
     assert!((field.length_m - 107.8992).abs() < 1e-9 && (field.width_m - 64.008).abs() < 1e-9);
 
-    let camera = read.document.pointed(frame).unwrap();
+    let camera = read.document.ptz_camera(frame).unwrap();
     let cam_from_world = from_rotation_vector(Vec3::new(CAMERA[3], CAMERA[4], CAMERA[5]));
     for corner_world in [
         [107.8992, 64.008, 0.0],

@@ -31,7 +31,7 @@ pub struct Card<'a> {
 /// # Errors
 /// The document's field is not valid.
 pub fn card(card: &Card<'_>) -> Result<String, ExchangeError> {
-    let fields = Fields::of(card.original)?;
+    let fields = Fields::from_document(card.original)?;
     let mut text = String::from("# Camera calibration dataset\n");
     text.push_str(
         "\nFrames of pan-tilt-zoom sports cameras with people's clicks on the field and each frame's camera. `dataset.json` is the \
@@ -69,7 +69,7 @@ fn table(head: [&str; 2], rows: impl IntoIterator<Item = (String, String)>, text
     }
 }
 
-fn counted<K: Ord>(keys: impl Iterator<Item = K>) -> BTreeMap<K, usize> {
+fn count_occurrences<K: Ord>(keys: impl Iterator<Item = K>) -> BTreeMap<K, usize> {
     let mut counts = BTreeMap::new();
     for key in keys {
         *counts.entry(key).or_default() += 1;
@@ -132,7 +132,7 @@ fn counts(card: &Card<'_>, text: &mut String) {
             splitting.seed
         );
     }
-    let origins = counted(card.frames.iter().map(|frame| frame.origin));
+    let origins = count_occurrences(card.frames.iter().map(|frame| frame.origin));
     table(
         ["label", "frames"],
         origins
@@ -140,7 +140,7 @@ fn counts(card: &Card<'_>, text: &mut String) {
             .map(|(origin, count)| (origin.to_string(), count.to_string())),
         text,
     );
-    let statuses = counted(frames.iter().map(|frame| frame.status));
+    let statuses = count_occurrences(frames.iter().map(|frame| frame.status));
     table(
         ["status", "frames"],
         statuses
@@ -148,7 +148,7 @@ fn counts(card: &Card<'_>, text: &mut String) {
             .map(|(status, count)| (status.as_str().to_owned(), count.to_string())),
         text,
     );
-    let cameras = counted(frames.iter().map(|frame| frame.camera.to_string()));
+    let cameras = count_occurrences(frames.iter().map(|frame| frame.camera.to_string()));
     table(
         ["camera", "frames"],
         cameras
@@ -163,7 +163,7 @@ fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
     let document = card.original.document;
     let mut said = BTreeSet::new();
     for frame in &document.frames {
-        let (spec, model) = (document.field_of(frame), fields.of_frame(document, frame));
+        let (spec, model) = (document.field_of(frame), fields.for_frame(document, frame));
         let size = match spec.size() {
             FieldSize::Assumed if spec.assumed_size().is_some() => {
                 "**assumed**: not confirmed by a person; a wrong size looks like a wrong camera"
@@ -224,10 +224,10 @@ fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
     let document = card.original.document;
     let mut misses = [Vec::new(), Vec::new()];
     for frame in &document.frames {
-        let Some(camera) = document.pointed(frame) else {
+        let Some(camera) = document.ptz_camera(frame) else {
             continue;
         };
-        let field: &FieldModel = fields.of_frame(document, frame);
+        let field: &FieldModel = fields.for_frame(document, frame);
         for click in &frame.clicks {
             let target = click
                 .target
@@ -304,7 +304,7 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
         text,
     );
     let warned = frames.iter().filter_map(|frame| frame.solution.as_ref());
-    let warned = counted(warned.flat_map(|solution| {
+    let warned = count_occurrences(warned.flat_map(|solution| {
         let codes: BTreeSet<&str> = solution
             .warnings
             .iter()
@@ -357,13 +357,12 @@ fn provenance(card: &Card<'_>, text: &mut String) {
     text.push_str("\n## Provenance\n");
     let originals = || card.original.document.frames.iter().map(|frame| &**frame);
     let names = match_names(originals());
-    let matches =
-        counted(originals().map(
-            |frame| match names.get(&match_of(frame)).map(String::as_str) {
-                None | Some("") => "(the document's folder)".to_owned(),
-                Some(name) => name.to_owned(),
-            },
-        ));
+    let matches = count_occurrences(originals().map(|frame| {
+        match names.get(&match_of(frame)).map(String::as_str) {
+            None | Some("") => "(the document's folder)".to_owned(),
+            Some(name) => name.to_owned(),
+        }
+    }));
     table(
         ["video or folder", "frames"],
         matches

@@ -16,13 +16,13 @@ const STEP_M: f64 = 0.25;
 /// # Errors
 /// One of them is not valid.
 pub fn fields_json(at: DocumentAt<'_>) -> Result<String, ExchangeError> {
-    let fields = Fields::of(at)?;
+    let fields = Fields::from_document(at)?;
     let mut known: Vec<(Arc<FieldModel>, Vec<String>)> = Vec::new();
     for (camera, field) in at
         .document
         .cameras
         .iter()
-        .zip(fields.of_cameras(at.document))
+        .zip(fields.per_camera(at.document))
     {
         match known.iter_mut().find(|(model, _)| **model == *field) {
             Some((_, cameras)) => cameras.push(camera.id.to_string()),

@@ -31,7 +31,7 @@ pub enum LabelOrigin {
 impl LabelOrigin {
     /// The origin of a frame's label; none where it has neither clicks nor a camera.
     #[must_use]
-    pub fn of(frame: &Frame) -> Option<Self> {
+    pub fn from_frame(frame: &Frame) -> Option<Self> {
         let is_clicked = frame.clicks.iter().any(|click| click.target.is_some());
         if frame.ptz.is_none() {
             return is_clicked.then_some(Self::ClicksOnly);
@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn a_label_says_whether_a_person_made_it_or_only_accepted_it() {
         let mut frame: Frame = (*clicked().frames[0]).clone();
-        assert_eq!(LabelOrigin::of(&frame), Some(LabelOrigin::Clicked));
+        assert_eq!(LabelOrigin::from_frame(&frame), Some(LabelOrigin::Clicked));
         for (source, accepted, open) in [
             (
                 SolutionSource::Forest,
@@ -107,16 +107,19 @@ mod tests {
                 ..Solution::default()
             });
             frame.status = FrameStatus::Reference;
-            assert_eq!(LabelOrigin::of(&frame), Some(accepted));
+            assert_eq!(LabelOrigin::from_frame(&frame), Some(accepted));
             frame.status = FrameStatus::Suggested;
-            assert_eq!(LabelOrigin::of(&frame), Some(open));
+            assert_eq!(LabelOrigin::from_frame(&frame), Some(open));
         }
         frame.ptz = None;
-        assert_eq!(LabelOrigin::of(&frame), Some(LabelOrigin::ClicksOnly));
-        frame.clicks.clear();
-        assert_eq!(LabelOrigin::of(&frame), None);
         assert_eq!(
-            LabelOrigin::of(&reference().frames[0]),
+            LabelOrigin::from_frame(&frame),
+            Some(LabelOrigin::ClicksOnly)
+        );
+        frame.clicks.clear();
+        assert_eq!(LabelOrigin::from_frame(&frame), None);
+        assert_eq!(
+            LabelOrigin::from_frame(&reference().frames[0]),
             Some(LabelOrigin::Imported),
             "the file does not say who did it"
         );

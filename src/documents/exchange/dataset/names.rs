@@ -21,7 +21,7 @@ pub fn picture_name(
     format: PictureFormat,
 ) -> Result<String, String> {
     let name = match (&frame.image, &frame.video) {
-        (Some(image), _) => of_image(image),
+        (Some(image), _) => name_from_image(image),
         (None, Some(video)) => {
             let path = video.path.replace('\\', "/");
             let stem = Path::new(&path)
@@ -44,7 +44,7 @@ pub fn picture_name(
     Ok(name)
 }
 
-fn of_image(image: &str) -> String {
+fn name_from_image(image: &str) -> String {
     if let Ok(path) = safe_path(image) {
         let plain: Vec<&str> = path
             .split('/')

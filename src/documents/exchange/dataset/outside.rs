@@ -4,7 +4,7 @@
 //! The project of a video or of a folder of frames lies beside it (`match.mp4.touchline/`); these
 //! frames belong to the project.
 
-use crate::document::resolved;
+use crate::document::resolve_path;
 use std::path::{Component, Path, PathBuf};
 use touchline_core::files::PROJECT_SUFFIX;
 
@@ -14,7 +14,7 @@ pub struct OwnPlaces(Vec<PathBuf>);
 impl OwnPlaces {
     /// The places of a project in `folder`.
     pub fn from_project(folder: &Path) -> Self {
-        let folder = resolved(folder);
+        let folder = resolve_path(folder);
         let name = folder
             .file_name()
             .unwrap_or_default()
@@ -30,7 +30,7 @@ impl OwnPlaces {
     /// Whether a file lies in one of them, with links resolved. False if the path still contains
     /// `..`, which cannot be resolved in a missing folder.
     pub fn hold(&self, file: &Path) -> bool {
-        let file = resolved(file);
+        let file = resolve_path(file);
         let leads_up = file.components().any(|part| part == Component::ParentDir);
         !leads_up && self.0.iter().any(|place| file.starts_with(place))
     }

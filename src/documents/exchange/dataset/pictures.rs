@@ -55,7 +55,7 @@ impl<'a> Folder<'a> {
     /// Writes a file and returns its SHA-256.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<String, ExchangeError> {
         let path = self.file(name)?;
-        fs::write(path, bytes).map_err(|source| self.failed(name, source))?;
+        fs::write(path, bytes).map_err(|source| self.write_error(name, source))?;
         Ok(self.note(name, hex(&Sha256::digest(bytes))))
     }
 
@@ -67,7 +67,7 @@ impl<'a> Folder<'a> {
         as_link: bool,
     ) -> Result<String, ExchangeError> {
         let path = self.file(name)?;
-        let failed = |source| self.failed(name, source);
+        let failed = |source| self.write_error(name, source);
         if as_link {
             let from = fs::canonicalize(from).map_err(failed)?;
             fs::hard_link(&from, &path).map_err(|source| match source.kind() {
@@ -87,10 +87,10 @@ impl<'a> Folder<'a> {
     /// Removes a file.
     pub fn remove(&mut self, name: &str) -> Result<(), ExchangeError> {
         self.hashes.remove(name);
-        fs::remove_file(self.root.join(name)).map_err(|source| self.failed(name, source))
+        fs::remove_file(self.root.join(name)).map_err(|source| self.write_error(name, source))
     }
 
-    fn failed(&self, name: &str, source: io::Error) -> ExchangeError {
+    fn write_error(&self, name: &str, source: io::Error) -> ExchangeError {
         ExchangeError::Write {
             path: self.place.join(name),
             source,
@@ -105,13 +105,13 @@ impl<'a> Folder<'a> {
     /// The temporary path of a file, until the folder is complete.
     fn file(&self, name: &str) -> Result<PathBuf, ExchangeError> {
         let path = self.root.join(name);
-        fs::create_dir_all(folder_of(&path)).map_err(|source| self.failed(name, source))?;
+        fs::create_dir_all(folder_of(&path)).map_err(|source| self.write_error(name, source))?;
         Ok(path)
     }
 }
 
 /// A picture encoded in a format.
-pub fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, ImageError> {
+pub fn encode_picture(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, ImageError> {
     let size = picture.size();
     let rgb: Vec<u8> = picture
         .rgba()

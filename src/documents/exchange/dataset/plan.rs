@@ -139,7 +139,7 @@ pub fn plan_dataset(
         .iter()
         .filter(|frame| is_chosen(frame, &options.frames))
     {
-        match planned(at, frame, options) {
+        match plan_frame(at, frame, options) {
             Ok((planned, _))
                 if !options.outside
                     && planned.takes_picture()
@@ -199,14 +199,14 @@ pub fn plan_dataset(
 }
 
 /// The plan of a frame, and the estimated size of its pictures, bytes.
-fn planned(
+fn plan_frame(
     at: DocumentAt<'_>,
     frame: &Frame,
     options: &DatasetOptions,
 ) -> Result<(PlannedFrame, f64), String> {
-    let origin = LabelOrigin::of(frame).ok_or("it has neither clicks nor a camera")?;
+    let origin = LabelOrigin::from_frame(frame).ok_or("it has neither clicks nor a camera")?;
     let source = source_of(at, frame, options)?;
-    let has_camera = at.document.pointed(frame).is_some();
+    let has_camera = at.document.ptz_camera(frame).is_some();
     let area = f64::from(frame.image_size.width) * f64::from(frame.image_size.height);
     let decoded = area * options.picture_format.bytes_per_px();
     let mut bytes = 0.0;

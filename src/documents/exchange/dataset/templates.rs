@@ -41,7 +41,7 @@ fn take_along(
     files: &mut Templates,
 ) -> Result<(), ExchangeError> {
     let read = Files::read(&folder.join(&field.template), &|_| false)?;
-    let Some((name, bytes)) = read.sorted().into_iter().next() else {
+    let Some((name, bytes)) = read.sorted_entries().into_iter().next() else {
         return Ok(());
     };
     let stem = without_ending(name);

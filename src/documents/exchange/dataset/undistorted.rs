@@ -11,7 +11,7 @@ use touchline_vision::media::{MediaError, Picture};
 ///
 /// # Errors
 /// The size of the picture cannot be addressed.
-pub fn undistorted_picture(picture: &Picture, camera: &PtzCamera) -> Result<Picture, MediaError> {
+pub fn undistort_picture(picture: &Picture, camera: &PtzCamera) -> Result<Picture, MediaError> {
     let size = picture.size();
     let (focal_px, principal_point, lens) = (
         camera.ptz().focal_px,
@@ -78,18 +78,18 @@ fn sample(picture: &Picture, size: ImageSize, at: ImagePoint) -> [u8; 4] {
 /// A document in the pixels of undistorted pictures: without a lens and with clicks undistorted.
 /// Frames without a known camera are removed; so are masks, because boxes do not stay boxes, and
 /// clicks without an undistorted position.
-pub fn undistorted_document(document: &Document) -> Document {
+pub fn undistort_document(document: &Document) -> Document {
     let mut plain = document.clone();
     plain
         .frames
-        .retain(|frame| document.pointed(frame).is_some());
+        .retain(|frame| document.ptz_camera(frame).is_some());
     for (frame, distorted) in plain.frames.iter_mut().zip(
         document
             .frames
             .iter()
-            .filter(|frame| document.pointed(frame).is_some()),
+            .filter(|frame| document.ptz_camera(frame).is_some()),
     ) {
-        if let Some(camera) = document.pointed(distorted) {
+        if let Some(camera) = document.ptz_camera(distorted) {
             straighten(frame, &camera);
         }
     }
@@ -143,21 +143,21 @@ mod tests {
     #[test]
     fn a_spot_lands_where_a_camera_without_a_lens_shows_it() {
         let mut document = awkward();
-        let camera = document.pointed(&document.frames[3]).unwrap();
+        let camera = document.ptz_camera(&document.frames[3]).unwrap();
         let spot = ImagePoint::new(1700.0, 160.0);
         document.frames[3].clicks = vec![Click::landmark("centre_mark".into(), spot)];
-        let plain = undistorted_document(&document);
+        let plain = undistort_document(&document);
         let wanted = plain.frames[3].clicks[0].image;
         assert!(
             wanted.distance_px(spot) > 8.0,
             "the lens bends there: {wanted:?}"
         );
-        let mut rgba = Picture::filled(SIZE, [0, 0, 0, 255]).rgba().to_vec();
+        let mut rgba = Picture::with_colour(SIZE, [0, 0, 0, 255]).rgba().to_vec();
         for (y, x) in (150_usize..170).flat_map(|y| (1690_usize..1710).map(move |x| (y, x))) {
             let at = 4 * (y * SIZE.width as usize + x);
             rgba[at..at + 3].fill(255);
         }
-        let straight = undistorted_picture(&Picture::new(SIZE, rgba).unwrap(), &camera).unwrap();
+        let straight = undistort_picture(&Picture::new(SIZE, rgba).unwrap(), &camera).unwrap();
         let (mut sum, mut x_sum, mut y_sum) = (0.0, 0.0, 0.0);
         for y in 0..SIZE.height {
             for x in 0..SIZE.width {
@@ -171,7 +171,7 @@ mod tests {
         }
         let found = ImagePoint::new(x_sum / sum, y_sum / sum);
         assert!(found.distance_px(wanted) < 0.1, "{found:?} {wanted:?}");
-        let bare = plain.pointed(&plain.frames[3]).unwrap();
+        let bare = plain.ptz_camera(&plain.frames[3]).unwrap();
         assert!(bare.lens().is_none());
     }
 
@@ -179,7 +179,7 @@ mod tests {
     fn without_a_lens_every_pixel_stays() {
         let mut document = awkward();
         document.cameras[0].distortion = None;
-        let camera = document.pointed(&document.frames[0]).unwrap();
+        let camera = document.ptz_camera(&document.frames[0]).unwrap();
         let small = ImageSize::new(16, 9);
         let picture = Picture::new(
             small,
@@ -194,6 +194,6 @@ mod tests {
                 .collect(),
         );
         let picture = picture.unwrap();
-        assert_eq!(undistorted_picture(&picture, &camera).unwrap(), picture);
+        assert_eq!(undistort_picture(&picture, &camera).unwrap(), picture);
     }
 }

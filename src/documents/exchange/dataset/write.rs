@@ -6,14 +6,14 @@ use super::field_lines::fields_json;
 use super::frames_table::frames_table;
 use super::old_dataset::{DOCUMENT, MANIFEST, OldDataset};
 use super::options::{DatasetOptions, Pictures};
-use super::pictures::{Folder, encoded};
+use super::pictures::{Folder, encode_picture};
 use super::plan::{DatasetPlan, PlannedFrame, Source, other_size};
 use super::split::Split;
 use super::templates::with_templates;
-use super::undistorted::{undistorted_document, undistorted_picture};
+use super::undistorted::{undistort_document, undistort_picture};
 use crate::document::{
     Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes, document_to_string,
-    resolved,
+    resolve_path,
 };
 use crate::exchange::error::ExchangeError;
 use std::collections::BTreeMap;
@@ -101,7 +101,7 @@ pub fn write_dataset(
     let original = document.into_dataset();
     let chosen = chosen(&original, &written.of_frame);
     let dataset = if options.pictures == Pictures::Left {
-        chosen.clone().relocated(at.folder, &resolved(folder))
+        chosen.clone().relocate(at.folder, &resolve_path(folder))
     } else {
         with_pictures(&chosen, &kept, &written, |frame, hashes| {
             Some((frame.picture.as_deref()?, hashes.picture.as_deref()?))
@@ -111,7 +111,7 @@ pub fn write_dataset(
     if options.undistorted {
         // The document of the undistorted pictures; templates are one folder up.
         let plain = with_pictures(
-            &undistorted_document(&chosen),
+            &undistort_document(&chosen),
             &kept,
             &written,
             |frame, hashes| {
@@ -260,15 +260,17 @@ fn write_pictures(
             hashes.picture = Some(hash);
         }
         (Some(name), Source::Decoded(_), Some(pixels)) => {
-            hashes.picture = Some(files.write(name, &encoded(pixels, options.picture_format)?)?);
+            hashes.picture =
+                Some(files.write(name, &encode_picture(pixels, options.picture_format)?)?);
         }
         _ => {}
     }
     if let (Some(name), Some(pixels), Some(camera)) =
-        (&planned.undistorted, &pixels, at.document.pointed(frame))
+        (&planned.undistorted, &pixels, at.document.ptz_camera(frame))
     {
-        let straight = undistorted_picture(pixels, &camera)?;
-        hashes.undistorted = Some(files.write(name, &encoded(&straight, options.picture_format)?)?);
+        let straight = undistort_picture(pixels, &camera)?;
+        hashes.undistorted =
+            Some(files.write(name, &encode_picture(&straight, options.picture_format)?)?);
     }
     Ok(Ok(hashes))
 }

@@ -94,7 +94,7 @@ impl Sequence {
 
     /// The projection of a frame: a camera if the file has its rotation and translation, else its
     /// lens.
-    pub(super) fn shown(&self, frame: usize) -> Result<Shown, Problem> {
+    pub(super) fn projection(&self, frame: usize) -> Result<Shown, Problem> {
         let lens = lens_of(self.calibrations.row(frame), self.distortions.row(frame))?;
         if let Some((rotations, translations)) = &self.poses
             && let &[x, y, z] = translations.row(frame)
@@ -104,12 +104,12 @@ impl Sequence {
             let pinhole = Pinhole {
                 cam_from_world,
                 position_m,
-                ..lens.unpointed()
+                ..lens.camera_at_origin()
             };
-            return Ok(Shown::Camera(pinhole.checked("the camera")?));
+            return Ok(Shown::Camera(pinhole.validate("the camera")?));
         }
-        lens.unpointed()
-            .checked("the camera")
+        lens.camera_at_origin()
+            .validate("the camera")
             .map(|_| Shown::Lens(lens))
     }
 }

@@ -23,7 +23,7 @@ use super::files::Files;
 use super::frame_camera::{FrameCamera, Shown};
 use super::held::parts;
 use super::into_document::{Exactness, View};
-use super::npz::{Npz, written};
+use super::npz::{Npz, archive_to_bytes};
 use super::options::{ImportOptions, Rotations};
 use super::picture_size::SizeSource;
 use crate::document::{Document, FieldSpec};
@@ -104,11 +104,11 @@ impl CameraFormat for Fifa {
     ) -> Result<Files, ExchangeError> {
         Ok(Files::one(
             &format!("{STEM}.npz"),
-            written(&arrays_of(held)),
+            archive_to_bytes(&arrays_of(held)),
         ))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "archives of arrays (.npz)"
     }
 
@@ -117,7 +117,7 @@ impl CameraFormat for Fifa {
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {
-        let sorted = files.sorted();
+        let sorted = files.sorted_entries();
         let archives = sorted.iter().filter_map(|(_, bytes)| Npz::open(bytes).ok());
         let mut others: Vec<String> = archives
             .flat_map(|archive| archive.names().map(ToOwned::to_owned).collect::<Vec<_>>())
@@ -147,7 +147,7 @@ impl CameraFormat for Fifa {
             let size = options.size.unwrap_or(SET_SIZE);
             let frame = |index: usize| {
                 let shown = sequence
-                    .shown(index)
+                    .projection(index)
                     .map_err(|problem| problem.at_frame(index))?;
                 Ok(FrameCamera {
                     video: Some(video.clone()),

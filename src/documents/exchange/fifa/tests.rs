@@ -7,7 +7,7 @@ use crate::exchange::camera_format::CameraFormat;
 use crate::exchange::files::Files;
 use crate::exchange::frame_camera::{FrameCamera, KnownLens, Pinhole, Shown};
 use crate::exchange::npy::Array;
-use crate::exchange::npz::{Npz, written};
+use crate::exchange::npz::{Npz, archive_to_bytes};
 use crate::exchange::options::{ImportOptions, Rotations};
 use crate::exchange::tests::{awkward, exported, reference};
 use crate::exchange::{ExportOptions, Exported, Format, export, import};
@@ -78,7 +78,7 @@ fn awkward_cameras_come_back_with_a_lens_a_frame() {
     for (frame, before) in document.frames.iter().zip(&awkward().frames) {
         let (lens, camera) = (
             frame.lens.as_ref().unwrap(),
-            awkward().pointed(before).unwrap(),
+            awkward().ptz_camera(before).unwrap(),
         );
         assert_eq!(
             (lens.focal_px, lens.radial()),
@@ -118,7 +118,7 @@ fn frames_without_a_rotation_keep_their_lens_and_have_no_pan_and_tilt() {
         );
         let (base, camera) = (
             document.cameras[0].base_for(frame).unwrap(),
-            truth.pointed(before).unwrap(),
+            truth.ptz_camera(before).unwrap(),
         );
         let focal_px = camera.ptz().focal_px;
         assert_eq!(frame.lens.as_ref().unwrap().focal_px, focal_px);
@@ -133,7 +133,7 @@ fn frames_without_a_rotation_keep_their_lens_and_have_no_pan_and_tilt() {
 fn a_file_without_any_rotation_gives_a_camera_without_a_base() {
     let mut arrays = arrays_of(&[FrameCamera::new("a", None, Shown::Lens(lens()))]);
     arrays.truncate(2);
-    let document = imported("a.npz", &written(&arrays));
+    let document = imported("a.npz", &archive_to_bytes(&arrays));
     assert!(document.cameras.len() == 1 && document.cameras[0].base().is_none());
     assert_eq!(document.frames[0].lens.as_ref().unwrap().focal_px, 3000.0);
 }
@@ -150,7 +150,7 @@ fn lens() -> KnownLens {
 fn good() -> BTreeMap<&'static str, Array> {
     let camera = Pinhole {
         position_m: Vec3::new(0.0, -70.0, 15.0),
-        ..lens().unpointed()
+        ..lens().camera_at_origin()
     };
     arrays_of(&[FrameCamera::new("a", None, Shown::Camera(camera))])
         .into_iter()
@@ -236,7 +236,7 @@ fn damaged_arrays_are_named_in_one_line() {
         ),
     ] {
         let arrays: Vec<(&str, Array)> = arrays.into_iter().collect();
-        let files = Files::one("a.npz", written(&arrays));
+        let files = Files::one("a.npz", archive_to_bytes(&arrays));
         let error = Fifa
             .read(&files, &ImportOptions::default())
             .unwrap_err()
@@ -256,7 +256,7 @@ fn arrays_that_are_not_read_are_named() {
         },
     ));
     assert_eq!(
-        Fifa.unread(&Files::one("a.npz", written(&arrays))),
+        Fifa.unread(&Files::one("a.npz", archive_to_bytes(&arrays))),
         ["not read: Rt"]
     );
 }

@@ -80,7 +80,7 @@ impl CameraFormat for FreeDCsv {
         Ok(Files::one("camera.csv", text.into_bytes()))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "table (.csv)"
     }
 
@@ -91,7 +91,7 @@ impl CameraFormat for FreeDCsv {
     fn unread(&self, files: &Files) -> Vec<String> {
         let mut ids = BTreeSet::new();
         for table in files
-            .sorted()
+            .sorted_entries()
             .into_iter()
             .filter_map(|(_, bytes)| Table::read(bytes).ok())
         {
@@ -109,7 +109,7 @@ impl CameraFormat for FreeDCsv {
         files: &Files,
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let reading = Reading::of(options, Format::FreeDCsv)?;
+        let reading = Reading::from_options(options, Format::FreeDCsv)?;
         let mut count = 0;
         files.read_all(|_, bytes| {
             let table = Table::read(bytes)?;

@@ -32,7 +32,7 @@ struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    fn of(options: &'a ImportOptions, format: Format) -> Result<Self, ExchangeError> {
+    fn from_options(options: &'a ImportOptions, format: Format) -> Result<Self, ExchangeError> {
         let needed = |what, option| ExchangeError::OptionNeeded {
             format,
             what,
@@ -91,7 +91,7 @@ fn samples(
                         .to_owned(),
                 );
             }
-            Sample::of(
+            Sample::from_pinhole(
                 &pinhole,
                 size,
                 &context.options.zoom,

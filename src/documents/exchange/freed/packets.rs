@@ -61,7 +61,7 @@ impl CameraFormat for FreeD {
         Ok(Files::one("camera.freed", bytes))
     }
 
-    fn wanted(&self) -> &'static str {
+    fn file_description(&self) -> &'static str {
         "packets (.freed)"
     }
 
@@ -70,7 +70,7 @@ impl CameraFormat for FreeD {
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {
-        let sorted = files.sorted();
+        let sorted = files.sorted_entries();
         let packets = sorted
             .iter()
             .flat_map(|(_, bytes)| bytes.chunks_exact(PACKET));
@@ -84,7 +84,7 @@ impl CameraFormat for FreeD {
         files: &Files,
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let reading = Reading::of(options, Format::FreeD)?;
+        let reading = Reading::from_options(options, Format::FreeD)?;
         let mut count = 0;
         files.read_all(|_, bytes| {
             if bytes.is_empty() {

@@ -32,7 +32,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    pub(super) fn of(
+    pub(super) fn from_pinhole(
         pinhole: &Pinhole,
         size: ImageSize,
         zoom: &Zoom,
@@ -59,7 +59,7 @@ impl Sample {
             principal_point: reading.size.centre(),
             lens: Radial::default(),
         };
-        pinhole.checked("the camera")
+        pinhole.validate("the camera")
     }
 
     pub(super) fn packet(&self) -> Result<[u8; PACKET], String> {

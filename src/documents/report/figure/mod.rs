@@ -17,7 +17,7 @@ mod svg;
 mod ticks;
 mod typeface;
 
-pub(super) use raster::{SCALE, painted};
+pub(super) use raster::{SCALE, png_with_background};
 pub(super) use shape::{Anchor, Drawing, Rgb, Shape};
 pub use ticks::Ruler;
 
@@ -171,13 +171,13 @@ impl Series {
 
     /// Sets the mark.
     #[must_use]
-    pub fn marked(self, mark: Mark) -> Self {
+    pub fn with_mark(self, mark: Mark) -> Self {
         Self { mark, ..self }
     }
 
     /// Sets the line.
     #[must_use]
-    pub fn lined(self, line: Line) -> Self {
+    pub fn with_line(self, line: Line) -> Self {
         Self { line, ..self }
     }
 
@@ -196,7 +196,7 @@ impl Series {
         let points = steps
             .flat_map(|(index, value)| [[*value, share(index)], [*value, share(index + 1)]])
             .collect();
-        Self::new(name, colour, points).marked(Mark::None)
+        Self::new(name, colour, points).with_mark(Mark::None)
     }
 }
 

@@ -15,11 +15,11 @@ const CIRCLE_CORNERS: u32 = 24;
 
 /// Rasterises a drawing and encodes it as PNG.
 pub fn png(drawing: &Drawing) -> Result<Vec<u8>, FigureError> {
-    painted(drawing, |_| {})
+    png_with_background(drawing, |_| {})
 }
 
 /// The same, after `before` has drawn into the white picture.
-pub fn painted(
+pub fn png_with_background(
     drawing: &Drawing,
     before: impl FnOnce(&mut RgbImage),
 ) -> Result<Vec<u8>, FigureError> {
@@ -48,7 +48,7 @@ fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
             colour,
             dashes,
         } => {
-            for part in dashed(points, dashes) {
+            for part in split_into_dashes(points, dashes) {
                 stroke(picture, &part, *width, *colour);
             }
         }
@@ -72,7 +72,7 @@ fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
                     let [x, y] = [glyph.x + x, y].map(|units| units * line.px_per_unit);
                     // Rotate by 90° anticlockwise: upright text runs from bottom to top.
                     let [x, y] = if *upright { [y, -x] } else { [x, y] };
-                    scaled([at[0] + x, at[1] + y])
+                    to_pixels([at[0] + x, at[1] + y])
                 };
                 outlines.extend(curves(&typeface.outline(glyph.id), place));
             }
@@ -81,7 +81,7 @@ fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
     }
 }
 
-fn scaled([x, y]: [f64; 2]) -> Point {
+fn to_pixels([x, y]: [f64; 2]) -> Point {
     point((x * SCALE) as f32, (y * SCALE) as f32)
 }
 
@@ -109,7 +109,7 @@ fn polygon(points: &[[f64; 2]]) -> Vec<Piece> {
     points
         .iter()
         .zip(next)
-        .map(|(from, to)| Piece::Line(scaled(*from), scaled(*to)))
+        .map(|(from, to)| Piece::Line(to_pixels(*from), to_pixels(*to)))
         .collect()
 }
 
@@ -172,7 +172,7 @@ fn stroke(picture: &mut RgbImage, points: &[[f64; 2]], width: f64, colour: Rgb) 
 
 /// Splits a line into its dashes. `dashes` are lengths of pen down and pen up in turn; if empty,
 /// the line is returned whole.
-fn dashed(points: &[[f64; 2]], dashes: &[f64]) -> Vec<Vec<[f64; 2]>> {
+fn split_into_dashes(points: &[[f64; 2]], dashes: &[f64]) -> Vec<Vec<[f64; 2]>> {
     if dashes.is_empty() || dashes.iter().any(|length| *length <= 0.0) {
         return vec![points.to_vec()];
     }
@@ -282,12 +282,12 @@ mod tests {
     #[test]
     fn dashes_add_up() {
         let line = [[0.0, 0.0], [25.0, 0.0]];
-        let parts = dashed(&line, &[6.0, 4.0]);
+        let parts = split_into_dashes(&line, &[6.0, 4.0]);
         let ends: Vec<[f64; 2]> = parts
             .iter()
             .map(|part| [part[0][0], part[part.len() - 1][0]])
             .collect();
         assert_eq!(ends, [[0.0, 6.0], [10.0, 16.0], [20.0, 25.0]]);
-        assert_eq!(dashed(&line, &[]), [line.to_vec()]);
+        assert_eq!(split_into_dashes(&line, &[]), [line.to_vec()]);
     }
 }

@@ -29,7 +29,7 @@ impl DocumentStore for Store {
     }
 
     fn since(&self) -> Result<Option<Outside>, StoreError> {
-        if !self.changed_outside()? {
+        if !self.has_changed_on_disk()? {
             return Ok(None);
         }
         let (theirs, _) = read_document(&self.location)?;

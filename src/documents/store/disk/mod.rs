@@ -168,7 +168,7 @@ impl Store {
     }
 
     /// Whether another program changed the file since this store last read or wrote it.
-    fn changed_outside(&self) -> Result<bool, StoreError> {
+    fn has_changed_on_disk(&self) -> Result<bool, StoreError> {
         Ok(self.is_of_others(self.hash_on_disk()?.as_ref()))
     }
 

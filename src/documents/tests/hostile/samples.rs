@@ -157,7 +157,7 @@ fn files(format: Format) -> Named {
             .unwrap();
             exported
                 .files
-                .sorted()
+                .sorted_entries()
                 .into_iter()
                 .map(|(name, bytes)| (name.to_owned(), bytes.to_vec()))
                 .collect()

@@ -1,13 +1,13 @@
 //! The page of datasets: what goes into one, and what it will contain.
 
 use super::frames::frames;
-use super::parts::{cameras_of, left_out, line, notes};
+use super::parts::{cameras_of, line, notes, show_left_out_frames};
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 use touchline_application::app::Action;
 use touchline_application::app::transfer::{Look, TransferAction, describe_bytes};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::{
     DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting,
 };
@@ -52,7 +52,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .id_salt("dataset")
         .auto_shrink(false)
         .show(ui, |ui| match &found.look {
-            Look::Dataset(Ok(plan)) => planned(ui, plan, &transfer.dataset),
+            Look::Dataset(Ok(plan)) => show_plan(ui, plan, &transfer.dataset),
             Look::Dataset(Err(why)) => line(ui, why, palette.bad),
             Look::Export(_) | Look::Import(_) => {}
         });
@@ -149,7 +149,7 @@ fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
 
 /// Shows what the dataset will contain: numbers of frames and pictures, of each split and origin,
 /// and what is left out.
-fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
+fn show_plan(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
     let palette = ui.palette();
     let size = describe_bytes(plan.picture_bytes);
     let pictures = match plan.pictures() {
@@ -160,7 +160,7 @@ fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
         ui,
         format!(
             "{}, {pictures}; with card, schema, table, loader and manifest.",
-            counted(plan.frames.len(), "frame")
+            pluralise(plan.frames.len(), "frame")
         ),
         palette.strong,
     );
@@ -182,5 +182,5 @@ fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
             }
         });
     notes(ui, &plan.notes);
-    left_out(ui, &plan.left_out);
+    show_left_out_frames(ui, &plan.left_out);
 }

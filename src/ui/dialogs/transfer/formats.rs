@@ -3,13 +3,13 @@
 
 use super::frames::frames;
 use super::options::{export_options, import_options};
-use super::parts::{cameras_of, fact, left_out, line, notes};
+use super::parts::{cameras_of, fact, line, notes, show_left_out_frames};
 use crate::ui::Panel;
 use crate::ui::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
 use touchline_application::app::transfer::{Look, TransferAction, describe_survey, in_dialog};
 use touchline_application::app::{Action, sentence};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::{About, Format, Joined, JoinedPair};
 
 /// Width of the list of formats, points.
@@ -41,7 +41,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
             ScrollArea::vertical()
                 .id_salt("export")
                 .auto_shrink(false)
-                .show(ui, |ui| exported(panel, ui));
+                .show(ui, |ui| show_export_preview(panel, ui));
         });
     });
 }
@@ -68,7 +68,7 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
                     .push(Action::Transfer(TransferAction::Import(Box::new(options))));
             }
             ui.separator();
-            imported(panel, ui);
+            show_import_preview(panel, ui);
         });
     });
 }
@@ -109,14 +109,14 @@ fn about(ui: &mut Ui, format: Format) {
 
 /// Shows what the export would be: frames and files, whether reading it again gives the same, and
 /// what is lost.
-fn exported(panel: &Panel<'_>, ui: &mut Ui) {
+fn show_export_preview(panel: &Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
     let Some(found) = &panel.app.operations.transfer.found else {
         return;
     };
     match &found.look {
         Look::Export(Ok(made)) => {
-            let frames = counted(made.frames, "frame");
+            let frames = pluralise(made.frames, "frame");
             let files = if made.files.len() == 1 {
                 "one file".to_owned()
             } else {
@@ -136,7 +136,7 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
                 None => line(ui, "Nothing that can be measured is lost.", palette.good),
             }
             notes(ui, &made.notes);
-            left_out(ui, &made.left_out);
+            show_left_out_frames(ui, &made.left_out);
         }
         Look::Export(Err(why)) => line(ui, why, palette.bad),
         Look::Dataset(_) | Look::Import(_) => {}
@@ -144,7 +144,7 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
 }
 
 /// Shows what the import would bring.
-fn imported(panel: &Panel<'_>, ui: &mut Ui) {
+fn show_import_preview(panel: &Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
     let Some(found) = &panel.app.operations.transfer.found else {
         line(
@@ -188,7 +188,7 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
 
 /// How many frames, clicks and cameras an import brings.
 fn describe_gain(joined: &Joined) -> String {
-    let matched = counted(joined.matched, "frame");
+    let matched = pluralise(joined.matched, "frame");
     let mut parts = vec![format!("{matched} of this document get labels")];
     for (count, noun) in [
         (joined.added, "new frame"),
@@ -196,7 +196,7 @@ fn describe_gain(joined: &Joined) -> String {
         (joined.cameras, "new camera"),
     ] {
         if count > 0 {
-            parts.push(counted(count, noun));
+            parts.push(pluralise(count, noun));
         }
     }
     parts.join(", ") + "."

@@ -13,14 +13,14 @@ pub fn frames(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
         statuses(ui, choice);
         ui.separator();
         if cameras.len() > 1 {
-            of_camera(ui, choice, cameras);
+            show_camera_choice(ui, choice, cameras);
         }
         confident(ui, choice);
     });
 }
 
 /// The choice by camera: one, or all.
-fn of_camera(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
+fn show_camera_choice(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
     let text = match choice.cameras.as_slice() {
         [] => "all cameras",
         [one] => one.as_str(),

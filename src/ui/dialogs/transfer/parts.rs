@@ -53,7 +53,7 @@ pub fn fact(ui: &mut Ui, name: &str, value: &str) {
 
 /// Lists frames that are left out, with the reasons: the first few by name, the number of the
 /// others.
-pub fn left_out(ui: &mut Ui, frames: &[(String, String)]) {
+pub fn show_left_out_frames(ui: &mut Ui, frames: &[(String, String)]) {
     const SHOWN: usize = 3;
     let palette = ui.palette();
     for (frame, why) in frames.iter().take(SHOWN) {

@@ -24,7 +24,7 @@ pub(super) struct StatedProperties {
 /// An open video; its position is the last frame grabbed.
 pub(super) trait Capture: Send {
     /// Properties that the container states.
-    fn stated(&self) -> &StatedProperties;
+    fn stated_properties(&self) -> &StatedProperties;
 
     /// Goes to the next frame that decodes; false at the end.
     ///

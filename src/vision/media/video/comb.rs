@@ -94,11 +94,11 @@ mod tests {
     fn a_comb_is_where_something_moved_between_the_fields() {
         assert!(is_combed(&frame(4)));
         assert!(!is_combed(&frame(0)));
-        assert!(!is_combed(&Picture::filled(
+        assert!(!is_combed(&Picture::with_colour(
             ImageSize::new(64, 40),
             [9, 9, 9, 255]
         )));
-        assert!(!is_combed(&Picture::filled(
+        assert!(!is_combed(&Picture::with_colour(
             ImageSize::new(1, 1),
             [9, 9, 9, 255]
         )));

@@ -2,7 +2,7 @@
 
 use super::backend::VideoBackend;
 use super::comb::first_field;
-use super::known::known_or;
+use super::known::find_or_survey;
 use super::player::Player;
 use super::survey::{Survey, survey};
 use super::{CountProgress, VideoInfo};
@@ -56,7 +56,7 @@ impl Video {
         progress: &Progress<'_, CountProgress>,
     ) -> Result<Self, MediaError> {
         let survey = |progress: &Progress<'_, CountProgress>| survey(path, backend, progress);
-        let Survey { video, capture } = known_or(path, backend, progress, survey)?;
+        let Survey { video, capture } = find_or_survey(path, backend, progress, survey)?;
         Ok(Self {
             player: Player {
                 capture,

@@ -155,7 +155,7 @@ impl FfmpegCapture {
 }
 
 impl Capture for FfmpegCapture {
-    fn stated(&self) -> &StatedProperties {
+    fn stated_properties(&self) -> &StatedProperties {
         &self.stream.stated
     }
 

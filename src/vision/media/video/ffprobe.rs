@@ -36,14 +36,14 @@ impl Stream {
             reader: "ffprobe".to_owned(),
             reason: error.to_string(),
         })?;
-        let described = output.and_then(|output| Self::described_in(&Properties::read(&output)));
+        let described = output.and_then(|output| Self::from_properties(&Properties::read(&output)));
         described.ok_or_else(|| MediaError::NotAVideo {
             path: path.to_path_buf(),
         })
     }
 
-    fn described_in(properties: &Properties) -> Option<Self> {
-        let stream = |name: &str| properties.of_stream(name);
+    fn from_properties(properties: &Properties) -> Option<Self> {
+        let stream = |name: &str| properties.stream_property(name);
         // A codec that has no name has no decoder.
         stream("codec_name").filter(|&name| name != "unknown")?;
         let [width, height] =
@@ -67,7 +67,7 @@ impl Stream {
                 .filter(|s| s.is_finite())
         };
         let duration_s =
-            seconds(stream("duration")).or_else(|| seconds(properties.of_file("duration")));
+            seconds(stream("duration")).or_else(|| seconds(properties.file_property("duration")));
         let counted = stream("nb_frames")
             .and_then(|count| count.parse().ok())
             .filter(|&count: &usize| count > 0);
@@ -75,7 +75,7 @@ impl Stream {
             .or_else(|| duration_s.map(|duration_s| (duration_s * fps).round().max(0.0) as usize));
         let starts_s = [
             seconds(stream("start_time")),
-            seconds(properties.of_file("start_time")),
+            seconds(properties.file_property("start_time")),
         ];
         Some(Self {
             stated: StatedProperties {
@@ -158,13 +158,13 @@ impl Properties {
         )
     }
 
-    fn of_stream(&self, name: &str) -> Option<&str> {
+    fn stream_property(&self, name: &str) -> Option<&str> {
         self.0
             .get(&format!("streams.stream.0.{name}"))
             .map(String::as_str)
     }
 
-    fn of_file(&self, name: &str) -> Option<&str> {
+    fn file_property(&self, name: &str) -> Option<&str> {
         self.0.get(&format!("format.{name}")).map(String::as_str)
     }
 

@@ -44,7 +44,7 @@ enum State {
 impl Examination {
     /// The finished survey, waiting for it if another thread performs it; `None` if the caller has
     /// to perform it.
-    fn found_or_begun(
+    fn find_or_start(
         &self,
         path: &Path,
         progress: &Progress<'_, CountProgress>,
@@ -105,7 +105,7 @@ struct FileState {
 
 impl FileState {
     /// `None` if the system does not provide length or time.
-    fn of(path: &Path, backend: VideoBackend) -> Option<Self> {
+    fn read(path: &Path, backend: VideoBackend) -> Option<Self> {
         let metadata = std::fs::metadata(path).ok()?;
         Some(Self {
             path: path.to_path_buf(),
@@ -118,17 +118,17 @@ impl FileState {
 
 /// A video with its earlier survey, opened anew, or else surveyed by `survey`, which runs once at a
 /// time per file. `progress` receives reports, also while another thread surveys, and may cancel.
-pub(super) fn known_or(
+pub(super) fn find_or_survey(
     path: &Path,
     backend: VideoBackend,
     progress: &Progress<'_, CountProgress>,
     survey: impl FnOnce(&Progress<'_, CountProgress>) -> Result<Survey, MediaError>,
 ) -> Result<Survey, MediaError> {
-    let Some(file) = FileState::of(path, backend) else {
+    let Some(file) = FileState::read(path, backend) else {
         return survey(progress);
     };
     let examination = examination(file);
-    if let Some(video) = examination.found_or_begun(path, progress)? {
+    if let Some(video) = examination.find_or_start(path, progress)? {
         let capture = video.described.open(path)?;
         return Ok(Survey { video, capture });
     }

@@ -70,7 +70,7 @@ impl OpenCvCapture {
                     path: path.to_path_buf(),
                 })?;
         Ok(Self {
-            stated: stated_by(&inner),
+            stated: read_properties(&inner),
             inner,
             path: path.to_path_buf(),
             is_fresh: true,
@@ -94,7 +94,7 @@ impl OpenCvCapture {
         is_new
     }
 
-    fn converted(&mut self) -> opencv::Result<Option<Picture>> {
+    fn retrieve_picture(&mut self) -> opencv::Result<Option<Picture>> {
         if !self.inner.retrieve_def(&mut self.bgr)? || self.bgr.empty() {
             return Ok(None);
         }
@@ -116,7 +116,7 @@ impl OpenCvCapture {
         Ok(Picture::new(size, rgba).ok())
     }
 
-    fn damaged(&self, index: usize, reason: &str) -> MediaError {
+    fn damaged_frame_error(&self, index: usize, reason: &str) -> MediaError {
         MediaError::DamagedFrame {
             path: self.path.clone(),
             index,
@@ -130,7 +130,7 @@ impl OpenCvCapture {
 }
 
 impl Capture for OpenCvCapture {
-    fn stated(&self) -> &StatedProperties {
+    fn stated_properties(&self) -> &StatedProperties {
         &self.stated
     }
 
@@ -156,16 +156,16 @@ impl Capture for OpenCvCapture {
     }
 
     fn picture(&mut self, index: usize) -> Result<Picture, MediaError> {
-        match self.converted() {
+        match self.retrieve_picture() {
             Ok(Some(picture)) => Ok(picture),
-            Ok(None) => Err(self.damaged(index, "the decoder gave no picture")),
-            Err(error) => Err(self.damaged(index, &error.message)),
+            Ok(None) => Err(self.damaged_frame_error(index, "the decoder gave no picture")),
+            Err(error) => Err(self.damaged_frame_error(index, &error.message)),
         }
     }
 }
 
 /// The properties that the container states, as reported by OpenCV.
-fn stated_by(inner: &VideoCapture) -> StatedProperties {
+fn read_properties(inner: &VideoCapture) -> StatedProperties {
     let side = |id| property(inner, id).max(0.0) as u32;
     let fps = property(inner, videoio::CAP_PROP_FPS);
     let frames = property(inner, videoio::CAP_PROP_FRAME_COUNT);

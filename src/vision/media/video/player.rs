@@ -62,10 +62,12 @@ impl Player {
         }
         match landed {
             Landed::At(landed) if landed == target => Ok(()),
-            Landed::At(_) => Err(damaged(info, target, "the decoder skips it")),
-            Landed::OffBeat | Landed::End => {
-                Err(damaged(info, target, "the decoder stops before it"))
-            }
+            Landed::At(_) => Err(damaged_frame_error(info, target, "the decoder skips it")),
+            Landed::OffBeat | Landed::End => Err(damaged_frame_error(
+                info,
+                target,
+                "the decoder stops before it",
+            )),
         }
     }
 
@@ -144,7 +146,11 @@ impl Player {
             self.position = Some(0);
             Ok(())
         } else {
-            Err(damaged(info, target, "the first frame no longer decodes"))
+            Err(damaged_frame_error(
+                info,
+                target,
+                "the first frame no longer decodes",
+            ))
         }
     }
 
@@ -164,7 +170,7 @@ impl Player {
     }
 }
 
-fn damaged(info: &VideoInfo, index: usize, reason: &str) -> MediaError {
+fn damaged_frame_error(info: &VideoInfo, index: usize, reason: &str) -> MediaError {
     MediaError::DamagedFrame {
         path: info.path.to_path_buf(),
         index,

@@ -82,7 +82,7 @@ pub(super) fn survey(
     let container = container_of(path)?;
     let described = DescribedVideo::new(path, backend)?;
     let mut capture = described.open(path)?;
-    let stated = *capture.stated();
+    let stated = *capture.stated_properties();
     let size = stated.size;
     ImageLimits::default().check(path, size.width, size.height)?;
     let preroll = if container == Container::Stream {
@@ -141,7 +141,7 @@ pub(super) fn survey(
     if lead.is_whole {
         // A short video was played as a whole; its times are known.
         if deviation_s > ROUNDED_S {
-            info.clock = listed(&lead.times_s, first_s, info.fps);
+            info.clock = clock_from_times(&lead.times_s, first_s, info.fps);
         }
     } else {
         let counter = Counter {
@@ -171,7 +171,8 @@ pub(super) fn survey(
             info.decoded_frames = count;
         } else {
             // 4. No constant rate: times by the sample table, or by decoding everything.
-            let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)?
+            let times_s = if let Some(times_s) =
+                verified_sample_times_s(path, container, &lead, &mut player, &info)?
             {
                 times_s.into_iter().map(Some).collect()
             } else {
@@ -179,13 +180,13 @@ pub(super) fn survey(
             };
             info.decoded_frames = times_s.len();
             if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
-                info.clock = listed(&times_s, first_s, info.fps);
+                info.clock = clock_from_times(&times_s, first_s, info.fps);
             }
         }
     }
     // 5. Interlaced if two of the sampled frames show combs. If seeking does not reproduce the
     //    pictures of playing, all access plays from the start.
-    combed += combed_in_the_middle(&mut player, &info);
+    combed += count_combed_in_middle(&mut player, &info);
     info.interlaced = combed >= 2;
     if !jumps_agree(&mut player, &info, &lead.samples) {
         player.preroll = usize::MAX;
@@ -289,7 +290,7 @@ fn deviation_s(clock: &FrameClock, times_s: &[Option<f64>]) -> f64 {
 
 /// A clock from the times of all frames. Unknown times, and times that do not increase, follow
 /// their predecessor at the stated rate; OpenCV does not know those of the last frames.
-fn listed(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
+fn clock_from_times(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
     let mut last_s = first_s - 1.0 / fps;
     let mut filled = Vec::with_capacity(times_s.len());
     for time_s in times_s {
@@ -350,7 +351,7 @@ fn count_to_the_end(
 
 /// The times of an MP4's frames by its sample table, s. `None` if there is no usable table, or if
 /// the first frames or those sampled later on do not have the times listed.
-fn tabled(
+fn verified_sample_times_s(
     path: &Path,
     container: Container,
     lead: &Lead,
@@ -440,7 +441,7 @@ fn may_be_interlaced(info: &VideoInfo) -> bool {
 
 /// Number of interlaced frames among six in the middle of the video: at its beginning and end often
 /// nothing moves.
-fn combed_in_the_middle(player: &mut Player, info: &VideoInfo) -> usize {
+fn count_combed_in_middle(player: &mut Player, info: &VideoInfo) -> usize {
     if !may_be_interlaced(info) {
         return 0;
     }

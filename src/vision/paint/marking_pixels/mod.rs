@@ -56,9 +56,9 @@ pub enum Shown {
 impl MarkingPixels {
     /// Detects the markings of a picture.
     #[must_use]
-    pub fn of(ground: &GroundPicture) -> Self {
+    pub fn detect(ground: &GroundPicture) -> Self {
         let size = ground.size();
-        let area = GroundArea::of(ground);
+        let area = GroundArea::detect(ground);
         let mut cells = Cells::new(size);
         // A cell lies in the ground area if its first pixel does: the area is made of 8 px blocks.
         for row in 0..cells.rows {
@@ -78,7 +78,7 @@ impl MarkingPixels {
 
     /// What the picture shows at a point, px.
     #[must_use]
-    pub fn shown(&self, at: ImagePoint) -> Shown {
+    pub fn classify(&self, at: ImagePoint) -> Shown {
         match self.cells.at(at) {
             flags if flags & STROKE != 0 => Shown::Stroke,
             flags if flags & GROUND != 0 => Shown::Ground,
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn marking_pixels_are_the_painted_lines_and_nothing_else() {
         let (field, camera) = (soccer(), truth());
-        let marking_pixels = MarkingPixels::of(&GroundPicture::new(&PICTURE, &[]));
+        let marking_pixels = MarkingPixels::detect(&GroundPicture::new(&PICTURE, &[]));
         let samples = sample_lines(
             &field,
             &camera,
@@ -165,7 +165,7 @@ mod tests {
         );
         let seen = samples
             .iter()
-            .filter(|sample| marking_pixels.shown(sample.image) == Shown::Stroke)
+            .filter(|sample| marking_pixels.classify(sample.image) == Shown::Stroke)
             .count();
         assert!(
             seen as f64 > 0.85 * samples.len() as f64,
@@ -197,7 +197,7 @@ mod tests {
             distances_m.len()
         );
         assert_eq!(
-            marking_pixels.shown(ImagePoint::new(-3.0, 5.0)),
+            marking_pixels.classify(ImagePoint::new(-3.0, 5.0)),
             Shown::Other
         );
     }
@@ -245,7 +245,7 @@ mod tests {
                 for stripes in [[85.0, 85.0], [80.0, 105.0], [105.0, 80.0]] {
                     let (ground, middle, normal) =
                         line_between_stripes(angle_deg, width_px, stripes);
-                    let points = MarkingPixels::of(&ground).points;
+                    let points = MarkingPixels::detect(&ground).points;
                     assert!(
                         points.len() > 40,
                         "{angle_deg}°, {width_px} px, {stripes:?}: {} places",
@@ -271,7 +271,7 @@ mod tests {
             for width_px in [0.5, 0.8, 1.2] {
                 for stripes in [[80.0, 100.0], [100.0, 75.0], [125.0, 90.0]] {
                     let (ground, ..) = line_between_stripes(angle_deg, width_px, stripes);
-                    let columns: BTreeSet<u32> = MarkingPixels::of(&ground)
+                    let columns: BTreeSet<u32> = MarkingPixels::detect(&ground)
                         .points
                         .iter()
                         .map(|point| point.at.x as u32)
@@ -297,7 +297,7 @@ mod tests {
                     |at: usize| ([54.0, 96.0, 40.0][at] * (1.0 - share) + colour[at] * share) as u8;
                 [channel(0), channel(1), channel(2), 255]
             });
-            MarkingPixels::of(&GroundPicture::new(
+            MarkingPixels::detect(&GroundPicture::new(
                 &Picture::new(size, pixels.collect()).unwrap(),
                 &[],
             ))
@@ -322,9 +322,9 @@ mod tests {
             ImageSize::new(3, 2),
             ImageSize::new(200, 100),
         ] {
-            let picture = Picture::filled(size, [60, 110, 40, 255]);
+            let picture = Picture::with_colour(size, [60, 110, 40, 255]);
             assert!(
-                MarkingPixels::of(&GroundPicture::new(&picture, &[]))
+                MarkingPixels::detect(&GroundPicture::new(&picture, &[]))
                     .points
                     .is_empty(),
                 "{size:?}"

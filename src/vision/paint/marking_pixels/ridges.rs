@@ -65,7 +65,7 @@ impl Tone {
 /// The marking pixels of the ground area, row by row.
 pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
     let (width, height) = (ground.size().width as usize, ground.size().height as usize);
-    let smooth = blurred(ground.grey());
+    let smooth = gaussian_blur(ground.grey());
     // Paint on turf is always lighter. Lines of indoor floors may be dark.
     let is_turf = ground.surface().is_turf();
     let tones: &[Tone] = if is_turf {
@@ -73,7 +73,7 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixe
     } else {
         &[Tone::Bright, Tone::Dark]
     };
-    let levels = is_turf.then(|| TurfLevels::of(ground, area));
+    let levels = is_turf.then(|| TurfLevels::measure(ground, area));
     let mut found = Vec::new();
     let mut profile = Profile::default();
     for y in 1..height.saturating_sub(1) {
@@ -87,7 +87,8 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixe
                 let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else {
                     continue;
                 };
-                let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).moved(normal * beside_px);
+                let at =
+                    ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).translate(normal * beside_px);
                 let at = match tone {
                     Tone::Bright => brightest(ground.grey(), at, normal),
                     Tone::Dark => at,
@@ -170,7 +171,7 @@ fn brightest(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> ImagePoint {
     // From near to far, so that of equally bright points the nearest wins.
     let beside = (0..=STEPS)
         .flat_map(|step| [step, -step])
-        .map(|step| at.moved(normal * (STEP_PX * f64::from(step))));
+        .map(|step| at.translate(normal * (STEP_PX * f64::from(step))));
     let with_grey = beside.map(|at| (grey.at(at), at));
     with_grey
         .reduce(|best, next| if next.0 > best.0 { next } else { best })
@@ -220,7 +221,7 @@ fn between_edges(
         )
     };
     match (edge(-1, before), edge(1, behind)) {
-        (Some(from), Some(to)) => at.moved(normal * profile.offset_px(f64::midpoint(from, to))),
+        (Some(from), Some(to)) => at.translate(normal * profile.offset_px(f64::midpoint(from, to))),
         _ => at,
     }
 }
@@ -231,8 +232,8 @@ fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Op
     let here = grey.at(at);
     SIDES_PX.into_iter().find(|side_px| {
         let (one, other) = (
-            grey.at(at.moved(normal * *side_px)),
-            grey.at(at.moved(normal * -side_px)),
+            grey.at(at.translate(normal * *side_px)),
+            grey.at(at.translate(normal * -side_px)),
         );
         let (stands_out, brighter) = match tone {
             Tone::Bright => (here - one.max(other), one.max(other)),
@@ -248,7 +249,7 @@ fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
     let side = |sign: f64| {
         COLOURS_PX
             .into_iter()
-            .any(|beside_px| area.is_of_ground(at.moved(normal * (sign * beside_px))))
+            .any(|beside_px| area.is_of_ground(at.translate(normal * (sign * beside_px))))
     };
     match (side(1.0), side(-1.0)) {
         (true, true) => true,
@@ -259,7 +260,7 @@ fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
 
 /// The brightness convolved with a Gaussian of [`BLUR_PX`], truncated at 3 σ; the border pixels are
 /// repeated outside.
-fn blurred(grey: &GreyPicture) -> Vec<f32> {
+fn gaussian_blur(grey: &GreyPicture) -> Vec<f32> {
     let (width, height) = (grey.size.width as usize, grey.size.height as usize);
     let reach = (3.0 * BLUR_PX).ceil() as isize;
     let weight = |offset: isize| (-0.5 * (offset as f32 / BLUR_PX).powi(2)).exp();

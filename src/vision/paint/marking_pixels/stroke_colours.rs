@@ -26,8 +26,8 @@ impl Colours {
             [0, 1, 2].map(|channel| f64::from(pixel[channel]))
         };
         let (one, other) = (
-            colour(at.moved(normal * side_px)),
-            colour(at.moved(normal * -side_px)),
+            colour(at.translate(normal * side_px)),
+            colour(at.translate(normal * -side_px)),
         );
         Self {
             stroke: colour(at),

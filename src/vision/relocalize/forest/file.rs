@@ -235,7 +235,7 @@ impl<'a> Reader<'a> {
         let descriptors: Vec<Descriptor> =
             descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
         // Sketches follow from the descriptors and are computed on reading.
-        let sketches = descriptors.iter().map(Sketch::of).collect();
+        let sketches = descriptors.iter().map(Sketch::from_descriptor).collect();
         let rays = (0..means)
             .map(|_| {
                 Ok(MeanRay {

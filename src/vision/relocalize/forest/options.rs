@@ -65,7 +65,7 @@ impl TrainOptions {
     /// The settings of the paper: 5 trees of 30 frames, depth 20, 6 bytes with 10 thresholds each,
     /// and leaves that hold the mean of all their samples.
     #[must_use]
-    pub fn published() -> Self {
+    pub fn from_paper() -> Self {
         Self {
             trees: 5,
             max_depth: 20,

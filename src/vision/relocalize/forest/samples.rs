@@ -49,7 +49,7 @@ impl Samples {
     }
 
     /// The samples of one frame.
-    pub(super) fn of_frame(&self, frame: usize) -> std::ops::Range<u32> {
+    pub(super) fn frame_range(&self, frame: usize) -> std::ops::Range<u32> {
         let start = if frame == 0 {
             0
         } else {

@@ -152,7 +152,7 @@ impl Examination<'_> {
             nearest,
         } = &mut *self.search;
         sketches.clear();
-        sketches.extend(self.group.iter().map(Sketch::of));
+        sketches.extend(self.group.iter().map(Sketch::from_descriptor));
         leaves.clear();
         likely.clear();
         missed.iter_mut().for_each(BinaryHeap::clear);
@@ -210,7 +210,7 @@ impl Examination<'_> {
         let mut touched = 0u32;
         for (tree, leaves) in self.trees.iter().zip(leaves.chunks(self.group.len())) {
             for &leaf in leaves {
-                let known = &tree.sketches[tree.held(leaf as usize)];
+                let known = &tree.sketches[tree.leaf_range(leaf as usize)];
                 // Two sketches share a cache line.
                 touched += known
                     .iter()
@@ -340,7 +340,7 @@ fn list_likely(
     gate: u32,
     likely: &mut Vec<Likely>,
 ) {
-    let held = tree.held(leaf);
+    let held = tree.leaf_range(leaf);
     for (place, known) in held.clone().zip(&tree.sketches[held]) {
         if SKETCH_SHARE * sketch.squared_byte_distance(known) <= gate {
             likely.push(Likely {

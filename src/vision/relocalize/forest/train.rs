@@ -75,7 +75,7 @@ pub fn train_without(
         });
     }
     let used: Vec<usize> = (0..samples.frames())
-        .filter(|frame| !left_out.contains(frame) && !samples.of_frame(*frame).is_empty())
+        .filter(|frame| !left_out.contains(frame) && !samples.frame_range(*frame).is_empty())
         .collect();
     if used.is_empty() {
         return Err(Stopped::NoSamples {
@@ -101,7 +101,7 @@ pub fn train_without(
                 options,
                 watch: &watch,
             };
-            let grown = grower.grow(&mut at, 0, mixed(options.seed, tree as u64))?;
+            let grown = grower.grow(&mut at, 0, derive_seed(options.seed, tree as u64))?;
             Some(flatten(&grown))
         })
         .collect();
@@ -117,19 +117,19 @@ fn draw(samples: &Samples, mut frames: Vec<usize>, options: &TrainOptions, tree:
     {
         // The seed is complemented, so that this draw is independent of the splits of the same
         // tree.
-        let mut rng = Pcg64Mcg::seed_from_u64(mixed(!options.seed, u64::from(tree)));
+        let mut rng = Pcg64Mcg::seed_from_u64(derive_seed(!options.seed, u64::from(tree)));
         frames.shuffle(&mut rng);
         frames.truncate(count.max(1) as usize);
         frames.sort_unstable();
     }
     frames
         .into_iter()
-        .flat_map(|frame| samples.of_frame(frame))
+        .flat_map(|frame| samples.frame_range(frame))
         .collect()
 }
 
 /// Derives a seed from a seed and a number (the finaliser of `SplitMix64`).
-fn mixed(seed: u64, number: u64) -> u64 {
+fn derive_seed(seed: u64, number: u64) -> u64 {
     let mut z = seed.wrapping_add(number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -144,7 +144,7 @@ struct TrainWatch<'a> {
 
 impl TrainWatch<'_> {
     /// Counts samples that have reached a leaf, and reports every thousand.
-    fn placed(&self, count: usize) {
+    fn add_placed(&self, count: usize) {
         let before = self.placed.fetch_add(count, Ordering::Relaxed);
         let placed = before + count;
         if before / 1000 != placed / 1000 || placed == self.total {
@@ -187,7 +187,7 @@ impl Grower<'_> {
             None
         };
         let Some(split) = split else {
-            self.watch.placed(at.len());
+            self.watch.add_placed(at.len());
             return Some(Grown::Leaf(means(
                 self.samples,
                 at,
@@ -248,7 +248,7 @@ fn add(grown: &Grown, tree: &mut Tree) -> Branch {
         Grown::Leaf(means) => {
             tree.descriptors.extend(means.iter().map(|mean| mean.0));
             tree.sketches
-                .extend(means.iter().map(|mean| Sketch::of(&mean.0)));
+                .extend(means.iter().map(|mean| Sketch::from_descriptor(&mean.0)));
             tree.rays.extend(means.iter().map(|mean| mean.1));
             tree.leaf_ends.push(tree.rays.len() as u32);
             Branch::leaf(tree.leaf_ends.len() - 1)

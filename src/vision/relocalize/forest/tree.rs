@@ -85,7 +85,7 @@ pub(super) struct Tree {
 impl Tree {
     /// The indices of a leaf's descriptors and rays.
     #[inline]
-    pub(super) fn held(&self, leaf: usize) -> Range<usize> {
+    pub(super) fn leaf_range(&self, leaf: usize) -> Range<usize> {
         let start = if leaf == 0 {
             0
         } else {
@@ -96,7 +96,7 @@ impl Tree {
 
     /// Root mean square spread of the rays of all samples of a leaf, rad.
     fn spread(&self, leaf: usize) -> f64 {
-        let held = &self.rays[self.held(leaf)];
+        let held = &self.rays[self.leaf_range(leaf)];
         // Pan relative to the first ray, so that ±180° is no seam.
         let first = held.first().map_or(Angle::ZERO, MeanRay::pan);
         let place = |ray: &MeanRay| [ray.pan().turn_from(first).radians(), ray.tilt().radians()];

@@ -1,7 +1,7 @@
 //! The joint adjustment of a clip: pan, tilt and focal length of every frame and the direction of
 //! every tracked point, from all observations and pose priors at once.
 
-use super::super::pose_prior::{PosePrior, PriorSource, by_focal_px, moved, offset};
+use super::super::pose_prior::{PosePrior, PriorSource, apply_offset, by_focal_px, offset};
 use super::super::pose_problem::{AdjustedFrame, PoseProblem, PoseState, Seen};
 use super::camera::ClipCamera;
 use super::smooth::smoothed_offsets;
@@ -74,7 +74,7 @@ pub fn adjust_clip(
             frame_of.push(frame);
         }
     }
-    let points = seen(tracks, &propagated.moving, &row_of);
+    let points = static_points(tracks, &propagated.moving, &row_of);
     let priors: Vec<PosePrior> = priors
         .iter()
         .filter(|prior| prior.is_informative())
@@ -290,12 +290,12 @@ fn drift_corrected(straight: &[Ptz], inflated: &[Ptz], covariances: &[Mat3]) -> 
     straight
         .iter()
         .zip(drift)
-        .map(|(ptz, by)| moved(*ptz, by))
+        .map(|(ptz, by)| apply_offset(*ptz, by))
         .collect()
 }
 
 /// The points that at least two reached frames show and that do not move in the scene.
-fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<Seen> {
+fn static_points(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<Seen> {
     let still = tracks
         .tracks
         .iter()
@@ -401,7 +401,7 @@ mod tests {
                         .image_from_ray(PanTilt::from_direction(*direction))
                         .unwrap();
                     let px = if row == 3 { BLURRED_PX } else { SHARP_PX };
-                    (row, at.moved(Vec2::new(shaken(px), shaken(px))))
+                    (row, at.translate(Vec2::new(shaken(px), shaken(px))))
                 })
                 .collect(),
         };
@@ -449,7 +449,7 @@ mod tests {
             let seen_from = |(row, ptz): (usize, &Ptz)| {
                 let at = PtzCamera::new(base, *ptz).image_from_ray(ray).unwrap();
                 let (px, off) = if row == 3 { (0.8, OFF_PX) } else { (0.15, 0.0) };
-                at.moved(Vec2::new(off + shaken(px), shaken(px)))
+                at.translate(Vec2::new(off + shaken(px), shaken(px)))
             };
             PointTrack {
                 first: 0,

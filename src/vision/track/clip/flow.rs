@@ -38,7 +38,7 @@ pub(super) struct FlowPicture {
 }
 
 impl FlowPicture {
-    pub fn of(grey: &GreyPicture) -> opencv::Result<Self> {
+    pub fn from_grey(grey: &GreyPicture) -> opencv::Result<Self> {
         let size = grey.size;
         // `rows` borrows the pixels; the clone owns them.
         let rows = Mat::new_rows_cols_with_bytes::<u8>(
@@ -165,7 +165,7 @@ impl FlowPicture {
     /// Tracks points into another picture. Each item is a point's position here and a guess of its
     /// position there; `None` if it is not found, leaves the picture, or fails the forward–backward
     /// check.
-    pub fn followed(
+    pub fn track_into(
         &self,
         into: &Self,
         points: &[(ImagePoint, ImagePoint)],

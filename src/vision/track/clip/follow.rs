@@ -86,7 +86,7 @@ impl PointFollower {
 
     /// All tracks so far.
     #[must_use]
-    pub fn finished(self) -> PointTracks {
+    pub fn into_tracks(self) -> PointTracks {
         self.tracks
     }
 
@@ -114,7 +114,7 @@ impl PointFollower {
     /// OpenCV returned an error.
     pub fn add(&mut self, picture: &Picture, masks: &[PixelBox]) -> Result<usize, TrackError> {
         self.follow(picture, masks)
-            .map_err(|error| TrackError::of_opencv(&error))
+            .map_err(|error| TrackError::from_opencv(&error))
     }
 
     fn follow(&mut self, picture: &Picture, masks: &[PixelBox]) -> opencv::Result<usize> {
@@ -122,23 +122,23 @@ impl PointFollower {
         let full_px = f64::from(factor);
         let masks: Vec<PixelBox> = masks
             .iter()
-            .map(|mask| mask.scaled(1.0 / full_px))
+            .map(|mask| mask.scale_by(1.0 / full_px))
             .collect();
         let mut grey = crate::media::grey_reduced(picture, factor);
         even_out(&mut grey);
-        let picture = FlowPicture::of(&grey)?;
+        let picture = FlowPicture::from_grey(&grey)?;
         let frame = self.tracks.frames;
         self.tracks.frames += 1;
         // Track the points into this picture and append them to their tracks, in px of the full
         // picture.
         let mut alive = match self.last.take() {
-            Some(last) => last.followed(&picture, &masks)?,
+            Some(last) => last.track_into(&picture, &masks)?,
             None => Vec::new(),
         };
         for point in &alive {
             self.tracks.tracks[point.track]
                 .points
-                .push(scaled(point.at, full_px));
+                .push(scale_point(point.at, full_px));
         }
         // End tracks at their age limit, then detect new points if too few remain.
         let found = alive.len();
@@ -151,7 +151,7 @@ impl PointFollower {
                 let track = self.tracks.tracks.len();
                 self.tracks.tracks.push(PointTrack {
                     first: frame,
-                    points: vec![scaled(at, full_px)],
+                    points: vec![scale_point(at, full_px)],
                 });
                 // Tracks that begin together end at different ages, between half and all of
                 // `longest`: otherwise all points would be replaced in one frame, and nothing would
@@ -174,7 +174,7 @@ impl PointFollower {
 #[cfg(feature = "opencv")]
 impl Last {
     /// The points that are found in the next picture outside the masks.
-    fn followed(self, into: &FlowPicture, masks: &[PixelBox]) -> opencv::Result<Vec<Alive>> {
+    fn track_into(self, into: &FlowPicture, masks: &[PixelBox]) -> opencv::Result<Vec<Alive>> {
         // Guess: the point moves on as it did last; a new point moves as the median of the others.
         let along = |axis: usize| {
             let mut moved: Vec<f64> = self
@@ -185,9 +185,9 @@ impl Last {
             median(&mut moved).unwrap_or(0.0)
         };
         let usual = Vec2::new(along(0), along(1));
-        let guess = |point: &Alive| (point.at, point.at.moved(point.moved.unwrap_or(usual)));
+        let guess = |point: &Alive| (point.at, point.at.translate(point.moved.unwrap_or(usual)));
         let points: Vec<_> = self.alive.iter().map(guess).collect();
-        let found = self.picture.followed(into, &points)?;
+        let found = self.picture.track_into(into, &points)?;
         let next = |(point, found): (&Alive, Option<ImagePoint>)| {
             let at = found.filter(|at| !masks.iter().any(|mask| mask.contains(*at)))?;
             let moved = Some(at.offset_from(point.at));
@@ -240,6 +240,6 @@ fn even_out(grey: &mut crate::media::GreyPicture) {
 }
 
 #[cfg(feature = "opencv")]
-fn scaled(at: ImagePoint, by: f64) -> ImagePoint {
+fn scale_point(at: ImagePoint, by: f64) -> ImagePoint {
     ImagePoint::new(at.x * by, at.y * by)
 }

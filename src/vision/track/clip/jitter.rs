@@ -19,7 +19,7 @@ impl Jitter {
     /// Of cameras in frame order. A missing frame interrupts the sequence; `None` without three
     /// consecutive cameras.
     #[must_use]
-    pub fn of(cameras: &[Option<Ptz>]) -> Option<Self> {
+    pub fn measure(cameras: &[Option<Ptz>]) -> Option<Self> {
         let (mut squares, mut count) = ([0.0; 4], 0.0);
         for three in cameras.windows(3) {
             let [Some(a), Some(b), Some(c)] = three else {
@@ -56,11 +56,11 @@ mod tests {
         let even: Vec<_> = (0..9)
             .map(|at| Some(Ptz::from_degrees(0.1 * f64::from(at), -10.0, 2000.0)))
             .collect();
-        let none = Jitter::of(&even).unwrap();
+        let none = Jitter::measure(&even).unwrap();
         assert!(none.pan_deg < 1e-12 && none.centre_px < 1e-9, "{none:?}");
         let mut jerk = even.clone();
         jerk[4] = Some(Ptz::from_degrees(0.5, -10.0, 2000.0));
-        let jerk = Jitter::of(&jerk).unwrap();
+        let jerk = Jitter::measure(&jerk).unwrap();
         // 0.1 − 2 · 0.1 + 0.1: second differences of 0.1, −0.2 and 0.1 among seven.
         assert!(
             (jerk.pan_deg - (0.06_f64 / 7.0).sqrt()).abs() < 1e-9,
@@ -73,6 +73,6 @@ mod tests {
         );
         let mut gap = even;
         gap[2] = None;
-        assert!(Jitter::of(&gap[..5]).is_none() && Jitter::of(&gap).is_some());
+        assert!(Jitter::measure(&gap[..5]).is_none() && Jitter::measure(&gap).is_some());
     }
 }

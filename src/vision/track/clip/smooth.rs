@@ -5,7 +5,7 @@
 //! performs a random walk. The variance of that walk and the scale of the measurement noise are
 //! those of maximum likelihood for the clip.
 
-use super::super::pose_prior::{by_log_focal, moved, offset};
+use super::super::pose_prior::{apply_offset, by_log_focal, offset};
 use nalgebra::{Matrix6, Vector6};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Mat3, Vec3};
@@ -96,7 +96,10 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
             break;
         }
     }
-    smoothed.into_iter().map(|by| moved(first, by)).collect()
+    smoothed
+        .into_iter()
+        .map(|by| apply_offset(first, by))
+        .collect()
 }
 
 /// Minimum number of frames to smooth.
@@ -303,7 +306,7 @@ mod tests {
         let some = |all: &[Ptz]| all.iter().copied().map(Some).collect::<Vec<_>>();
         let raw: Vec<Ptz> = seen.iter().map(|frame| frame.ptz).collect();
         let [before, after, exact] =
-            [&raw, &smoothed, &truth].map(|all| Jitter::of(&some(all)).unwrap().pan_deg);
+            [&raw, &smoothed, &truth].map(|all| Jitter::measure(&some(all)).unwrap().pan_deg);
         assert!(
             after < 0.4 * before && after < exact + 0.1 * before,
             "{before} {after} {exact}"

@@ -22,7 +22,7 @@ pub struct Miniature {
 impl Miniature {
     /// Reduces a picture to cells.
     #[must_use]
-    pub fn of(picture: &Picture) -> Self {
+    pub fn from_picture(picture: &Picture) -> Self {
         let (width, height) = (
             picture.size().width as usize,
             picture.size().height as usize,
@@ -68,7 +68,7 @@ impl Miniature {
     #[must_use]
     pub fn difference(&self, other: &Self) -> f32 {
         // Exhaustive search at half the size, then refinement by one cell at full size.
-        let (small, small_other) = (self.halved(), other.halved());
+        let (small, small_other) = (self.halve(), other.halve());
         let half = (WIDTH / 2, HEIGHT / 2);
         let shifts = (-COARSE_SHIFT.0..=COARSE_SHIFT.0)
             .flat_map(|right| (-COARSE_SHIFT.1..=COARSE_SHIFT.1).map(move |down| (right, down)));
@@ -124,7 +124,7 @@ impl Miniature {
         deviations.sum::<f32>() / (3.0 * count)
     }
 
-    fn halved(&self) -> Vec<[f32; 3]> {
+    fn halve(&self) -> Vec<[f32; 3]> {
         let mut half = Vec::with_capacity(self.cells.len() / 4);
         for rows in self.cells.chunks_exact(2 * WIDTH) {
             for column in (0..WIDTH).step_by(2) {

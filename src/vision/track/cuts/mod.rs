@@ -72,7 +72,7 @@ pub fn find_cuts(pictures: impl IntoIterator<Item = Option<Picture>>) -> Vec<Fou
     // Pictures missing at the start are not pushed, so the finder counts from the first one there.
     let mut missing = 0;
     for picture in pictures {
-        last = picture.as_ref().map(Miniature::of).or(last);
+        last = picture.as_ref().map(Miniature::from_picture).or(last);
         match &last {
             Some(miniature) => finder.push(miniature.clone()),
             None => missing += 1,
@@ -235,7 +235,7 @@ mod tests {
             let [red, green, blue] = shade(x, y).map(|value| value.clamp(0.0, 255.0) as u8);
             [red, green, blue, 255]
         });
-        Miniature::of(&Picture::new(SIZE, rgba.collect()).unwrap())
+        Miniature::from_picture(&Picture::new(SIZE, rgba.collect()).unwrap())
     }
 
     fn found(frames: impl IntoIterator<Item = Miniature>) -> Vec<(usize, bool)> {

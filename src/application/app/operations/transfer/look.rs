@@ -148,7 +148,8 @@ impl Operation for TransferLook {
     }
 
     fn take_over(&self, app: &mut App, result: Result<Look, Failure<Infallible>>) {
-        let look = result.unwrap_or_else(|failure| self.at.failed(sentence(&failure.to_string())));
+        let look =
+            result.unwrap_or_else(|failure| self.at.failed_look(sentence(&failure.to_string())));
         app.operations.transfer.found = Some(Found {
             revision: self.revision,
             look,
@@ -158,7 +159,7 @@ impl Operation for TransferLook {
 
 impl LookAt {
     /// The result if the look itself failed.
-    const fn failed(&self, why: String) -> Look {
+    const fn failed_look(&self, why: String) -> Look {
         match self {
             Self::Export { .. } => Look::Export(Err(why)),
             Self::Dataset(_) => Look::Dataset(Err(why)),

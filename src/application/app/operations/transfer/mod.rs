@@ -70,7 +70,7 @@ impl Default for TransferState {
             tab: TransferTab::default(),
             format: Format::Json,
             export: ExportOptions {
-                frames: FrameChoice::reviewed(),
+                frames: FrameChoice::reviewed_frames(),
                 ..ExportOptions::default()
             },
             dataset: DatasetOptions::default(),

@@ -2,7 +2,7 @@
 
 use crate::app::sentence;
 use touchline_calibration::pipelines::{CameraSurvey, ImpossibleCamera};
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::{ExchangeError, Joined};
 
 /// Options of the command line in error messages, and their names in the dialog. Replaced in this
@@ -89,7 +89,7 @@ pub fn describe_survey(survey: &CameraSurvey) -> Vec<String> {
         (survey.mirrored, "mirrored"),
     ];
     let of_kind = kinds.into_iter().filter(|(count, _)| *count > 0);
-    let mut first = vec![counted(survey.cameras, "camera")];
+    let mut first = vec![pluralise(survey.cameras, "camera")];
     first.extend(of_kind.map(|(count, kind)| format!("{count} {kind}")));
     let mut lines = vec![first.join(", ") + "."];
     let name = |camera: &ImpossibleCamera| format!("{}: {}.", camera.frame, camera.fault);
@@ -102,7 +102,7 @@ pub fn describe_survey(survey: &CameraSurvey) -> Vec<String> {
         [place] => format!("They agree on one place: {place}."),
         places => {
             let places: Vec<String> = places.iter().map(ToString::to_string).collect();
-            let count = counted(places.len(), "place");
+            let count = pluralise(places.len(), "place");
             format!("They agree on {count}: {}.", places.join("; "))
         }
     });
@@ -114,9 +114,9 @@ pub(super) fn describe_joined(joined: &Joined) -> String {
     let frames = joined.matched + joined.added;
     format!(
         "Labels of {} were imported: {}, {}.",
-        counted(frames, "frame"),
-        counted(joined.clicks, "click"),
-        counted(joined.cameras, "new camera")
+        pluralise(frames, "frame"),
+        pluralise(joined.clicks, "click"),
+        pluralise(joined.cameras, "new camera")
     )
 }
 

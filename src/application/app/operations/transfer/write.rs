@@ -6,7 +6,7 @@ use crate::app::session::{Dialog, Level};
 use crate::app::{App, sentence};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use touchline_core::geometry::counted;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Share;
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
@@ -79,7 +79,7 @@ impl Operation for TransferWrite {
                 exported.write(&to, *replace && !exported.is_folder())?;
                 Ok(format!(
                     "{} written as {format}: {}",
-                    counted(exported.frames, "frame"),
+                    pluralise(exported.frames, "frame"),
                     to.display()
                 ))
             }
@@ -142,7 +142,7 @@ fn describe_dataset(done: &DatasetDone, to: &Path) -> String {
     };
     format!(
         "Dataset of {}{left_out} written: {}",
-        counted(done.frames, "frame"),
+        pluralise(done.frames, "frame"),
         to.display()
     )
 }

@@ -46,9 +46,9 @@ fn frames_whose_answer_the_document_lost_are_queried_again() {
     );
     assert_eq!(
         (
-            answer_cache.answered(&all),
-            answer_cache.unanswered(&all),
-            answer_cache.given_by(by(1))
+            answer_cache.count_answered(&all),
+            answer_cache.count_unanswered(&all),
+            answer_cache.count_answers(by(1))
         ),
         (3, 0, 3)
     );

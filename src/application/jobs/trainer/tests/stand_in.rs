@@ -207,7 +207,7 @@ pub(super) fn model() -> ForestModel {
         PanTilt::from_degrees(1.0, -9.0),
     )]);
     let forest = train(&samples, &TrainOptions::default(), &Progress::default()).unwrap();
-    let seen = SeenRange::of(&[Ptz::from_degrees(1.0, -9.0, 900.0)]).unwrap();
+    let seen = SeenRange::from_cameras(&[Ptz::from_degrees(1.0, -9.0, 900.0)]).unwrap();
     let cameras = vec![CameraForest {
         camera: "main".to_owned(),
         seen,

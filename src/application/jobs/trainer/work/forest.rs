@@ -30,7 +30,8 @@ impl<C: Backend> Work<C> {
     pub(super) fn forget_changed(&mut self, before: &TrainingSet) {
         let is_unchanged = |id: &FrameId| {
             let position = self.document.frames.position_of(id);
-            let sample = position.map(|position| TrainingSet::of(&self.document, &[position]));
+            let sample =
+                position.map(|position| TrainingSet::from_frames(&self.document, &[position]));
             sample.is_some_and(|sample| {
                 before.contains(&sample) && self.training_set.contains(&sample)
             })
@@ -193,7 +194,7 @@ impl<C: Backend> Work<C> {
     /// stated as certain. The result is a new generation, so that earlier answers are queried
     /// again.
     fn bound(&mut self, quality: &Quality) {
-        let shown = quality.shown();
+        let shown = quality.confident_answers();
         let (Some(forest), Some(facts)) = (&self.forest, &self.status.forest) else {
             return;
         };
@@ -212,7 +213,8 @@ impl<C: Backend> Work<C> {
     fn survey(&mut self) {
         let training_frames = &self.training_frames.frames;
         self.status.coverage =
-            Coverage::of_cameras(self.document.at(self.backend.folder()), training_frames).into();
+            Coverage::measure_cameras(self.document.at(self.backend.folder()), training_frames)
+                .into();
     }
 }
 

@@ -149,8 +149,8 @@ impl<C: Backend> Work<C> {
             self.windows.look_at(document, self.backend.folder());
             self.document = self.windows.with_answers(document.clone());
             self.given_answers.keep_fitting(&self.document);
-            self.training_frames = TrainingFrames::of_solved(document);
-            let training_set = TrainingSet::of(document, &self.training_frames.frames);
+            self.training_frames = TrainingFrames::from_solved_frames(document);
+            let training_set = TrainingSet::from_frames(document, &self.training_frames.frames);
             if training_set != self.training_set {
                 let before = std::mem::replace(&mut self.training_set, training_set);
                 self.forget_changed(&before);
@@ -270,8 +270,8 @@ impl<C: Backend> Work<C> {
     }
 
     fn count(&mut self) {
-        self.status.answered = self.answer_cache.answered(&self.document);
-        self.status.unanswered = self.answer_cache.unanswered(&self.document);
+        self.status.answered = self.answer_cache.count_answered(&self.document);
+        self.status.unanswered = self.answer_cache.count_unanswered(&self.document);
     }
 
     /// The query of the moment: which forest, with or without snapping.

@@ -74,7 +74,7 @@ impl<C: Backend> Work<C> {
                     .wants(&self.document, index, &forest.model, asking)
             };
             let AskingOrder { first, rest } =
-                AskingOrder::of(&self.document, self.current().unwrap_or(0), wanted);
+                AskingOrder::new(&self.document, self.current().unwrap_or(0), wanted);
             let (between, rest): (Vec<usize>, Vec<usize>) = rest
                 .into_iter()
                 .partition(|index| self.windows.holds_back(*index));
@@ -99,7 +99,7 @@ impl<C: Backend> Work<C> {
         };
         // Progress counts every answer of this forest. Frames between key frames count once they
         // are next.
-        let done = self.answer_cache.given_by(self.asking());
+        let done = self.answer_cache.count_answers(self.asking());
         let queue = &self.queue;
         let between = if queue.rest.is_empty() {
             queue.between.len()

@@ -174,9 +174,9 @@ impl Desk {
 
     fn check(&self) {
         let Self { project, now, .. } = self;
-        for (edited, shown) in project.edited().frames.iter().zip(&now.frames) {
+        for (edited, shown) in project.edited_document().frames.iter().zip(&now.frames) {
             assert!(!edited.shows_suggestion());
-            let base = Bases::in_document(now).of_frame(edited);
+            let base = Bases::in_document(now).for_frame(edited);
             let suggestion = project
                 .suggestions
                 .topmost(&edited.id, base.as_ref())
@@ -191,8 +191,8 @@ impl Desk {
             );
         }
         assert_eq!(*project.view(), *now);
-        assert_eq!(project.view_with(project.edited()), *now);
-        assert_eq!(project.edits_in(now), *project.edited());
+        assert_eq!(project.view_with(project.edited_document()), *now);
+        assert_eq!(project.edits_in(now), *project.edited_document());
         let mut read = self.start.clone();
         self.journal
             .iter()
@@ -201,8 +201,8 @@ impl Desk {
         let text = document_to_string(project.view()).unwrap();
         let reopened = Project::from_document(document_from_bytes(text.as_bytes()).unwrap());
         assert_eq!(
-            (reopened.view(), reopened.edited()),
-            (project.view(), project.edited())
+            (reopened.view(), reopened.edited_document()),
+            (project.view(), project.edited_document())
         );
     }
 }

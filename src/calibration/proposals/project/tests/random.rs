@@ -90,7 +90,7 @@ impl Desk {
             Happening::Click(frame, x) => self.edit("Click", |document| {
                 document.frames[frame]
                     .clicks
-                    .push(Click::unnamed(ImagePoint::new(x, 1.0)));
+                    .push(Click::without_name(ImagePoint::new(x, 1.0)));
                 document.frames[frame].status = FrameStatus::Draft;
             }),
             Happening::Move(height_m) => self.edit("Move camera", |document| {
@@ -120,18 +120,18 @@ proptest! {
     fn the_view_is_what_people_did_with_what_is_suggested(happenings in happenings()) {
         let mut desk = Desk::of(document(4));
         for happening in happenings {
-            let (edited, step) = (desk.project.edited().clone(), desk.history.next_undo().cloned());
+            let (edited, step) = (desk.project.edited_document().clone(), desk.history.next_undo().cloned());
             desk.happen(happening);
             desk.check();
             if matches!(happening, Happening::Answer(..) | Happening::Carry(..) | Happening::Discard(_)) {
-                prop_assert_eq!(desk.project.edited(), &edited, "people did nothing");
+                prop_assert_eq!(desk.project.edited_document(), &edited, "people did nothing");
                 prop_assert_eq!(desk.history.next_undo(), step.as_ref());
             }
         }
         while desk.step(true) {
             desk.check();
         }
-        for (frame, start) in desk.project.edited().frames.iter().zip(&desk.start.frames) {
+        for (frame, start) in desk.project.edited_document().frames.iter().zip(&desk.start.frames) {
             prop_assert_eq!(Frame { revision: 0, ..(**frame).clone() }, (**start).clone());
         }
     }

@@ -21,7 +21,7 @@ fn a_file_is_split_and_written_as_it_was() {
     let text = document_to_string(&document).unwrap();
     let project = Project::from_document(document_from_bytes(text.as_bytes()).unwrap());
     let untouched: Vec<bool> = project
-        .edited()
+        .edited_document()
         .frames
         .iter()
         .map(|frame| frame.is_untouched())
@@ -30,7 +30,7 @@ fn a_file_is_split_and_written_as_it_was() {
     assert_eq!(project.suggestions.frames().count(), 2);
     assert_eq!(document_to_string(project.view()).unwrap(), text);
     assert_eq!(
-        document_to_string(&project.view_with(project.edited())).unwrap(),
+        document_to_string(&project.view_with(project.edited_document())).unwrap(),
         text
     );
 }
@@ -41,7 +41,7 @@ fn accepting_is_one_step_and_taking_it_back_shows_what_is_suggested_by_then() {
     desk.suggest(&[proposal(&desk.now, 0, Some(1.0))]);
     assert_eq!(desk.history.next_undo(), None, "a suggestion is not a step");
     desk.accept(0);
-    let accepted = &desk.project.edited().frames[0];
+    let accepted = &desk.project.edited_document().frames[0];
     assert_eq!(
         (accepted.status, accepted.revision),
         (FrameStatus::Reference, 1)
@@ -70,8 +70,10 @@ fn what_was_accepted_or_corrected_before_a_restart_is_suggested_again_when_that_
     desk.accept(0);
     desk.edit("Click", |document| {
         let frame = &mut document.frames[1];
-        let proposed = frame.proposed();
-        frame.clicks.push(Click::unnamed(ImagePoint::new(3.0, 1.0)));
+        let proposed = frame.proposed_camera();
+        frame
+            .clicks
+            .push(Click::without_name(ImagePoint::new(3.0, 1.0)));
         frame.status = FrameStatus::Draft;
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(2.5, -9.0, 900.0), None));
         frame.solution = Some(Solution {

@@ -20,8 +20,8 @@ fn figure() -> Figure {
     .with(measured.with_bars(vec![[0.5, 1.5], [1.0, 30.0], [0.0, 0.0], [8.0, 9.5]]))
     .with(
         Series::new("bound", 0, vec![[0.0, 0.0], [3.0, 3.0]])
-            .lined(Line::Dashed)
-            .marked(Mark::None),
+            .with_line(Line::Dashed)
+            .with_mark(Mark::None),
     )
 }
 
@@ -131,8 +131,8 @@ fn a_title_that_is_too_wide_is_shrunk_then_broken() {
 /// shares of the plot's height from the top, and the number of its caps.
 fn lay_out_bar(y: Axis, point: f64, bar: [f64; 2]) -> Option<([f64; 2], usize)> {
     let series = Series::new("", 1, vec![[1.0, point]])
-        .lined(Line::None)
-        .marked(Mark::None)
+        .with_line(Line::None)
+        .with_mark(Mark::None)
         .with_bars(vec![bar]);
     let x = Axis::linear("").within(0.0, 2.0);
     let drawing = Figure::new("", x, y).with(series).laid_out().unwrap();

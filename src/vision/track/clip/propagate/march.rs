@@ -5,7 +5,7 @@
 //! directions. A point that disagrees in [`STRIKES`] frames is taken to move in the scene, and the
 //! march leaves it out from then on.
 
-use super::super::super::pose_prior::moved;
+use super::super::super::pose_prior::apply_offset;
 use super::super::camera::ClipCamera;
 use super::super::{PointTrack, PointTracks};
 use super::one_frame::{Correspondence, KnownFocal, OneFrame};
@@ -74,7 +74,7 @@ impl<'a> March<'a> {
     ///
     /// Directions are estimated anew, because they depend on the camera at the start. Points that
     /// were found to move stay excluded in later runs.
-    pub fn propagated(
+    pub fn propagate(
         &mut self,
         from: usize,
         ptz: Ptz,
@@ -152,9 +152,9 @@ impl<'a> March<'a> {
         // moving points alone: points that stand still in the image are partly of burnt-in graphics
         // and would pull the fit towards no motion. A camera at rest is fitted to all points.
         let from = self.camera.with_known_focal(frame, from);
-        let turned = self.turned_camera(frame, from, &moving, &still);
+        let turned = self.fit_turning_camera(frame, from, &moving, &still);
         let is_turning = turned.is_some();
-        let ptz = turned.unwrap_or_else(|| self.fitted(frame, from, &correspondences));
+        let ptz = turned.unwrap_or_else(|| self.fit_camera(frame, from, &correspondences));
         let camera = self.camera.at_origin(frame, ptz);
         // Accept the frame only if the inliers are many, a large share, and spread over the
         // picture: a few points in a corner do not determine the focal length.
@@ -202,7 +202,7 @@ impl<'a> March<'a> {
     /// scene fills the picture and moves as one, while a graphic occupies a corner and players move
     /// independently. So the camera is rotating if the moving points that agree on one rotation and
     /// zoom occupy more cells of the picture than the points that stand still.
-    fn turned_camera(
+    fn fit_turning_camera(
         &self,
         frame: usize,
         from: Ptz,
@@ -212,7 +212,7 @@ impl<'a> March<'a> {
         if moving.len() < self.options.min_points {
             return None;
         }
-        let ptz = self.fitted(frame, from, moving);
+        let ptz = self.fit_camera(frame, from, moving);
         let camera = self.camera.at_origin(frame, ptz);
         let agreeing = moving
             .iter()
@@ -257,8 +257,8 @@ impl<'a> March<'a> {
     /// (graduated non-convexity; Blake and Zisserman: "Visual Reconstruction", 1987). If the focal
     /// length is known, [`KnownFocal`] holds it in the fit; its tiny remainder is removed after
     /// each scale.
-    fn fitted(&self, frame: usize, from: Ptz, correspondences: &[Correspondence]) -> Ptz {
-        let start = self.turned(frame, from, correspondences);
+    fn fit_camera(&self, frame: usize, from: Ptz, correspondences: &[Correspondence]) -> Ptz {
+        let start = self.initial_camera(frame, from, correspondences);
         let (base, known_focal) = (
             self.camera.base_at(frame).at_origin(),
             self.camera.focal_px_at(frame).map(KnownFocal),
@@ -282,7 +282,7 @@ impl<'a> March<'a> {
 
     /// A start for a frame's camera: the last one, panned and tilted by the median motion of the
     /// points.
-    fn turned(&self, frame: usize, from: Ptz, correspondences: &[Correspondence]) -> Ptz {
+    fn initial_camera(&self, frame: usize, from: Ptz, correspondences: &[Correspondence]) -> Ptz {
         let camera = self.camera.at_origin(frame, from);
         let off: Vec<Vec2> = correspondences
             .iter()
@@ -294,7 +294,7 @@ impl<'a> March<'a> {
         // Residuals are predicted minus observed. Panning right moves the prediction left, tilting
         // up moves it down (image y points down). Small angles near the image centre are accurate
         // enough for a start.
-        moved(
+        apply_offset(
             from,
             Vec3::new(along(0) / from.focal_px, -along(1) / from.focal_px, 0.0),
         )

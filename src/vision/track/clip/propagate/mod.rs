@@ -97,10 +97,10 @@ pub fn propagate(
     for (place, &(frame, ptz)) in known.iter().enumerate() {
         let next = known.get(place + 1).map_or(frames, |next| next.0 + 1);
         let before = place.checked_sub(1).map_or(0, |before| known[before].0);
-        for (to, at) in march.propagated(frame, ptz, frame + 1..next) {
+        for (to, at) in march.propagate(frame, ptz, frame + 1..next) {
             forth[to] = Some((frame, at));
         }
-        for (to, at) in march.propagated(frame, ptz, (before..frame).rev()) {
+        for (to, at) in march.propagate(frame, ptz, (before..frame).rev()) {
             back[to] = Some((frame, at));
         }
     }

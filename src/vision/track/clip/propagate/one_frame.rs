@@ -5,7 +5,7 @@
 //! its image and the projection of its direction. A focal length that is known beforehand enters as
 //! one more measurement, with a σ so small that no point can move it.
 
-use super::super::super::pose_prior::moved;
+use super::super::super::pose_prior::apply_offset;
 use super::super::super::pose_problem::KNOWN_FOCAL_SIGMA;
 use nalgebra::{SMatrix, SVector};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
@@ -38,8 +38,8 @@ impl Problem for OneFrame<'_> {
         equations
     }
 
-    fn stepped(&self, from: &Ptz, step: &Vec3) -> Ptz {
-        moved(*from, *step)
+    fn apply_step(&self, from: &Ptz, step: &Vec3) -> Ptz {
+        apply_offset(*from, *step)
     }
 }
 
@@ -62,7 +62,7 @@ impl Residual<1, 0, 3> for KnownFocal {
         Some(SVector::<f64, 1>::new((at.ptz().focal_px / self.0).ln()))
     }
 
-    fn linearised(&self, at: &PtzCamera) -> Option<Linearised<1, 0, 3>> {
+    fn linearise(&self, at: &PtzCamera) -> Option<Linearised<1, 0, 3>> {
         let by_own = SMatrix::<f64, 1, 3>::new(0.0, 0.0, 1.0);
         Some(Linearised {
             value: self.value(at)?,
@@ -101,7 +101,7 @@ impl Residual<2, 0, 3> for Correspondence {
         )
     }
 
-    fn linearised(&self, at: &PtzCamera) -> Option<Linearised<2, 0, 3>> {
+    fn linearise(&self, at: &PtzCamera) -> Option<Linearised<2, 0, 3>> {
         let here = at.image_from_direction_jacobian(self.direction).ok()?;
         let mut by_own = here.by_ptz;
         // ∂/∂(ln f) = f ∂/∂f.
