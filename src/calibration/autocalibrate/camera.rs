@@ -23,6 +23,7 @@ use super::search_places::SearchPlaces;
 use super::verdict::{
     MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, MIN_EXPLAINED_ELSEWHERE,
     contradicting_click, few_aligned, is_refuted, missing_in_frames, open_size, uncertain,
+    unusual_size,
 };
 use super::wanted_clicks::wanted_clicks;
 use super::{
@@ -320,8 +321,11 @@ impl<'a> Search<'a> {
         other: AutocalibratedCamera,
         is_doubted: bool,
     ) -> Result<AutocalibrationAnswer, Stop> {
-        let doubt =
-            |camera| few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP).or_else(|| open_size(camera));
+        let doubt = |camera| {
+            few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP)
+                .or_else(|| open_size(camera))
+                .or_else(|| unusual_size(camera, &self.field_prior))
+        };
         let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
         if is_doubted || !doubts.is_empty() {
             doubts.insert(0, Doubt::Rival);
@@ -415,7 +419,7 @@ impl<'a> Search<'a> {
         matched: &MatchedFrames,
         min_aligned: f64,
     ) -> Result<AutocalibrationAnswer, Stop> {
-        // Three checks at full resolution; the first that fails is reported.
+        // Three checks at full resolution and one of the field; the first that fails is reported.
         camera.evidence.missing = missing_in_frames(&camera, matched);
         let lines = &camera.evidence.missing;
         let missing = || {
@@ -428,6 +432,7 @@ impl<'a> Search<'a> {
             || contradicting_click(&camera, &self.clicks(&indices), &self.document.frames);
         match few_aligned(&camera, min_aligned)
             .or_else(missing)
+            .or_else(|| unusual_size(&camera, &self.field_prior))
             .or_else(contradicted)
         {
             Some(doubt) => Err(uncertain(vec![doubt], camera)),

@@ -89,6 +89,19 @@ pub enum Doubt {
         /// 1-σ of the value, m.
         sigma_m: f64,
     },
+    /// The fitted size of the field is far from what is usual. The outer lines are then likely to
+    /// be confused with something beside the field, such as the foot of the advertising boards.
+    #[error(
+        "the field would be {value_m:.1} m {}, which is unusual: state its {} if that is right",
+        if .name == "length_m" { "long" } else { "wide" },
+        .name.trim_end_matches("_m")
+    )]
+    UnusualSize {
+        /// Name of the length, as in documents: `length_m` or `width_m`.
+        name: String,
+        /// Fitted value, m.
+        value_m: f64,
+    },
     /// A click lies far from the projection of its landmark.
     #[error(
         "the click on {landmark} in {frame} lies {off_px:.0} px from where the painted lines put it"

@@ -33,7 +33,9 @@ pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -
     const MIN_LINES: usize = 5;
     const MAX_RESIDUAL_PX: f64 = 1.5;
     const MAX_PARTS_M: f64 = 2.0;
-    const MAX_ROLL_DEG: f64 = 4.0;
+    // Heads are levelled to a degree or two, but a camera that is put up for one match, or held in
+    // place by a clamp, leans more: a real one behind a goal is rolled by 5.3°.
+    const MAX_ROLL_DEG: f64 = 6.0;
     let roll_deg = base.angles().roll.degrees();
     let mut doubts = Vec::new();
     let mut reject_if = |wrong: bool, doubt: Doubt| {

@@ -17,8 +17,9 @@ const LEVEL_SHARE: f64 = 0.125;
 const STEP_M: f64 = 2.5;
 
 /// A length of a field that the rules leave open, m.
-#[allow(clippy::struct_field_names, reason = "each name ends with its unit")]
 pub(super) struct OpenLength {
+    /// Its name in documents.
+    pub name: String,
     pub value_m: f64,
     /// Mean and 1-σ of the prior, m.
     pub assumed_m: f64,
@@ -111,6 +112,7 @@ impl FieldPrior {
             return Vec::new();
         };
         let of = |(here, param): (SizeParam, &SizeParam)| OpenLength {
+            name: here.name,
             value_m: here.assumed_m,
             assumed_m: param.assumed_m,
             sigma_m: param.sigma_m,

@@ -7,6 +7,7 @@
 use super::clicked::GroundClick;
 use super::error::Stop;
 use super::evidence::missing_lines;
+use super::field_prior::{FieldPrior, OpenLength};
 use super::matched_frames::MatchedFrames;
 use super::{Abstention, Doubt};
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
@@ -33,6 +34,13 @@ pub(super) const MIN_ALIGNED_WITH_RUNNER_UP: f64 = 0.85;
 
 /// … and at most this share with the runner-up.
 const MAX_ALIGNED_OF_RUNNER_UP: f64 = 0.65;
+
+/// A fitted length of the field that is farther than this from the usual one is doubted, in 1-σ of
+/// its prior: a soccer pitch of less than 97.5 or more than 112.5 m, or of less than 57 or more than
+/// 79 m. On a drawn clip whose far touchline is thinner than a pixel, the foot of the boards 10 m
+/// behind it was taken for the touchline: 88.8 ± 0.3 m instead of 69.6 m, with every other line in
+/// its place.
+const UNUSUAL_SIGMAS: f64 = 3.0;
 
 /// A click farther than this from the projection of its landmark contradicts the camera, px at 1920
 /// px width.
@@ -71,6 +79,20 @@ pub(super) fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
         name: open.name.clone(),
         value_m: open.value_m,
         sigma_m: open.sigma_m,
+    })
+}
+
+/// The reason to reject a camera whose field has an unusual size, where the document does not state
+/// one.
+pub(super) fn unusual_size(camera: &AutocalibratedCamera, prior: &FieldPrior) -> Option<Doubt> {
+    let mut lengths = prior.open_lengths(&camera.field).into_iter();
+    let is_unusual = |length: &OpenLength| {
+        (length.value_m - length.assumed_m).abs() > UNUSUAL_SIGMAS * length.sigma_m
+    };
+    let unusual = lengths.find(is_unusual).filter(|_| !prior.is_known)?;
+    Some(Doubt::UnusualSize {
+        name: unusual.name,
+        value_m: unusual.value_m,
     })
 }
 
@@ -160,6 +182,25 @@ mod tests {
             sigma_m: 0.7,
         };
         assert_eq!(open_size(&camera), Some(doubt));
+    }
+
+    #[test]
+    fn a_field_of_an_unusual_size_is_a_doubt() {
+        let mut prior = soccer();
+        let mut camera = hypothesis(&prior.assumed).camera;
+        let mut doubt_at = |length_m, width_m| {
+            camera.field = prior.with_lengths(&[length_m, width_m]).unwrap();
+            unusual_size(&camera, &prior)
+        };
+        assert_eq!(doubt_at(101.0, 75.0), None);
+        let (name, value_m) = ("width_m".to_owned(), 84.0);
+        assert_eq!(
+            doubt_at(101.0, 84.0),
+            Some(Doubt::UnusualSize { name, value_m })
+        );
+        // A stated size is that of the venue, however unusual.
+        prior.is_known = true;
+        assert_eq!(unusual_size(&camera, &prior), None);
     }
 
     #[test]

@@ -51,15 +51,15 @@ const CLIPS: [WildClip; 8] = [
     right("psg-marseille-smoke", [-0.70, -74.65, 21.64], 0.6),
     right("brighton-liverpool", [0.67, -69.67, 16.20], 3.2),
     right("chelsea-milan", [0.16, -51.96, 10.97], 0.5),
+    right("behind-goal-tactical", [-118.83, -1.67, 40.03], 1.2),
     unanswered("goal-close"),
-    unanswered("behind-goal-tactical"),
 ];
 
 /// Those that are right stay right; `chelsea-milan` is near the limit of frames that have to agree.
 /// The others are not counted: what they answer has to be looked at.
 pub const RATE: Rate = Rate {
-    tried: 6,
-    right: 5,
+    tried: 7,
+    right: 6,
     wrong: 0,
 };
 
