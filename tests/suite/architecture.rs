@@ -137,9 +137,9 @@ const MOST_FIELDS: usize = 20;
 const MOST_CODE_LINES_PER_COMMENT: usize = 40;
 const MOST_CLOSURES_PER_10_000_LINES: usize = 100;
 const MOST_SHORT_FILES: usize = 80;
-const MOST_LONG_LINES: usize = 623;
-const MOST_PARTICIPLES: usize = 475;
-const MOST_DIALECT: usize = 544;
+const MOST_LONG_LINES: usize = 620;
+const MOST_PARTICIPLES: usize = 109;
+const MOST_DIALECT: usize = 330;
 
 /// The workspace's folder.
 fn workspace() -> &'static Path {

@@ -565,7 +565,7 @@ fn wrong_usage_is_one_line() {
         ),
         (
             "export doc.json --dataset a --status draft",
-            "no frame for the dataset: none has the status",
+            "no frame for the dataset: none has the requested status",
         ),
     ] {
         let ran = touchline(folder.path(), arguments);

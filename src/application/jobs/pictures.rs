@@ -207,7 +207,7 @@ impl Pictures {
         }
         .within(self.decoder.cache_bytes(), picture_bytes);
         let plan = prefetch_plan(index, open.document.frames.len(), self.direction, options);
-        // Remember where the requested frames are in the document, for `decoded` and `nearest`.
+        // Remember where the requested frames are in the document, for `decoded_frames` and `nearest`.
         let kept = self.decoder.pictures();
         self.places.retain(|frame, _| kept.contains(frame));
         self.places.insert(frame.clone(), index);

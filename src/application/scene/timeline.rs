@@ -105,7 +105,7 @@ impl Timeline {
 
     /// The timeline of `document`, updated from this one, which was made of `before`: only parts
     /// with changed frames are summarised again. `None` if cuts may have moved or too many frames
-    /// have changed; then [`Self::of`] is needed.
+    /// have changed; then [`Self::from_document`] is needed.
     #[must_use]
     pub fn follow_changes(&self, document: &Document, before: &TimelineSource) -> Option<Self> {
         let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else {

@@ -388,7 +388,7 @@ impl BelowHorizon {
     }
 }
 
-/// The sum that [`explained_roughly`] divides by the number of directions, for a pose of the grid.
+/// The sum that [`mean_nearness`] divides by the number of directions, for a pose of the grid.
 /// With a vertical pan axis a pose is a rotation in the plane and a scaling by the height. The
 /// search spends most of its time here.
 fn sum_upright_nearness(pose: &PanoramaPose, directions: &[BelowHorizon], map: &PitchMap) -> f64 {

@@ -117,7 +117,7 @@ impl BaseProblem {
     /// The same, with solved frames that have no clicks: their paint may contribute.
     ///
     /// # Errors
-    /// Those of [`Self::of`].
+    /// Those of [`Self::from_document`].
     pub(super) fn with_solved(
         document: DocumentAt<'_>,
         camera: &CameraId,

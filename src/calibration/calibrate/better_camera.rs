@@ -50,7 +50,7 @@ impl BetterCamera {
 }
 
 /// The camera that fits a frame's clicks best, if it fits and the frame's own does not. `fields`
-/// contains the field of each camera of the document, in their order (`Fields::of_cameras`).
+/// contains the field of each camera of the document, in their order (`Fields::per_camera`).
 #[must_use]
 pub fn better_camera(
     document: &Document,

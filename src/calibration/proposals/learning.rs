@@ -226,7 +226,7 @@ pub fn learn(
 }
 
 /// The forest of one camera, trained on references after their labels are adjusted to each other
-/// ([`aligned`]). None without samples.
+/// ([`adjust_labels`]). None without samples.
 ///
 /// # Errors
 /// `progress` cancelled it, or there are too many samples.

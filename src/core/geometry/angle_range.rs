@@ -102,7 +102,7 @@ impl AngleRange {
         self.start
     }
 
-    /// The end: not below the start, so above π where the arc contains ±180°. [`Angle::wrapped`]
+    /// The end: not below the start, so above π where the arc contains ±180°. [`Angle::wrap`]
     /// makes it a direction.
     #[must_use]
     pub const fn end(&self) -> Angle {

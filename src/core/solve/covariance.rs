@@ -108,7 +108,7 @@ impl Uncertainty {
         })
     }
 
-    /// [`Self::of_known`] with the covariance in the units of documents: (pan deg, tilt deg, focal
+    /// [`Self::from_covariance`] with the covariance in the units of documents: (pan deg, tilt deg, focal
     /// px).
     ///
     /// # Errors
@@ -352,7 +352,7 @@ impl OverlayPoint {
         })
     }
 
-    /// The overlay point of what a pixel shows ([`shown_at`]).
+    /// The overlay point of what a pixel shows ([`world_point_from_image`]).
     fn at_pixel(camera: &PtzCamera, pixel: ImagePoint) -> Option<Self> {
         Self::at_world(camera, world_point_from_image(camera, pixel)?)
     }

@@ -5,7 +5,7 @@
 //! section 3.1, with a known principal point); then R and the position follow.
 //!
 //! This closed form does not minimise the reprojection errors: a homography has eight degrees of
-//! freedom, such a camera seven. [`PlanePose::refined`] minimises them.
+//! freedom, such a camera seven. [`PlanePose::refine`] minimises them.
 
 use super::Loss;
 use super::least_squares::{BlockEquations, Problem, Stopping, minimise};

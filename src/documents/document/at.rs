@@ -45,7 +45,7 @@ impl DocumentAt<'_> {
         self.model_of(self.document.field_of(frame))
     }
 
-    /// The document rewritten for another folder: see [`Document::relocated`].
+    /// The document rewritten for another folder: see [`Document::relocate`].
     #[must_use]
     pub fn relocate(self, to_folder: &Path) -> Document {
         self.document.clone().relocate(self.folder, to_folder)

@@ -75,7 +75,7 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
             pixels(picture_height),
             FilterType::Triangle,
         );
-        // Pictures are pasted in first, so that the shapes cover them: see `painted`.
+        // Pictures are pasted in first, so that the shapes cover them: see `png_with_background`.
         pictures.push((small, [pixels(left), pixels(top)]));
         add_lines_over_picture(&mut drawing.shapes, frame, [left, top]);
         drawing.shapes.push(Shape::Text {

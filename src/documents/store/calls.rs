@@ -1,4 +1,4 @@
-//! The system calls by which the store changes the disk. Each goes through [`tried`], where the
+//! The system calls by which the store changes the disk. Each goes through [`try_call`], where the
 //! fault tests let it fail.
 
 use std::fs::{self, File, OpenOptions};

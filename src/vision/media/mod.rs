@@ -9,7 +9,7 @@
 //! | [`FrameStream`] | a list of frames, read in order |
 //! | [`CachedReader`] | reading of frames several times that decodes them once, within a byte budget |
 //! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
-//! | [`letterboxed`] | thumbnails |
+//! | [`letterbox`] | thumbnails |
 //! | [`Notice`] | remarks for the user about a usable source |
 //!
 //! Nothing here starts a background thread; background work is in `jobs`.

@@ -227,7 +227,7 @@ impl Node {
     }
 
     /// Approximate motion of the picture from one candidate to another, px: the inverse of
-    /// [`Self::stepped`].
+    /// [`Self::apply_step`].
     fn apart_px(self, other: &Self, width_px: u32) -> f64 {
         // Without the factor cos(tilt) of a pan: good enough for the small tilts of sports cameras.
         let across = self.ptz.pan.turn_from(other.ptz.pan).radians() * self.ptz.focal_px;

@@ -8,9 +8,9 @@
 //!
 //! Where several references show a feature, its ray may be from any of them: a consensus is where
 //! rays cluster, not their mean, and labels that were adjusted to each other (see
-//! [`super::aligned`]) have correlated errors. So nothing averages out: the covariance is that of
+//! [`super::adjust_labels`]) have correlated errors. So nothing averages out: the covariance is that of
 //! one reference, averaged over those that show the features. An error of the base, which all
-//! references share, is added by [`Uncertainty::of_known`].
+//! references share, is added by [`Uncertainty::from_covariance`].
 //!
 //! Treating labels as independent, each with its share of the information, was tried: 17 % and 19 %
 //! of the answers about two drawn matches were then within the stated 68 % region (16 references of

@@ -79,7 +79,7 @@ pub struct CoursePoint {
     /// The time, in the unit of the axis.
     pub at: f64,
     /// Pan and tilt in degrees, focal length in px of the frame. Pan is unwrapped, so that it does
-    /// not jump at ±180°: see [`AngleRange::unwrapped`].
+    /// not jump at ±180°: see [`AngleRange::unwrap_angle`].
     pub values: [f64; 3],
     /// The frame's status.
     pub kind: PointKind,

@@ -265,7 +265,7 @@ impl SizeFit<'_> {
     }
 
     /// The sizes with their sigmas. The variance of each has two independent parts: that of click
-    /// noise (`variances`) and that of displaced landmarks ([`Self::displaced`]).
+    /// noise (`variances`) and that of displaced landmarks ([`Self::displacement_variances`]).
     fn fitted_sizes(
         &self,
         values: &[f64],

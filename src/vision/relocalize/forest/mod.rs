@@ -10,7 +10,7 @@
 //!
 //! # Where it departs from the paper, and what was tried
 //!
-//! The published forest ([`TrainOptions::published`]) splits until a leaf has one sample or depth
+//! The published forest ([`TrainOptions::from_paper`]) splits until a leaf has one sample or depth
 //! 20 is reached, and represents a leaf by the mean of its samples. That has two drawbacks: a
 //! single wrong branch on a long descent ends at an outlier, and at depth 20 leaves mix places. The
 //! table shows the share of rays within 0.5° and the time for the features of one frame on a busy

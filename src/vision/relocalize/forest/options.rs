@@ -18,7 +18,7 @@ pub enum SplitRule {
 }
 
 /// Options of training. The defaults are the settings that performed best on drawn and real frames
-/// (see the documentation of the module); [`Self::published`] gives those of the paper.
+/// (see the documentation of the module); [`Self::from_paper`] gives those of the paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrainOptions {
     /// Number of trees. Default: 3.

@@ -135,7 +135,7 @@ impl<'a> March<'a> {
             })
             .collect();
         // Separate points that moved in the image since they were first seen from those that did
-        // not; see `turned_camera`.
+        // not; see `fit_turning_camera`.
         let moved_px = |(track, correspondence): &(usize, Correspondence)| {
             correspondence.image.distance_px(directions[*track].first) / self.px
         };
