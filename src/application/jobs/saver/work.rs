@@ -146,7 +146,7 @@ impl<'a> Work<'a> {
             }
             // The journal was deleted. Writing the document also creates a new one.
             Err(StoreError::Gone { .. }) if self.keep(Others::Stay).is_ok() => {
-                self.report_saved(None)
+                self.report_saved(None);
             }
             Err(error) => {
                 if !self.journal_refused {
