@@ -270,12 +270,12 @@ impl Memory {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stand_in::{Controller, Reply, frame, picture, stand_in};
+    use super::super::fake_reader::{Controller, Reply, fake_reader, frame, picture};
     use super::*;
     use std::path::Path;
 
     fn held_decoder() -> (Decoder, Controller) {
-        let (make_reader, wake, controller) = stand_in();
+        let (make_reader, wake, controller) = fake_reader();
         (
             Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap(),
             controller,
@@ -478,7 +478,7 @@ mod tests {
 
     #[test]
     fn a_small_cache_keeps_the_current_frame() {
-        let (make_reader, wake, controller) = stand_in();
+        let (make_reader, wake, controller) = fake_reader();
         let options = DecoderOptions {
             cache_bytes: 2 * picture(0).bytes(),
         };

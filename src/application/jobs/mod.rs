@@ -22,6 +22,8 @@ mod decoder;
 mod demo;
 mod drawn_match;
 mod error;
+#[cfg(test)]
+mod fake_reader;
 mod frame_orders;
 mod frame_worker;
 mod opening;
@@ -32,8 +34,6 @@ mod runner;
 mod saver;
 mod settings_file;
 mod shared_pictures;
-#[cfg(test)]
-mod stand_in;
 mod tasks;
 mod thumbnails;
 mod trainer;

@@ -42,7 +42,7 @@ pub(super) fn next_place(queue: &VecDeque<FrameRef>, last: Option<&FrameRef>) ->
 
 #[cfg(test)]
 mod tests {
-    use super::super::stand_in::frame;
+    use super::super::fake_reader::frame;
     use super::*;
     use std::path::Path;
 

@@ -164,7 +164,7 @@ impl ReadFrames for SharedReader {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stand_in::{frame, picture};
+    use super::super::fake_reader::{frame, picture};
     use super::*;
 
     /// A reader that counts what it reads.

@@ -185,15 +185,15 @@ impl ReadFrames for SmallReader {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stand_in::{Controller, Reply, frame, stand_in};
+    use super::super::fake_reader::{Controller, Reply, fake_reader, frame};
     use super::*;
     use crate::jobs::DecoderOptions;
     use std::sync::mpsc::TryRecvError;
 
     fn held_pair() -> (Decoder, Controller, Thumbnails, Controller) {
-        let (make_reader, wake, decoder_controller) = stand_in();
+        let (make_reader, wake, decoder_controller) = fake_reader();
         let decoder = Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap();
-        let (make_reader, wake, controller) = stand_in();
+        let (make_reader, wake, controller) = fake_reader();
         let thumbnails = Thumbnails::with_reader(&decoder, wake, make_reader).unwrap();
         (decoder, decoder_controller, thumbnails, controller)
     }

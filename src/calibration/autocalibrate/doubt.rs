@@ -48,7 +48,7 @@ pub enum Doubt {
         /// Number of frames that took part.
         frames: usize,
     },
-    /// The base is rolled more than a levelled camera head can be.
+    /// The base is rolled more than a camera head is, levelled or not.
     #[error("the camera would be rolled by {roll_deg:.1}°")]
     Leans {
         /// Roll of the base, degrees.
@@ -78,8 +78,7 @@ pub enum Doubt {
     /// The frames do not determine the size of the field.
     #[error(
         "the frames do not show how {} the field is ({value_m:.1} ± {sigma_m:.1} m): state its {}, or add frames that show more of it",
-        if .name == "length_m" { "long" } else { "wide" },
-        .name.trim_end_matches("_m")
+        extent(.name), .name.trim_end_matches("_m")
     )]
     SizeOpen {
         /// Name of the length, as in documents: `length_m` or `width_m`.
@@ -93,8 +92,7 @@ pub enum Doubt {
     /// be confused with something beside the field, such as the foot of the advertising boards.
     #[error(
         "the field would be {value_m:.1} m {}, which is unusual: state its {} if that is right",
-        if .name == "length_m" { "long" } else { "wide" },
-        .name.trim_end_matches("_m")
+        extent(.name), .name.trim_end_matches("_m")
     )]
     UnusualSize {
         /// Name of the length, as in documents: `length_m` or `width_m`.
@@ -117,4 +115,9 @@ pub enum Doubt {
     /// The paint of the frames' own pictures does not determine a base.
     #[error("the painted lines of the frames' own pictures do not determine a base")]
     NotHeld,
+}
+
+/// How a message speaks of a length of the field.
+fn extent(name: &str) -> &'static str {
+    if name == "length_m" { "long" } else { "wide" }
 }

@@ -85,11 +85,14 @@ pub(super) fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
 /// The reason to reject a camera whose field has an unusual size, where the document does not state
 /// one.
 pub(super) fn unusual_size(camera: &AutocalibratedCamera, prior: &FieldPrior) -> Option<Doubt> {
-    let mut lengths = prior.open_lengths(&camera.field).into_iter();
+    if !prior.is_size_unknown() {
+        return None;
+    }
     let is_unusual = |length: &OpenLength| {
         (length.value_m - length.assumed_m).abs() > UNUSUAL_SIGMAS * length.sigma_m
     };
-    let unusual = lengths.find(is_unusual).filter(|_| !prior.is_known)?;
+    let mut lengths = prior.open_lengths(&camera.field).into_iter();
+    let unusual = lengths.find(is_unusual)?;
     Some(Doubt::UnusualSize {
         name: unusual.name,
         value_m: unusual.value_m,

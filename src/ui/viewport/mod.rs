@@ -175,7 +175,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
             });
             show_frame(panel, ui, &placement, &hold, key, picture);
         }
-        Err(Missing::Yet) => show_stand_in(panel, ui, &placement),
+        Err(Missing::Yet) => show_placeholder(panel, ui, &placement),
         Err(Missing::Never(reason)) => hints::show_failure(&painter, rect, &reason),
     }
 }
@@ -185,7 +185,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
 ///
 /// It is dimmed after [`PATIENCE_S`]. A picture of another size is not shown, because the view
 /// would place it elsewhere.
-fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
+fn show_placeholder(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let (now, rect) = (ui.input(|input| input.time), placement.rect);
     let (last, since) = with_memory(ui.ctx(), |remembered| {
         (

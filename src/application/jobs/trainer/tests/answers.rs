@@ -1,6 +1,6 @@
 //! Which frames the trainer queries again, and which it leaves as they are answered.
 
-use super::stand_in::{Begun, Let, model, proposal};
+use super::fake_backend::{Begun, Let, model, proposal};
 use super::{Controller, document};
 use crate::app::{AnswerKey, TrainerOrder};
 use crate::jobs::trainer::answer_cache::{AnswerCache, Asking};

@@ -1,6 +1,6 @@
 //! A trainer is paused, shows features, meets panics and ends, at every stage of its work.
 
-use super::stand_in::{Begun, Let, no_features};
+use super::fake_backend::{Begun, Let, no_features};
 use super::{Controller, document};
 use crate::app::{Doing, TrainerOrder};
 use touchline_calibration::proposals::NoProposal;

@@ -3,13 +3,13 @@
 
 mod answers;
 mod control;
-mod stand_in;
+mod fake_backend;
 mod training;
 mod videos;
 
 use super::{Trainer, TrainerOptions, TrainerReport};
 use crate::app::{Doing, TrainerOrder, TrainerStatus};
-use stand_in::{Begun, Let, StandIn};
+use fake_backend::{Begun, FakeBackend, Let};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
@@ -44,7 +44,7 @@ impl Controller {
             gather: Duration::ZERO,
             threads: Some(1),
         };
-        let make = move |_| StandIn {
+        let make = move |_| FakeBackend {
             begun: begin,
             orders,
             confidence,

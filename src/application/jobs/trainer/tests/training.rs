@@ -1,6 +1,6 @@
 //! What the trainer trains on, when it trains again, and what it then queries.
 
-use super::stand_in::{Begun, Let, proposal};
+use super::fake_backend::{Begun, Let, proposal};
 use super::{Controller, accept, document};
 use crate::app::TrainerOrder;
 use touchline_documents::document::FrameStatus;

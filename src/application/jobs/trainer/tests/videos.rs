@@ -1,6 +1,6 @@
 //! In a video the forest answers key frames, and tracking answers the frames between them.
 
-use super::stand_in::{Begun, Let};
+use super::fake_backend::{Begun, Let};
 use super::{Controller, accept, document};
 use crate::app::{Doing, TrainerOrder};
 use touchline_core::progress::Share;

@@ -41,13 +41,13 @@ pub(super) enum Let {
     Stopped,
 }
 
-pub(super) struct StandIn {
+pub(super) struct FakeBackend {
     pub(super) begun: Sender<Begun>,
     pub(super) orders: Receiver<Let>,
     pub(super) confidence: f64,
 }
 
-impl StandIn {
+impl FakeBackend {
     fn begin(&self, what: Begun) -> Let {
         // When the test has dropped the controller, the work succeeds.
         self.begun.send(what).unwrap_or_default();
@@ -55,7 +55,7 @@ impl StandIn {
     }
 }
 
-impl Backend for StandIn {
+impl Backend for FakeBackend {
     fn recall(&mut self, _: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
         match self.begin(Begun::Recall) {
             Let::Well => Ok(Some(model())),

@@ -69,13 +69,13 @@ pub(super) fn picture(index: usize) -> Picture {
 }
 
 /// A fake reader, its wake callback and its controller.
-pub(super) fn stand_in() -> (MakeReader, Wake, Controller) {
+pub(super) fn fake_reader() -> (MakeReader, Wake, Controller) {
     let (begin, begun) = channel();
     let (go, orders) = channel();
     let (wake, woken) = channel();
     let orders = Arc::new(Mutex::new(orders));
     let make: MakeReader = Box::new(move |counting| {
-        Box::new(StandIn {
+        Box::new(FakeReader {
             begin: begin.clone(),
             orders: Arc::clone(&orders),
             counting,
@@ -88,13 +88,13 @@ pub(super) fn stand_in() -> (MakeReader, Wake, Controller) {
     )
 }
 
-struct StandIn {
+struct FakeReader {
     begin: Sender<usize>,
     orders: Arc<Mutex<Receiver<Reply>>>,
     counting: Progress<'static, CountProgress>,
 }
 
-impl ReadFrames for StandIn {
+impl ReadFrames for FakeReader {
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
         let FrameRef::Video { path, index } = frame else {
             panic!("{frame} is no frame of a video")
