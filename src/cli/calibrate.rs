@@ -1,7 +1,7 @@
 //! `touchline calibrate`: makes a project with its camera from frames alone.
 
 use super::Outcome;
-use super::document::{DocumentArg, Loaded, is_document};
+use super::document::{Loaded, is_document};
 use super::match_report::MatchReport;
 use super::messages::Messages;
 use super::new::{parameter, read_field};
@@ -176,10 +176,7 @@ fn read_document(
         "{}: a document states its field; leave out --field and --set",
         args.frames.display()
     );
-    let Loaded { location, document } = DocumentArg {
-        document: args.frames.clone(),
-    }
-    .load(messages)?;
+    let Loaded { location, document } = Loaded::read(&args.frames, messages)?;
     let with_base = document
         .cameras
         .iter()

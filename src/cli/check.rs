@@ -53,28 +53,36 @@ fn text(document: &Document, problems: &[Problem]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{}", plain(&problem.to_string()));
     }
-    let counted =
-        |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let clicks = document.frames.iter().map(|frame| frame.clicks.len()).sum();
     let (frames, clicks) = (
-        counted(document.frames.len(), "frame"),
-        counted(clicks, "click"),
+        count_with_noun(document.frames.len(), "frame"),
+        count_with_noun(clicks, "click"),
     );
     let _ = match problems.len() {
         0 => writeln!(text, "No problems: {frames}, {clicks}."),
-        count => writeln!(text, "{} in {frames}, {clicks}.", counted(count, "problem")),
+        count => {
+            let problems = count_with_noun(count, "problem");
+            writeln!(text, "{problems} in {frames}, {clicks}.")
+        }
     };
     text
 }
 
+/// A count with its noun, without separators of thousands.
+fn count_with_noun(count: usize, singular: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {singular}{plural}")
+}
+
 fn report(document: &Document, problems: &[Problem]) -> Value {
-    let problem = |problem: &Problem| {
+    let problems = problems.iter().map(|problem| {
         json!({
             "code": problem.fault.code(),
             "place": problem.place,
             "frame": problem.frame,
             "message": problem.fault.to_string(),
         })
-    };
-    json!({ "frames": document.frames.len(), "problems": problems.iter().map(problem).collect::<Vec<_>>() })
+    });
+    let problems: Vec<Value> = problems.collect();
+    json!({ "frames": document.frames.len(), "problems": problems })
 }

@@ -41,11 +41,21 @@ impl DocumentArg {
     /// # Errors
     /// There is no document at the path, or it cannot be read.
     pub fn load(&self, messages: Messages) -> anyhow::Result<Loaded> {
-        let (location, document, recovery) = store::read(&self.document)?;
+        Loaded::read(&self.document, messages)
+    }
+}
+
+impl Loaded {
+    /// Reads the document at a path and reports what was recovered from its journal.
+    ///
+    /// # Errors
+    /// There is no document at the path, or it cannot be read.
+    pub fn read(path: &Path, messages: Messages) -> anyhow::Result<Self> {
+        let (location, document, recovery) = store::read(path)?;
         if let Some(message) = recovery.message() {
             messages.note(&message);
         }
-        Ok(Loaded { location, document })
+        Ok(Self { location, document })
     }
 }
 

@@ -1,7 +1,7 @@
 //! `touchline evaluate`: measures how far the cameras of one document are from those of another.
 
 use super::Outcome;
-use super::document::{DocumentArg, Loaded};
+use super::document::Loaded;
 use super::messages::Messages;
 use super::output::{print, refuse_existing, write_file, write_report};
 use serde_json::{Map, Value, json};
@@ -91,20 +91,14 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     for path in args.output.iter().chain(&args.report) {
         refuse_existing(path, args.force)?;
     }
-    let read = |document: &PathBuf| {
-        DocumentArg {
-            document: document.clone(),
-        }
-        .load(messages)
-    };
     let Loaded {
         location: true_location,
         document: truth,
-    } = read(&args.truth)?;
+    } = Loaded::read(&args.truth, messages)?;
     let Loaded {
         location,
         document: estimate,
-    } = read(&args.estimate)?;
+    } = Loaded::read(&args.estimate, messages)?;
     let (truth_at, estimate_at) = (
         truth.at(true_location.folder()),
         estimate.at(location.folder()),

@@ -1,13 +1,13 @@
 //! `touchline experiment`: measures the paper's tables and figures again.
 
 use super::Outcome;
-use super::document::{DocumentArg, Loaded};
+use super::document::Loaded;
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file, write_report};
 use anyhow::{Context as _, ensure};
 use std::fmt::Write as _;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use touchline_documents::report::{Provenance, Report};
 use touchline_experiments::{
     Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs, claims_table, page,
@@ -171,13 +171,13 @@ fn chosen(
         }
         return Ok((vec![one], Vec::new()));
     }
-    let wanted = |experiment: &Experiment| match experiment {
+    let experiments = args.experiments.0.iter().copied();
+    let all = experiments.filter(|experiment| match experiment {
         Experiment::Homographies | Experiment::Motion => true,
         // A user's own frames are reported once, not again as a World Cup set.
         Experiment::Worldcup => !has_own,
         experiment => !has_own || experiment.takes_frames(),
-    };
-    let all = args.experiments.0.iter().copied().filter(wanted);
+    });
     Ok(all.partition(|experiment| {
         !experiment.needs_data() || inputs.data_folder(*experiment).is_ok()
     }))
@@ -195,28 +195,28 @@ fn own_documents(
         args.test.is_none() || args.train.len() == 1,
         "--test needs exactly one --train"
     );
-    let read = |path: &PathBuf| -> anyhow::Result<_> {
-        let Loaded { location, document } = DocumentArg {
-            document: path.clone(),
-        }
-        .load(messages)?;
-        let name = location.name();
-        let name = name.strip_suffix(".json").unwrap_or(&name).to_owned();
-        Ok(OwnDocument {
-            name,
-            document,
-            folder: location.folder().to_path_buf(),
-        })
-    };
     let train = args
         .train
         .iter()
-        .map(read)
+        .map(|path| own_document(path, messages))
         .collect::<anyhow::Result<Vec<_>>>()?;
-    Ok(Some(OwnDocuments {
-        train,
-        test: args.test.as_ref().map(read).transpose()?,
-    }))
+    let test = args
+        .test
+        .as_ref()
+        .map(|path| own_document(path, messages))
+        .transpose()?;
+    Ok(Some(OwnDocuments { train, test }))
+}
+
+fn own_document(path: &Path, messages: Messages) -> anyhow::Result<OwnDocument> {
+    let Loaded { location, document } = Loaded::read(path, messages)?;
+    let name = location.name();
+    let name = name.strip_suffix(".json").unwrap_or(&name).to_owned();
+    Ok(OwnDocument {
+        name,
+        document,
+        folder: location.folder().to_path_buf(),
+    })
 }
 
 /// The provenance of one experiment's report, or of the joint one: program, commit, command, seeds.

@@ -147,19 +147,21 @@ pub(super) fn format_parser(
     goes: fn(Format) -> bool,
 ) -> impl clap::builder::TypedValueParser<Value = Format> {
     let formats = Format::ALL.into_iter().filter(move |format| goes(*format));
-    let help = |format: Format| {
-        let lost = if format.exports() {
-            format!(" (an export loses: {})", format.loses())
-        } else {
-            String::new()
-        };
-        format!("{}{lost}", format.title())
-    };
     let values: Vec<PossibleValue> = formats
-        .map(|format| PossibleValue::new(format.name()).help(help(format)))
+        .map(|format| PossibleValue::new(format.name()).help(describe_format(format)))
         .collect();
     PossibleValuesParser::new(values)
         .try_map(|name| Format::from_name(&name).ok_or_else(|| format!("{name} is no format")))
+}
+
+/// The title of a format, and what an export loses.
+fn describe_format(format: Format) -> String {
+    let lost = if format.exports() {
+        format!(" (an export loses: {})", format.loses())
+    } else {
+        String::new()
+    };
+    format!("{}{lost}", format.title())
 }
 
 /// Parses a status by its name in documents.
@@ -210,14 +212,14 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
         .lines()
         .map(str::trim)
         .filter(|line| !line.is_empty() && !line.starts_with('#'));
-    let row = |line: &str| {
+    let rows = rows.map(|line| {
         let (raw, focal) = line.split_once([',', ' ', '\t'])?;
         Some((
             raw.trim().parse::<f64>().ok()?,
             focal.trim().parse::<f64>().ok()?,
         ))
-    };
-    let table: Option<Vec<(f64, f64)>> = rows.map(row).collect();
+    });
+    let table: Option<Vec<(f64, f64)>> = rows.collect();
     match table {
         Some(table) if table.len() >= 2 => Ok(Zoom::Table(table)),
         _ => bail!(
@@ -234,13 +236,13 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     args.output.refuse_existing()?;
     let Loaded { location, document } = args.document.load(messages)?;
     // Check the names of cameras first: a wrong one would export no frame.
-    let known = |name: &&String| {
+    let unknown = args.camera.iter().find(|name| {
         document
             .cameras
             .iter()
-            .any(|camera| camera.id.as_str() == name.as_str())
-    };
-    if let Some(unknown) = args.camera.iter().find(|name| !known(name)) {
+            .all(|camera| camera.id.as_str() != name.as_str())
+    });
+    if let Some(unknown) = unknown {
         bail!("there is no camera {unknown:?} in the document");
     }
     let frames = FrameChoice {

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::attached_labels::{attach_to_video, open_video, recognize};
-use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::document::{DocumentOutput, Loaded};
 use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, zoom_of};
 use super::messages::{Messages, count_steps};
 use super::new::{parameter, read_field};
@@ -149,10 +149,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     let imported = match format {
         // A document is read together with its journal.
         Format::Json => {
-            let Loaded { location, document } = DocumentArg {
-                document: args.path.clone(),
-            }
-            .load(messages)?;
+            let Loaded { location, document } = Loaded::read(&args.path, messages)?;
             Imported {
                 document,
                 folder: location.folder().to_path_buf(),

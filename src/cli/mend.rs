@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::attached_labels::{AttachedLabels, attach_to_video, note_format, open_video, recognize};
-use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::document::{DocumentOutput, Loaded};
 use super::export::{format_parser, parse_size};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
@@ -132,8 +132,7 @@ fn format_of_cameras_alone(args: &MendArgs) -> anyhow::Result<Option<Format>> {
         "{}: give the cameras of this video as the second argument",
         args.video.display()
     );
-    let recognized = || recognize_format(&args.video).ok();
-    let format = args.format.or_else(recognized);
+    let format = args.format.or_else(|| recognize_format(&args.video).ok());
     Ok(format.filter(|format| *format != Format::Json))
 }
 
@@ -208,10 +207,7 @@ fn read_cameras(args: &MendArgs, cameras: &Path, messages: Messages) -> anyhow::
 
 /// A document whose frames have imported cameras.
 fn read_document(path: &Path, messages: Messages) -> anyhow::Result<Given> {
-    let argument = DocumentArg {
-        document: path.to_path_buf(),
-    };
-    let Loaded { location, document } = argument.load(messages)?;
+    let Loaded { location, document } = Loaded::read(path, messages)?;
     Ok(Given {
         document,
         folder: location.folder().to_path_buf(),

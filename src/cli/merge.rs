@@ -1,7 +1,7 @@
 //! `touchline merge`: joins several people's versions of one document.
 
 use super::Outcome;
-use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::document::{DocumentOutput, Loaded};
 use super::messages::Messages;
 use anyhow::Context as _;
 use std::collections::BTreeSet;
@@ -42,10 +42,7 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded {
         location,
         document: base,
-    } = DocumentArg {
-        document: args.base.clone(),
-    }
-    .load(messages)?;
+    } = Loaded::read(&args.base, messages)?;
     let folder = location.folder();
     // The first version is the result so far; every further one is merged into it.
     let mut merged: Option<Document> = None;
@@ -107,10 +104,7 @@ fn read_version(
     path: &Path,
     messages: Messages,
 ) -> anyhow::Result<Document> {
-    let Loaded { location, document } = DocumentArg {
-        document: path.to_path_buf(),
-    }
-    .load(messages)?;
+    let Loaded { location, document } = Loaded::read(path, messages)?;
     let moved = restore_version(base.at(folder), &document)?;
     // Frames of the base have the base's paths already; only new frames need relocation.
     let mut relocated = moved.clone().relocate(location.folder(), folder);

@@ -100,9 +100,10 @@ fn commands_of(plan: &Plan, path: &Path, parts: &Path) -> String {
 /// A path as one word of a shell, which `xargs` reads in the same way.
 fn quote(path: &Path) -> String {
     let text = path.to_string_lossy();
-    let is_plain =
-        |character: char| character.is_ascii_alphanumeric() || "/._-+,:@%".contains(character);
-    if !text.is_empty() && text.chars().all(is_plain) {
+    let is_plain = text
+        .chars()
+        .all(|character| character.is_ascii_alphanumeric() || "/._-+,:@%".contains(character));
+    if !text.is_empty() && is_plain {
         return text.into_owned();
     }
     format!("'{}'", text.replace('\'', "'\\''"))

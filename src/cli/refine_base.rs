@@ -342,24 +342,25 @@ fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
         "{name}: painted lines: {} places on {} lines in {} frames",
         seen.places, seen.lines, seen.frames
     ));
-    let errors = |errors: Option<HeldOutErrors>| {
-        errors.map_or_else(
-            || "none".to_owned(),
-            |HeldOutErrors {
-                 median_px, p90_px, ..
-             }| format!("{median_px:.2} px, 90 % {p90_px:.2} px"),
-        )
-    };
     for (what, before, after) in [
         ("paint", seen.before.paint, seen.after.paint),
         ("clicks", seen.before.clicks, seen.after.clicks),
     ] {
         messages.note(&format!(
             "{name}: {what} held out: {}; before {}",
-            errors(after),
-            errors(before)
+            describe_errors(after),
+            describe_errors(before)
         ));
     }
+}
+
+fn describe_errors(errors: Option<HeldOutErrors>) -> String {
+    errors.map_or_else(
+        || "none".to_owned(),
+        |HeldOutErrors {
+             median_px, p90_px, ..
+         }| format!("{median_px:.2} px, 90 % {p90_px:.2} px"),
+    )
 }
 
 /// Reports the base, the models that were compared, and clicks that disagree.
@@ -408,7 +409,6 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     if let Some(reason) = found.one_view() {
         messages.note(&format!("{name}: {reason}"));
     }
-    let frame_name = |index: usize| document.frames[index].name();
     for click in &found.disputed {
         let error = click.error_px.map_or_else(
             || "behind the camera".to_owned(),
@@ -420,7 +420,7 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
             .map_or_else(String::new, |(id, _)| format!(", {id} would fit"));
         messages.note(&format!(
             "{}: point {} is {error}{better}",
-            frame_name(click.frame),
+            document.frames[click.frame].name(),
             click.click + 1
         ));
     }
@@ -428,7 +428,7 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
         let words = describe_mirrored(frame);
         messages.note(&format!(
             "{}: the names look mirrored: {words}",
-            frame_name(frame.frame)
+            document.frames[frame.frame].name()
         ));
     }
 }

@@ -1,7 +1,7 @@
 //! `touchline relocalize`: finds the cameras of unclicked frames with a trained forest.
 
 use super::Outcome;
-use super::document::{DocumentArg, DocumentOutput, Loaded, is_document};
+use super::document::{DocumentOutput, Loaded, is_document};
 use super::features::{FeaturesArg, tell_refusal};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
@@ -103,9 +103,11 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let before = document.clone();
     // Choose the frames: undecided ones, with `--resume` without an answer, with `--key-frames` not
     // between key frames.
-    let is_wanted = |frame: &Frame| frame.is_open() && !(args.resume && is_answered(frame));
     let mut queried: Vec<usize> = (0..document.frames.len())
-        .filter(|&index| is_wanted(&document.frames[index]))
+        .filter(|&index| {
+            let frame = &document.frames[index];
+            frame.is_open() && !(args.resume && is_answered(frame))
+        })
         .collect();
     if args.key_frames {
         let windows = KeyWindow::from_document(document.at(&folder));
@@ -252,10 +254,7 @@ fn read_input(
     if let [path] = &args.inputs[..]
         && is_document(path)
     {
-        let Loaded { location, document } = DocumentArg {
-            document: path.clone(),
-        }
-        .load(messages)?;
+        let Loaded { location, document } = Loaded::read(path, messages)?;
         let file = Some(location.file().to_path_buf());
         return Ok(Input {
             document,

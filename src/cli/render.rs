@@ -193,13 +193,13 @@ fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Fr
     {
         return Ok(frame);
     }
-    let of_this_name = |frame: &&Frame| {
+    let of_this_name = frames().filter(|frame| {
         frame
             .image
             .as_deref()
             .is_some_and(|image| Path::new(image).file_name() == Some(wanted.as_ref()))
-    };
-    match frames().filter(of_this_name).collect::<Vec<_>>()[..] {
+    });
+    match of_this_name.collect::<Vec<_>>()[..] {
         [frame] => return Ok(frame),
         [first, second, ..] => {
             bail!(

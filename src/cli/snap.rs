@@ -6,7 +6,7 @@ use super::messages::Messages;
 use touchline_calibration::calibrate::{camera_on_paint, record_on_paint};
 use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Fields, Frame, FrameStatus};
+use touchline_documents::document::{Fields, FrameStatus};
 use touchline_vision::paint::{FindOptions, SnapOptions};
 
 /// Pulls solved frames onto the painted markings; statuses stay as they are.
@@ -58,11 +58,11 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         ..FindOptions::default()
     };
     let bar = messages.progress(document.frames.len(), "Snapping");
-    let is_looked_at = |frame: &Frame| {
-        frame.status != FrameStatus::Rejected && (frame.ptz.is_some() || args.from_nothing)
-    };
     let looked_at: Vec<usize> = (0..before.frames.len())
-        .filter(|&index| is_looked_at(&before.frames[index]))
+        .filter(|&index| {
+            let frame = &before.frames[index];
+            frame.status != FrameStatus::Rejected && (frame.ptz.is_some() || args.from_nothing)
+        })
         .collect();
     let mut counts = Counts {
         passed: before.frames.len() - looked_at.len(),

@@ -9,7 +9,7 @@ use touchline_calibration::calibrate::{
 };
 use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::geometry::pluralise;
-use touchline_documents::document::{Document, DocumentAt, Fields, Frame, FrameStatus};
+use touchline_documents::document::{Document, DocumentAt, Fields, FrameStatus};
 
 /// Solves every frame with enough clicks; statuses stay as they are.
 #[derive(clap::Args, Debug)]
@@ -42,11 +42,14 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let bar = messages.progress(document.frames.len(), "Solving");
     let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
     bar.finish_and_clear();
-    let count = |wanted: fn(&SolveOutcome) -> bool| {
-        outcomes.iter().filter(|outcome| wanted(outcome)).count()
-    };
-    let solved = count(|outcome| matches!(outcome, SolveOutcome::Solved));
-    let passed = count(|outcome| matches!(outcome, SolveOutcome::TooFewClicks));
+    let solved = outcomes
+        .iter()
+        .filter(|outcome| matches!(outcome, SolveOutcome::Solved))
+        .count();
+    let passed = outcomes
+        .iter()
+        .filter(|outcome| matches!(outcome, SolveOutcome::TooFewClicks))
+        .count();
     for (frame, outcome) in document.frames.iter().zip(&outcomes) {
         if let SolveOutcome::Failed(error) = outcome {
             messages.frame_failed(&frame.name(), &error.to_string());
@@ -77,8 +80,10 @@ fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> an
     let fields = Fields::from_document(document.at(folder))?;
     let bar = messages.progress(document.frames.len(), "Checking the lines");
     let solved = document.clone();
-    let is_checked = |frame: &Frame| frame.ptz.is_some() && frame.status != FrameStatus::Rejected;
-    let checked = (0..solved.frames.len()).filter(|&index| is_checked(&solved.frames[index]));
+    let checked = (0..solved.frames.len()).filter(|&index| {
+        let frame = &solved.frames[index];
+        frame.ptz.is_some() && frame.status != FrameStatus::Rejected
+    });
     for FramePicture {
         index,
         frame,

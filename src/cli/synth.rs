@@ -174,32 +174,37 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
 /// Refuses a folder with a project that this command did not draw: pictures of a drawn match could
 /// overwrite the project's.
 fn refuse_other_project(folder: &Path) -> anyhow::Result<()> {
-    let is_other = |name: &str| folder.join(name).exists() && !folder.join(TRUTH_FILE).is_file();
-    match [PROJECT_FILE, "images"]
-        .into_iter()
-        .find(|name| is_other(name))
-    {
-        Some(name) => {
-            bail!(
-                "{} holds {name}, which was not drawn by this program; give another folder",
-                folder.display()
-            )
-        }
-        None => Ok(()),
+    if folder.join(TRUTH_FILE).is_file() {
+        return Ok(());
     }
+    let other = [PROJECT_FILE, "images"]
+        .into_iter()
+        .find(|name| folder.join(name).exists());
+    if let Some(name) = other {
+        bail!(
+            "{} holds {name}, which was not drawn by this program; give another folder",
+            folder.display()
+        );
+    }
+    Ok(())
 }
 
 fn image_size(text: &str) -> Result<ImageSize, String> {
-    let wrong = || format!("{text:?} is not a size; write it like 1280x720, both from 16 to 8192");
-    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
-    let side = |digits: &str| {
-        digits
-            .parse::<u32>()
-            .ok()
-            .filter(|side| (16..=8192).contains(side))
-            .ok_or_else(wrong)
-    };
-    Ok(ImageSize::new(side(width)?, side(height)?))
+    let sides = text
+        .split_once('x')
+        .and_then(|(width, height)| Some((side_px(width)?, side_px(height)?)));
+    let (width, height) = sides.ok_or_else(|| {
+        format!("{text:?} is not a size; write it like 1280x720, both from 16 to 8192")
+    })?;
+    Ok(ImageSize::new(width, height))
+}
+
+/// The length of a side of a picture, px; none where it is no number or out of range.
+fn side_px(digits: &str) -> Option<u32> {
+    digits
+        .parse::<u32>()
+        .ok()
+        .filter(|side| (16..=8192).contains(side))
 }
 
 fn step_s(text: &str) -> Result<f64, String> {

@@ -51,20 +51,19 @@ pub struct TrackArgs {
 }
 
 fn range(text: &str) -> Result<RangeInclusive<usize>, String> {
-    let wanted =
-        || "frames are given as A..B, the first and the last number, such as 100..250".to_owned();
-    let (from, to) = text.split_once("..").ok_or_else(wanted)?;
-    let number = |text: &str| {
-        text.trim_start_matches('=')
-            .parse::<usize>()
-            .map_err(|_| wanted())
-    };
-    let (from, to) = (number(from)?, number(to)?);
-    if from <= to {
-        Ok(from..=to)
-    } else {
-        Err(wanted())
+    let numbers = text
+        .split_once("..")
+        .and_then(|(from, to)| Some((frame_number(from)?, frame_number(to)?)));
+    match numbers {
+        Some((from, to)) if from <= to => Ok(from..=to),
+        _ => Err(
+            "frames are given as A..B, the first and the last number, such as 100..250".to_owned(),
+        ),
     }
+}
+
+fn frame_number(text: &str) -> Option<usize> {
+    text.trim_start_matches('=').parse().ok()
 }
 
 /// Tracks the clips and writes the document. [`Outcome::SomeFailed`] if a frame got no camera,
@@ -236,12 +235,6 @@ fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
 
 /// The name of a clip: its first and its last picture.
 fn name_of(clip: &ClipSpan) -> String {
-    let file_name = |path: &Path| {
-        path.file_name()
-            .unwrap_or(path.as_os_str())
-            .to_string_lossy()
-            .into_owned()
-    };
     match (&clip.first, &clip.last) {
         (FrameRef::Video { path, index }, FrameRef::Video { index: last, .. }) => {
             format!("{} frames {index} to {last}", file_name(path))
@@ -251,6 +244,13 @@ fn name_of(clip: &ClipSpan) -> String {
         }
         (first, last) => format!("{first} to {last}"),
     }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// Reports the result of one clip: residuals, frames that kept their camera, breaks, jitter.

@@ -15,7 +15,7 @@ use touchline_calibration::proposals::{
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::{Detector, FeatureOptions};
 use touchline_vision::media::FrameReader;
-use touchline_vision::relocalize::{CameraForest, RelocalizeOptions, TrainOptions, TrainProgress};
+use touchline_vision::relocalize::{RelocalizeOptions, TrainOptions, TrainProgress};
 
 /// Trains the pan-tilt forest on the frames that people accepted.
 #[derive(clap::Args, Debug)]
@@ -162,12 +162,15 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         ));
     }
     write_file(&args.output, &model.to_bytes(), args.force)?;
-    let count = |of: fn(&CameraForest) -> usize| model.cameras.iter().map(of).sum::<usize>();
+    let cameras = model.cameras.iter();
+    let references: usize = cameras
+        .clone()
+        .map(|camera| camera.seen.references as usize)
+        .sum();
+    let leaves: usize = cameras.map(|camera| camera.forest.leaves()).sum();
     messages.note(&format!(
-        "{}: {} references, {} leaves",
-        args.output.display(),
-        count(|camera| camera.seen.references as usize),
-        count(|camera| camera.forest.leaves())
+        "{}: {references} references, {leaves} leaves",
+        args.output.display()
     ));
     for found in &studied.burnt_in {
         messages.note(&found.describe(&document));

@@ -171,8 +171,8 @@ fn document_of_sequence(
     let size = decoded.frame(frames.py(), 0)?.size();
     let camera = Camera::new(CameraId::from("main"), size);
     let mut document = Document::new(field);
-    let frame = |index: usize| video_frame(name, index, &camera.id, size).into();
-    document.frames.extend((0..count).map(frame));
+    let frames = (0..count).map(|index| video_frame(name, index, &camera.id, size).into());
+    document.frames.extend(frames);
     document.cameras.push(camera.into());
     Ok(document)
 }

@@ -129,11 +129,12 @@ impl PyField {
             )));
         }
         let count = pieces as usize;
-        let point = |index: usize| {
-            self.model
-                .world_from_nominal(line.curve.point_at(index as f64 / pieces))
-        };
-        let points: Vec<Vec3> = (0..=count).map(point).collect();
+        let points: Vec<Vec3> = (0..=count)
+            .map(|index| {
+                let nominal = line.curve.point_at(index as f64 / pieces);
+                self.model.world_from_nominal(nominal)
+            })
+            .collect();
         let numbers: Vec<f64> = points
             .iter()
             .flat_map(|point| [point.x, point.y, point.z])

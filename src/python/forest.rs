@@ -251,8 +251,6 @@ fn train(
         options: options.features,
         store: &store,
     };
-    // A cancelled function returns nothing; whoever cancelled it raises its own exception.
-    let stopped = || Error::new_err("stopped");
     let studied = study(
         &pictures,
         &mut FrameReader::new(),
@@ -294,6 +292,11 @@ fn train(
         }
     }
     Ok(model)
+}
+
+/// A cancelled function returns nothing; whoever cancelled it raises its own exception.
+fn stopped() -> PyErr {
+    Error::new_err("stopped")
 }
 
 /// Writes a file completely or not at all.

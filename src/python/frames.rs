@@ -268,9 +268,9 @@ impl PyFrames {
     /// bool.
     #[getter]
     fn clicks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let frames = || self.document.frames.iter().enumerate();
         let clicks = || {
-            frames().flat_map(|(index, frame)| frame.clicks.iter().map(move |click| (index, click)))
+            let frames = self.document.frames.iter().enumerate();
+            frames.flat_map(|(index, frame)| frame.clicks.iter().map(move |click| (index, click)))
         };
         let indices: Vec<i64> = clicks().map(|(index, _)| index as i64).collect();
         let names = clicks().map(|(_, click)| click.target.as_ref().map_or("", Target::as_str));

@@ -458,12 +458,13 @@ struct Lines {
 }
 
 fn is_folder_name(name: &str) -> bool {
-    let is_plain = |character: char| character.is_alphanumeric() || " -_.,+()".contains(character);
     !name.is_empty()
         && name.len() <= MAX_NAME_BYTES
         && !name.starts_with(['.', ' '])
         && !name.ends_with(['.', ' '])
-        && name.chars().all(is_plain)
+        && name
+            .chars()
+            .all(|character| character.is_alphanumeric() || " -_.,+()".contains(character))
 }
 
 #[cfg(test)]

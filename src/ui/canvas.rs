@@ -55,14 +55,16 @@ pub fn paint(painter: &Painter, id: CanvasId, rect: Rect, view: View, layers: Ve
 
 /// Size of a rectangle of the window in physical px, rounded like the renderer's viewport.
 pub fn size_px(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
-    let side = |from: f32, to: f32| {
-        ((to * pixels_per_point).round() - (from * pixels_per_point).round()).clamp(0.0, 32768.0)
-            as u32
-    };
     [
-        side(rect.left(), rect.right()),
-        side(rect.top(), rect.bottom()),
+        length_px(rect.left(), rect.right(), pixels_per_point),
+        length_px(rect.top(), rect.bottom(), pixels_per_point),
     ]
+}
+
+/// Length between two edges in physical px. Each edge is rounded, so that neighbours share it.
+fn length_px(from_pt: f32, to_pt: f32, pixels_per_point: f32) -> u32 {
+    let length = (to_pt * pixels_per_point).round() - (from_pt * pixels_per_point).round();
+    length.clamp(0.0, 32768.0) as u32
 }
 
 /// What one canvas draws in this frame of the window.

@@ -86,14 +86,14 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
         };
         typed.extend(meaning(app, stroke, focus));
     }
-    let steps_clicks = |action: &Action| {
+    let steps_clicks = typed.iter().any(|action| {
         matches!(
             action,
             Action::Command(Command::NextClick | Command::PreviousClick)
         )
-    };
+    });
     // egui moves the focus with Tab by itself.
-    if typed.iter().any(steps_clicks) {
+    if steps_clicks {
         // Tab was a command here, so the focus must not move.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
@@ -255,10 +255,13 @@ fn question_mark(stroke: KeyStroke) -> KeyStroke {
 
 /// The command of a key stroke: by the logical key, else by the physical one.
 fn command_of(app: &App, stroke: &KeyStroke) -> Option<Command> {
-    let by = |matches: &dyn Fn(&Chord) -> bool| {
-        Command::all().find(|command| app.settings.keys.chords(*command).iter().any(matches))
-    };
-    by(&|chord| is_logically(chord, stroke)).or_else(|| by(&|chord| is_physically(chord, stroke)))
+    command_with_chord(app, |chord| is_logically(chord, stroke))
+        .or_else(|| command_with_chord(app, |chord| is_physically(chord, stroke)))
+}
+
+/// The first command with a chord for which `matches` is true.
+fn command_with_chord(app: &App, matches: impl Fn(&Chord) -> bool) -> Option<Command> {
+    Command::all().find(|command| app.settings.keys.chords(*command).iter().any(&matches))
 }
 
 /// Whether a chord names this stroke's logical key. For a punctuation key a surplus Shift is

@@ -25,12 +25,8 @@ const LEAST_PICTURE: [f32; 2] = [480.0, 260.0];
 /// Stores the sizes of panels that were dragged, in the settings. The edges are side panel and
 /// filmstrip.
 fn store_panel_sizes(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>; 2]) {
-    let of = |edge: usize| match edges[edge] {
-        Resized::No => remembered[edge],
-        Resized::To(size) => Some(size),
-        Resized::Default => None,
-    };
-    let [side, filmstrip] = [of(0), of(1)];
+    let side = size_to_store(edges[0], remembered[0]);
+    let filmstrip = size_to_store(edges[1], remembered[1]);
     if [side, filmstrip] != remembered {
         panel
             .actions
@@ -38,6 +34,15 @@ fn store_panel_sizes(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Op
                 side,
                 filmstrip,
             }));
+    }
+}
+
+/// The size of a panel after the pointer was at its edge, points. `None` for the default.
+fn size_to_store(resized: Resized, remembered: Option<f32>) -> Option<f32> {
+    match resized {
+        Resized::No => remembered,
+        Resized::To(size) => Some(size),
+        Resized::Default => None,
     }
 }
 

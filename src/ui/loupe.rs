@@ -175,7 +175,7 @@ fn free_side(
     lines: &[[Pos2; 2]],
     before: Option<usize>,
 ) -> usize {
-    let cost = |side: usize| {
+    let sides = (0..SIDES.len()).map(|side| {
         let rect = on_side(point, length, side);
         let outside = (rect.area() - rect.intersect(bounds).area().max(0.0)).max(0.0);
         let hidden: f32 = lines.iter().map(|line| length_within(*line, rect)).sum();
@@ -184,11 +184,11 @@ fn free_side(
         } else {
             0.0
         };
-        outside + hidden + change
-    };
-    (0..SIDES.len())
-        .min_by(|a, b| cost(*a).total_cmp(&cost(*b)))
-        .unwrap_or(0)
+        (side, outside + hidden + change)
+    });
+    sides
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map_or(0, |(side, _)| side)
 }
 
 /// The lines of the overlay as segments on the screen.

@@ -42,16 +42,6 @@ pub fn shown_masks(app: &App) -> Vec<ShownMask> {
     let ranged = camera
         .map(|camera| camera.ranged_masks.as_slice())
         .unwrap_or_default();
-    let listed = |masks: &[PixelBox], list| -> Vec<ShownMask> {
-        let numbered = masks.iter().enumerate();
-        numbered
-            .map(|(index, pixel_box)| ShownMask {
-                list,
-                index,
-                pixel_box: *pixel_box,
-            })
-            .collect()
-    };
     let covering = ranged
         .iter()
         .enumerate()
@@ -62,11 +52,23 @@ pub fn shown_masks(app: &App) -> Vec<ShownMask> {
         pixel_box: mask.pixel_box,
     });
     [
-        listed(of_camera, MaskList::Camera),
+        masks_of_list(of_camera, MaskList::Camera),
         ranged.collect(),
-        listed(&frame.masks, MaskList::Frame),
+        masks_of_list(&frame.masks, MaskList::Frame),
     ]
     .concat()
+}
+
+/// The masks of a list that all cover the frame.
+fn masks_of_list(masks: &[PixelBox], list: MaskList) -> Vec<ShownMask> {
+    let numbered = masks.iter().enumerate();
+    numbered
+        .map(|(index, pixel_box)| ShownMask {
+            list,
+            index,
+            pixel_box: *pixel_box,
+        })
+        .collect()
 }
 
 impl ShownMask {

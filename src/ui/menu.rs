@@ -207,14 +207,13 @@ fn title_to_open<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a
     if first {
         return titles.first();
     }
-    let is_open = |title: &Response| {
-        egui::Popup::is_id_open(ui.ctx(), egui::Popup::default_response_id(title))
-    };
     // The keys belong to a menu only while a title has the focus.
     if !titles.iter().any(Response::has_focus) {
         return None;
     }
-    let at = titles.iter().position(is_open)?;
+    let at = titles.iter().position(|title| {
+        egui::Popup::is_id_open(ui.ctx(), egui::Popup::default_response_id(title))
+    })?;
     let step = ui.input_mut(|input| {
         let right = input.consume_key(Modifiers::NONE, Key::ArrowRight);
         let left = input.consume_key(Modifiers::NONE, Key::ArrowLeft);
@@ -232,19 +231,10 @@ fn title_to_open<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a
 fn is_menu_key(ui: &Ui) -> bool {
     let (f10, alt, busy) = ui.input_mut(|input| {
         let f10 = input.consume_key(Modifiers::NONE, Key::F10);
-        let is_other = |event: &Event| {
-            matches!(
-                event,
-                Event::Key { .. }
-                    | Event::Text(_)
-                    | Event::PointerButton { .. }
-                    | Event::MouseWheel { .. }
-            )
-        };
         (
             f10,
             input.modifiers.alt,
-            input.pointer.any_down() || !input.focused || input.events.iter().any(is_other),
+            input.pointer.any_down() || !input.focused || input.events.iter().any(is_other_input),
         )
     });
     // Alt counts if nothing else happens from when it goes down until it goes up. Remembered:
@@ -257,6 +247,14 @@ fn is_menu_key(ui: &Ui) -> bool {
         !alt && before.1 && !busy
     });
     f10 || tapped
+}
+
+/// Whether an event is a key other than Alt, a text, or an action of the mouse.
+fn is_other_input(event: &Event) -> bool {
+    matches!(
+        event,
+        Event::Key { .. } | Event::Text(_) | Event::PointerButton { .. } | Event::MouseWheel { .. }
+    )
 }
 
 /// The tooltip of a menu.
@@ -297,12 +295,13 @@ fn submenus(group: MenuGroup) -> impl Iterator<Item = (&'static str, &'static [C
 
 /// The commands of a menu that are in no submenu.
 fn rows(group: MenuGroup) -> impl Iterator<Item = Command> {
-    let is_in_submenu = |command: &Command| {
-        SUBMENUS
-            .iter()
-            .any(|(_, commands)| commands.contains(command))
-    };
-    Command::all().filter(move |command| command.group() == group && !is_in_submenu(command))
+    Command::all().filter(move |command| command.group() == group && !is_in_submenu(*command))
+}
+
+fn is_in_submenu(command: Command) -> bool {
+    SUBMENUS
+        .iter()
+        .any(|(_, commands)| commands.contains(&command))
 }
 
 /// Shows the entries of a submenu or of a context menu.

@@ -3,7 +3,6 @@
 use super::{Panel, theme::Themed as _};
 use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use touchline_application::app::OpenProject;
-use touchline_core::geometry::ImagePoint;
 use touchline_core::markings::{MarkingOptions, project_lines};
 use touchline_documents::document::FrameStatus;
 
@@ -40,12 +39,11 @@ pub fn paint(
     let Some(field) = panel.app.current().field() else {
         return;
     };
-    let shares = |shown| open.document.field_of(shown) == open.document.field_of(frame);
-    let Some(camera) = open
-        .document
-        .ptz_camera(frame)
-        .filter(|_| panel.app.frame().is_some_and(shares))
-    else {
+    let shares_field = panel
+        .app
+        .frame()
+        .is_some_and(|shown| open.document.field_of(shown) == open.document.field_of(frame));
+    let Some(camera) = open.document.ptz_camera(frame).filter(|_| shares_field) else {
         return;
     };
     let options = MarkingOptions {
@@ -57,9 +55,11 @@ pub fn paint(
     let stroke = Stroke::new(1.0, Color32::from_rgb(red, green, blue));
     let clipped = painter.with_clip_rect(painter.clip_rect().intersect(picture));
     for line in project_lines(field, &camera, frame.image_size, &options) {
-        let at =
-            |point: &ImagePoint| picture.min + egui::vec2(point.x as f32, point.y as f32) * scale;
-        let points: Vec<Pos2> = line.points.iter().map(at).collect();
+        let points: Vec<Pos2> = line
+            .points
+            .iter()
+            .map(|point| picture.min + egui::vec2(point.x as f32, point.y as f32) * scale)
+            .collect();
         if frame.status == FrameStatus::Suggested {
             clipped.extend(Shape::dashed_line(&points, stroke, 3.0, 1.5));
         } else {

@@ -121,13 +121,6 @@ impl Columns {
     /// Measures all candidates. The last column exists if a candidate has a distance or is the name
     /// of another point.
     fn measure(ui: &egui::Ui, naming: &Naming) -> Self {
-        let measure = |text: &str, font| {
-            ui.painter()
-                .layout_no_wrap(text.to_owned(), font, ui.palette().text)
-                .size()
-                .x
-        };
-        let widest = |widths: &mut dyn Iterator<Item = f32>| widths.fold(0.0, f32::max);
         let candidates = &naming.candidates;
         let with_distance = candidates
             .iter()
@@ -137,17 +130,15 @@ impl Columns {
             .map(in_use)
             .or_else(|| with_distance.then(|| "8888.8 px".to_owned()));
         Self {
-            label: widest(
-                &mut candidates
-                    .iter()
-                    .map(|candidate| measure(&candidate.label, label_font())),
-            ),
-            code: widest(
-                &mut candidates
-                    .iter()
-                    .map(|candidate| measure(&candidate.code, code_font())),
-            ),
-            distance: last.map(|last| measure(&last, distance_font())),
+            label: candidates
+                .iter()
+                .map(|candidate| text_width(ui, &candidate.label, label_font()))
+                .fold(0.0, f32::max),
+            code: candidates
+                .iter()
+                .map(|candidate| text_width(ui, &candidate.code, code_font()))
+                .fold(0.0, f32::max),
+            distance: last.map(|last| text_width(ui, &last, distance_font())),
         }
     }
 
@@ -158,6 +149,14 @@ impl Columns {
             .max(LEAST_WIDTH)
             .ceil()
     }
+}
+
+/// Width of a text in one line, points.
+fn text_width(ui: &egui::Ui, text: &str, font: FontId) -> f32 {
+    ui.painter()
+        .layout_no_wrap(text.to_owned(), font, ui.palette().text)
+        .size()
+        .x
 }
 
 /// The text beside a name that another point has: the two names are exchanged.

@@ -56,18 +56,17 @@ impl Number<'_> {
         let mut value = self.value;
         // The parser cannot return a reason, so it leaves it here.
         let problem = RefCell::new(None);
-        let read = |text: &str| match self.read(text) {
-            Ok(number) => number,
-            Err(refused) => {
-                *problem.borrow_mut() = Some(refused);
-                None
-            }
-        };
         let field = DragValue::new(&mut value)
             .speed(self.speed)
             .fixed_decimals(self.decimals)
             .range(self.range.clone())
-            .custom_parser(read)
+            .custom_parser(|text| match self.read(text) {
+                Ok(number) => number,
+                Err(refused) => {
+                    *problem.borrow_mut() = Some(refused);
+                    None
+                }
+            })
             .clamp_existing_to_range(false)
             .suffix(self.suffix)
             .update_while_editing(false)

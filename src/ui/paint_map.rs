@@ -38,8 +38,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &FoundCamera, within: Vec
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, describe(found)));
     // In the middle of the width.
     let corner = rect.min + vec2((within.x - wide * scale) / 2.0, 0.0);
-    let at = |point: ImagePoint| corner + vec2(point.x as f32, point.y as f32) * scale;
-    draw(ui, rect, &scene, &map, at);
+    draw(ui, rect, &scene, &map, |point| {
+        corner + vec2(point.x as f32, point.y as f32) * scale
+    });
     // A click: from the screen to the map, and from there to a frame.
     let clicked = response
         .clicked()

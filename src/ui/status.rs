@@ -74,20 +74,14 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
     let offers = &guidance.offers;
     let room = ui.available_width();
     let text = width(ui, &guidance.text) + AROUND;
-    let buttons = |offers: &[(&str, Command)]| {
-        offers
-            .iter()
-            .map(|(says, _)| width(ui, says) + AROUND)
-            .sum::<f32>()
-    };
     // All buttons if they fit beside the text; otherwise the first and a menu, or a menu alone.
     let shown = match offers.len() {
-        count if text + buttons(offers) <= room => count,
+        count if text + buttons_width(ui, offers) <= room => count,
         0 => 0,
         1 => 1,
         _ => usize::from(text + least_offers(ui, offers) <= room),
     };
-    let taken = buttons(&offers[..shown]);
+    let taken = buttons_width(ui, &offers[..shown]);
     let menu = if shown < offers.len() { MORE } else { 0.0 };
     ui.scope(|ui| {
         ui.set_max_width((room - taken - menu).max(60.0));
@@ -105,6 +99,14 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
             }
         });
     }
+}
+
+/// Width of buttons with the space around them, points.
+fn buttons_width(ui: &Ui, offers: &[(&str, Command)]) -> f32 {
+    offers
+        .iter()
+        .map(|(says, _)| width(ui, says) + AROUND)
+        .sum()
 }
 
 /// Shows a button for a command.

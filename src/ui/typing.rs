@@ -66,13 +66,12 @@ impl Hand {
             .filter(|_| app.session.mode == Mode::Idle);
         let is_known = self.placed.map(|placed| placed.click) == named;
         if !is_known {
-            let new = |click| Placed {
+            self.placed = named.map(|click| Placed {
                 click,
                 at_s: self.clock_s,
                 pointer,
                 has_left: false,
-            };
-            self.placed = named.map(new);
+            });
         }
         if let Some(placed) = &mut self.placed {
             let away = placed

@@ -50,7 +50,7 @@ pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
         viewport,
         ..eframe::NativeOptions::default()
     };
-    let open = || {
+    let ended = until_it_panics(|| {
         eframe::run_native(
             "touchline",
             options,
@@ -59,8 +59,8 @@ pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
                 Ok(Box::new(shell))
             }),
         )
-    };
-    Ok(until_it_panics(open)??)
+    });
+    Ok(ended??)
 }
 
 /// Shows a message in a dialog of the system and waits until it is closed; for what cannot be said

@@ -92,15 +92,15 @@ impl CameraText {
             }
             Self::Projection => {
                 let (turned, moved) = (k * rotation, k * translation_m);
-                let row = |row: usize| {
+                let rows = [0, 1, 2].map(|row: usize| {
                     [
                         turned[(row, 0)],
                         turned[(row, 1)],
                         turned[(row, 2)],
                         moved[row],
                     ]
-                };
-                json!([row(0), row(1), row(2)])
+                });
+                json!(rows)
             }
         };
         value.to_string()

@@ -200,12 +200,11 @@ impl Current {
             _ => None,
         };
         // A frame may have clicks that have not been solved yet, so that it has no camera recorded.
-        let from_clicks = || Some(PtzCamera::new(base?, solution.as_ref()?.as_ref().ok()?.ptz));
-        let pointed = open
+        let camera = open
             .document
             .ptz_camera(frame)
-            .filter(|_| !frame.is_hopeless());
-        let camera = pointed.or_else(from_clicks);
+            .filter(|_| !frame.is_hopeless())
+            .or_else(|| Some(PtzCamera::new(base?, solution.as_ref()?.as_ref().ok()?.ptz)));
         // Computed only with the values that they need.
         let next_clicks = match (&field, &camera, &solution) {
             (Ok(field), Some(camera), Some(Ok(solved))) => {
@@ -470,13 +469,12 @@ fn ptz_in_other_shots(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
     };
-    let is_elsewhere = |other: &Frame| other.camera == frame.camera && other.clip != frame.clip;
-    let wanted = |other: &Frame| is_elsewhere(other) && other.ptz.is_some() && other.vouches();
     let mut found = Vec::new();
     for forward in [false, true] {
         let mut at = frame_index;
         for _ in 0..ELSEWHERE {
-            let Some(next) = open.find(at, forward, wanted) else {
+            let next = open.find(at, forward, |other| vouches_in_other_shot(other, frame));
+            let Some(next) = next else {
                 break;
             };
             at = next;
@@ -488,6 +486,12 @@ fn ptz_in_other_shots(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
         }
     }
     found
+}
+
+/// Whether a frame has a camera to go by and is in another shot of the same camera as `frame`.
+fn vouches_in_other_shot(other: &Frame, frame: &Frame) -> bool {
+    let is_elsewhere = other.camera == frame.camera && other.clip != frame.clip;
+    is_elsewhere && other.ptz.is_some() && other.vouches()
 }
 
 /// The names of the frame's clicks other than `except`.
@@ -512,12 +516,14 @@ fn neighbour_clicks(open: &OpenProject, frame_index: usize) -> Vec<NeighbourClic
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
     };
-    let labelled = |other: &Frame| other.camera == frame.camera && !other.clicks.is_empty();
     let mut clicks = Vec::new();
     for forward in [false, true] {
         let mut at = frame_index;
         for _ in 0..REMEMBERED_FRAMES {
-            let Some(found) = open.find(at, forward, labelled) else {
+            let labelled = open.find(at, forward, |other| {
+                other.camera == frame.camera && !other.clicks.is_empty()
+            });
+            let Some(found) = labelled else {
                 break;
             };
             at = found;
@@ -525,13 +531,12 @@ fn neighbour_clicks(open: &OpenProject, frame_index: usize) -> Vec<NeighbourClic
                 .frame(found)
                 .into_iter()
                 .flat_map(|frame| &frame.clicks);
-            let neighbour_click = |click: &Click| {
+            clicks.extend(named.filter_map(|click| {
                 Some(NeighbourClick {
                     target: click.target.clone()?,
                     image: click.image,
                 })
-            };
-            clicks.extend(named.filter_map(neighbour_click));
+            }));
         }
     }
     clicks

@@ -192,15 +192,16 @@ fn match_text(candidate: &NameCandidate, typed: &str) -> Option<TextMatch> {
         return Some(TextMatch::BeginningOfCode);
     }
     let label = candidate.label.to_lowercase();
-    let begins_a_word = |typed_word: &str| {
-        label
-            .split(|c: char| !c.is_alphanumeric())
-            .any(|w| w.starts_with(typed_word))
-    };
     typed
         .split_whitespace()
-        .all(begins_a_word)
+        .all(|typed_word| has_word_beginning_with(&label, typed_word))
         .then_some(TextMatch::BeginningsOfWords)
+}
+
+/// Whether a word of `text` begins with `beginning`.
+fn has_word_beginning_with(text: &str, beginning: &str) -> bool {
+    text.split(|c: char| !c.is_alphanumeric())
+        .any(|word| word.starts_with(beginning))
 }
 
 /// All landmarks of the field, ranked as names of a click.

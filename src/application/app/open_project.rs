@@ -58,8 +58,9 @@ impl OpenProject {
         &self,
         position: usize,
     ) -> impl Iterator<Item = (usize, u64)> + '_ {
-        let video_of = |frame: &Frame| frame.video.as_ref().map(|video| video.path.clone());
-        let here = self.frame(position).and_then(video_of);
+        let here = self
+            .frame(position)
+            .and_then(|frame| Some(frame.video.as_ref()?.path.clone()));
         let frames = self.document.frames.iter().enumerate();
         let alike = frames.filter(move |(_, frame)| {
             frame.video.as_ref().map(|video| &video.path) == here.as_ref()
@@ -154,8 +155,9 @@ impl OpenProject {
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<Edit> {
         let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
         self.forest_generation = self.forest_generation.max(newest);
-        let is_current = |proposal: &&Proposal| proposal.generation == self.forest_generation;
-        let current = proposals.iter().filter(is_current);
+        let current = proposals
+            .iter()
+            .filter(|proposal| proposal.generation == self.forest_generation);
         let updates: Vec<_> = current.filter_map(Proposal::update).collect();
         let batch = self.batch_of_forest(self.forest_generation);
         self.suggest(batch, &updates)

@@ -28,12 +28,6 @@ impl std::str::FromStr for Place {
             return Ok(Self::Frame(frame));
         }
         let typed = typed.trim_end_matches('s').trim_end();
-        let is_plain = |part: &str| {
-            !part.is_empty()
-                && part
-                    .bytes()
-                    .all(|byte| byte.is_ascii_digit() || byte == b'.')
-        };
         let mut seconds = 0.0;
         let parts: Vec<&str> = typed.split(':').collect();
         if parts.len() > 3 {
@@ -41,7 +35,7 @@ impl std::str::FromStr for Place {
         }
         for (at, part) in parts.iter().enumerate() {
             let number: f64 = Some(*part)
-                .filter(|part| is_plain(part))
+                .filter(|part| is_plain_number(part))
                 .and_then(|part| part.parse().ok())
                 .ok_or_else(wrong)?;
             // Minutes and seconds below a larger unit must be less than 60, and only seconds may
@@ -53,6 +47,14 @@ impl std::str::FromStr for Place {
         }
         Ok(Self::Time(seconds))
     }
+}
+
+/// Whether a text has digits and decimal points only.
+fn is_plain_number(text: &str) -> bool {
+    !text.is_empty()
+        && text
+            .bytes()
+            .all(|byte| byte.is_ascii_digit() || byte == b'.')
 }
 
 /// A time as text, such as "1:23.40" or "1:02:03.40".

@@ -7,7 +7,6 @@
 use super::App;
 use super::session::Level;
 use std::path::PathBuf;
-use touchline_documents::document::Frame;
 
 /// What is said past the last frame and before the first.
 const END: &str = "That was the last frame of the queue.";
@@ -110,10 +109,12 @@ impl App {
         if open.file != queued.project {
             return false;
         }
-        let is_queued = |frame: &Frame| frame.id.as_str() == queued.frame;
         let frames = &open.document.frames;
         // A frame that was taken out since is passed over with the next step.
-        if let Some(index) = frames.iter().position(|frame| is_queued(frame)) {
+        if let Some(index) = frames
+            .iter()
+            .position(|frame| frame.id.as_str() == queued.frame)
+        {
             self.go_to(index);
         }
         true

@@ -4,7 +4,6 @@ use super::OpenProject;
 pub use super::choices::{Scope, Selecting};
 use super::session::Session;
 use std::collections::BTreeSet;
-use touchline_documents::document::Frame;
 
 impl Scope {
     /// The indices of the frames in the scope.
@@ -13,20 +12,24 @@ impl Scope {
         let Some(shown) = open.frame(session.frame) else {
             return Vec::new();
         };
-        let of_camera = |frame: &Frame| frame.camera == shown.camera;
-        let all = |wanted: &dyn Fn(usize, &Frame) -> bool| {
-            let frames = open.document.frames.iter().enumerate();
-            frames
-                .filter(|(index, frame)| wanted(*index, frame))
-                .map(|(index, _)| index)
-                .collect()
-        };
+        let of_camera = open
+            .document
+            .frames
+            .iter()
+            .enumerate()
+            .filter(|(_, frame)| frame.camera == shown.camera);
         match self {
             Self::Frame => vec![session.frame],
             Self::Selected => session.frames_selected.iter().copied().collect(),
             Self::Shot if shown.clip.is_none() => Vec::new(),
-            Self::Shot => all(&|_, frame| of_camera(frame) && frame.clip == shown.clip),
-            Self::Onwards => all(&|index, frame| index >= session.frame && of_camera(frame)),
+            Self::Shot => of_camera
+                .filter(|(_, frame)| frame.clip == shown.clip)
+                .map(|(index, _)| index)
+                .collect(),
+            Self::Onwards => of_camera
+                .map(|(index, _)| index)
+                .filter(|index| *index >= session.frame)
+                .collect(),
         }
     }
 }
@@ -56,11 +59,12 @@ pub(super) fn after_click(
     match how {
         Selecting::Range => {
             let (first, last) = (session.frame.min(frame), session.frame.max(frame));
-            let shown = |index: &usize| {
-                open.frame(*index)
-                    .is_some_and(|frame| session.filter.shows(frame))
-            };
-            selected = (first..=last).filter(shown).collect();
+            selected = (first..=last)
+                .filter(|index| {
+                    let frame = open.frame(*index);
+                    frame.is_some_and(|frame| session.filter.shows(frame))
+                })
+                .collect();
         }
         Selecting::Toggle => {
             if selected.is_empty() {
@@ -83,7 +87,7 @@ mod tests {
     use crate::app::session::Filter;
     use crate::app::{Action, App, Navigation, ViewAction};
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Camera, Clip, Document, FieldSpec, FrameStatus};
+    use touchline_documents::document::{Camera, Clip, Document, FieldSpec, Frame, FrameStatus};
 
     fn app() -> App {
         let size = ImageSize::new(64, 36);

@@ -158,21 +158,14 @@ impl Loupe {
     #[must_use]
     pub fn within_limits(self) -> Self {
         let default = Self::default();
-        let within = |value: f32, range: std::ops::RangeInclusive<f32>, default: f32| {
-            if value.is_finite() {
-                value.clamp(*range.start(), *range.end())
-            } else {
-                default
-            }
-        };
         Self {
             shown: self.shown,
-            magnification: within(
+            magnification: clamp_finite(
                 self.magnification,
-                Self::MAGNIFICATION,
+                &Self::MAGNIFICATION,
                 default.magnification,
             ),
-            side: within(self.side, Self::SIDE, default.side),
+            side: clamp_finite(self.side, &Self::SIDE, default.side),
         }
     }
 }
@@ -305,16 +298,10 @@ impl Settings {
     /// The same with numbers clamped to their ranges; the file may have been edited by hand.
     fn within_limits(mut self) -> Self {
         let style = OverlayStyle::default();
-        let within = |value: f32, low: f32, high: f32, default: f32| {
-            if value.is_finite() {
-                value.clamp(low, high)
-            } else {
-                default
-            }
-        };
-        self.overlay.width = within(self.overlay.width, 0.5, 12.0, style.width);
-        self.overlay.opacity = within(self.overlay.opacity, 0.05, 1.0, style.opacity);
-        self.overlay.outline = within(self.overlay.outline, 0.0, 4.0, style.outline);
+        let overlay = &mut self.overlay;
+        overlay.width = clamp_finite(overlay.width, &(0.5..=12.0), style.width);
+        overlay.opacity = clamp_finite(overlay.opacity, &(0.05..=1.0), style.opacity);
+        overlay.outline = clamp_finite(overlay.outline, &(0.0..=4.0), style.outline);
         self.loupe = self.loupe.within_limits();
         self.picture_memory_mib = self
             .picture_memory_mib
@@ -326,6 +313,15 @@ impl Settings {
         self.window = self.window.and_then(WindowPlace::within_limits);
         self.recent.truncate(MAX_RECENT);
         self
+    }
+}
+
+/// A number clamped to its range; `default` if it is not finite.
+fn clamp_finite(value: f32, range: &std::ops::RangeInclusive<f32>, default: f32) -> f32 {
+    if value.is_finite() {
+        value.clamp(*range.start(), *range.end())
+    } else {
+        default
     }
 }
 

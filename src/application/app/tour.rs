@@ -109,10 +109,7 @@ pub(super) struct TourView {
 impl TourView {
     /// The state of a document; `solved` is about the shown frame.
     pub fn from_document(document: &Document, shown: Option<&Frame>, solved: bool) -> Self {
-        let count = |wanted: &dyn Fn(&Frame) -> bool| {
-            document.frames.iter().filter(|frame| wanted(frame)).count()
-        };
-        let references = count(&|frame| frame.status == FrameStatus::Reference);
+        let references = count_frames(document, FrameStatus::Reference);
         Self {
             frame: shown.map(|frame| frame.id.clone()),
             points: shown
@@ -126,9 +123,15 @@ impl TourView {
                 .filter(|click| click.target.is_some())
                 .count(),
             references,
-            decided: references + count(&|frame| frame.status == FrameStatus::Rejected),
+            decided: references + count_frames(document, FrameStatus::Rejected),
         }
     }
+}
+
+/// The number of frames with a status.
+fn count_frames(document: &Document, status: FrameStatus) -> usize {
+    let frames = document.frames.iter();
+    frames.filter(|frame| frame.status == status).count()
 }
 
 /// A tour in progress.

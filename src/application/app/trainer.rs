@@ -147,15 +147,14 @@ impl Doing {
     /// The activity as text, with numbers.
     #[must_use]
     pub fn describe(self) -> String {
-        let share = |what: &str, Share { done, of }: Share| format!("{what}: {done} of {of}");
         match self {
             Self::Nothing => "Up to date".to_owned(),
             Self::Settling => "Waiting for further references".to_owned(),
-            Self::Features(done) => share("Finding features of references", done),
+            Self::Features(done) => describe_share("Finding features of references", done),
             Self::Training(done) => format!("Training: {:.0} %", 100.0 * done.fraction()),
-            Self::Proposing(done) => share("Proposing cameras", done),
-            Self::Carrying(done) => share("Tracking the frames between key frames", done),
-            Self::Measuring(done) => share("Measuring accuracy", done),
+            Self::Proposing(done) => describe_share("Proposing cameras", done),
+            Self::Carrying(done) => describe_share("Tracking the frames between key frames", done),
+            Self::Measuring(done) => describe_share("Measuring accuracy", done),
             Self::Paused => "Paused".to_owned(),
         }
     }
@@ -204,6 +203,10 @@ impl Doing {
     pub fn is_kind_of(self, other: Self) -> bool {
         std::mem::discriminant(&self) == std::mem::discriminant(&other)
     }
+}
+
+fn describe_share(what: &str, Share { done, of }: Share) -> String {
+    format!("{what}: {done} of {of}")
 }
 
 /// A remaining time as text.

@@ -171,18 +171,22 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
 fn main_camera(base: &CameraBase, image_size: ImageSize, masked: Graphics) -> Camera {
     let mut camera = Camera::new(CameraId::from("main"), image_size);
     camera.set_base(base);
-    let with_margin = |graphic: PixelBox| PixelBox {
+    camera.masks = masked
+        .boxes(image_size, 0.0)
+        .into_iter()
+        .map(box_with_margin)
+        .collect();
+    camera
+}
+
+/// The box of a graphic with [`MASK_MARGIN_PX`] around it, in whole px.
+fn box_with_margin(graphic: PixelBox) -> PixelBox {
+    PixelBox {
         x: (graphic.x - MASK_MARGIN_PX).floor().max(0.0),
         y: (graphic.y - MASK_MARGIN_PX).floor().max(0.0),
         width: (graphic.width + 2.0 * MASK_MARGIN_PX).ceil(),
         height: (graphic.height + 2.0 * MASK_MARGIN_PX).ceil(),
-    };
-    camera.masks = masked
-        .boxes(image_size, 0.0)
-        .into_iter()
-        .map(with_margin)
-        .collect();
-    camera
+    }
 }
 
 /// A frame of the truth: the exact camera, the boxes of the players, and under the key `truth` the

@@ -111,14 +111,14 @@ impl ReadFrames for FakeReader {
             }),
             Reply::Panic => panic!("frame {index} is cursed"),
             Reply::Count => {
-                let progress = |counted| CountProgress {
+                let counting = self.counting.renew();
+                let mut progress = CountProgress {
                     path: Arc::clone(path),
-                    counted,
+                    counted: 0,
                     stated: 9,
                 };
-                let (counting, mut counted) = (self.counting.renew(), 0);
-                while counting.report(progress(counted)).is_continue() {
-                    counted += 1;
+                while counting.report(progress.clone()).is_continue() {
+                    progress.counted += 1;
                     std::thread::yield_now();
                 }
                 Err(MediaError::Stopped {

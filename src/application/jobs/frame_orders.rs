@@ -52,8 +52,10 @@ impl FrameOrders {
     pub(super) fn replace(&mut self, Choice { wanted, missing }: Choice) {
         let reading = self.reading.as_ref().map(|reading| &reading.frame);
         let mut chosen = BTreeSet::new();
-        let is_new = |frame: &FrameRef| reading != Some(frame) && chosen.insert(frame.clone());
-        self.queue = missing.into_iter().filter(is_new).collect();
+        self.queue = missing
+            .into_iter()
+            .filter(|frame| reading != Some(frame) && chosen.insert(frame.clone()))
+            .collect();
         if let Some(reading) = &mut self.reading {
             reading.is_wanted = wanted
                 .iter()

@@ -149,14 +149,20 @@ fn write_project(folder: &Path, document: &Document) -> Result<(), JobError> {
 /// The existing project of a folder of frames or of a video. One in the user's data folder counts
 /// only if its frames are these, because two matches may have the same names.
 fn find_project(path: &Path) -> Option<PathBuf> {
-    let is_there = |folder: &PathBuf| folder.join(PROJECT_FILE).exists();
     let own = user_projects()
         .into_iter()
         .flat_map(|projects| [own_place(&projects, path), old_place(&projects, path)]);
-    beside(path).filter(is_there).or_else(|| {
-        own.into_iter()
-            .find(|folder| is_there(folder) && is_of_frames(folder, path))
-    })
+    beside(path)
+        .filter(|folder| has_project(folder))
+        .or_else(|| {
+            own.into_iter()
+                .find(|folder| has_project(folder) && is_of_frames(folder, path))
+        })
+}
+
+/// Whether a folder has a project file.
+fn has_project(folder: &Path) -> bool {
+    folder.join(PROJECT_FILE).exists()
 }
 
 /// The folders in which the project of some frames may be created, the better one first.
@@ -231,15 +237,9 @@ pub(super) fn user_projects() -> Option<PathBuf> {
 /// Opens the review queue of a season: the project of its first frame.
 fn open_queue(path: &Path, held: Option<&Location>) -> Result<Ready, JobError> {
     let folder = folder_of(path);
-    let queued = |entry: &QueueEntry| {
-        let project = folder.join(&entry.project);
-        QueuedFrame {
-            project: std::fs::canonicalize(&project).unwrap_or(project),
-            frame: entry.frame.clone(),
-        }
-    };
     let read = Queue::read(path)?;
-    let queue = ReviewQueue::new(read.entries().iter().map(queued).collect());
+    let entries = read.entries().iter();
+    let queue = ReviewQueue::new(entries.map(|entry| queued_frame(entry, folder)).collect());
     let Some(first) = queue.current() else {
         return Err(JobError::EmptyQueue {
             path: path.to_path_buf(),
@@ -248,6 +248,15 @@ fn open_queue(path: &Path, held: Option<&Location>) -> Result<Ready, JobError> {
     let mut ready = open_document(&first.project, held, Vec::new())?;
     ready.opened.queue = Some(queue);
     Ok(ready)
+}
+
+/// The frame of an entry in the queue of the season in `folder`.
+fn queued_frame(entry: &QueueEntry, folder: &Path) -> QueuedFrame {
+    let project = folder.join(&entry.project);
+    QueuedFrame {
+        project: std::fs::canonicalize(&project).unwrap_or(project),
+        frame: entry.frame.clone(),
+    }
 }
 
 /// Opens an existing project or dataset, with the edits in its journal.

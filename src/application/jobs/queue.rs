@@ -1,6 +1,7 @@
 //! The order in which queued frames are read.
 
 use std::collections::VecDeque;
+use std::path::Path;
 use touchline_vision::media::FrameRef;
 
 /// Maximum number of frames before the most urgent one that are read on the way to it.
@@ -21,23 +22,29 @@ pub(super) fn next_place(queue: &VecDeque<FrameRef>, last: Option<&FrameRef>) ->
     else {
         return Some(0);
     };
-    let index_in_video = |frame: &FrameRef| match frame {
-        FrameRef::Video { path: other, index } if other == path => Some(*index),
-        FrameRef::Video { .. } | FrameRef::Image(_) => None,
-    };
     // The decoder cannot pass frames at or before its own position.
-    let stands_at = last.and_then(index_in_video).filter(|at| at < urgent);
+    let stands_at = last
+        .and_then(|frame| index_in_video(frame, path))
+        .filter(|at| at < urgent);
     let from = urgent
         .saturating_sub(ON_THE_WAY_FRAMES)
         .max(stands_at.map_or(0, |at| at + 1));
     let on_the_way = queue
         .iter()
         .enumerate()
-        .filter_map(|(place, frame)| Some((index_in_video(frame)?, place)));
+        .filter_map(|(place, frame)| Some((index_in_video(frame, path)?, place)));
     on_the_way
         .filter(|(index, _)| (from..=*urgent).contains(index))
         .min()
         .map(|(_, place)| place)
+}
+
+/// The index of a frame among the decoded frames of a video. `None` if it is of another file.
+fn index_in_video(frame: &FrameRef, video: &Path) -> Option<usize> {
+    match frame {
+        FrameRef::Video { path, index } if **path == *video => Some(*index),
+        FrameRef::Video { .. } | FrameRef::Image(_) => None,
+    }
 }
 
 #[cfg(test)]

@@ -37,23 +37,20 @@ pub fn settings_path() -> Option<PathBuf> {
 /// Reads the settings. If that fails, the defaults and the reason; a missing file is no failure.
 #[must_use]
 pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
-    let defaults = |reason: String| {
-        (
-            Settings::default(),
-            Some(format!(
-                "settings {}: {reason}; defaults are used",
-                path.display()
-            )),
-        )
-    };
     match read_named_text(path, MAX_BYTES) {
         Ok(text) => match Settings::from_json(&text) {
             Ok(settings) => (settings, None),
-            Err(error) => defaults(plain(&error.to_string())),
+            Err(error) => default_settings_because(&plain(&error.to_string()), path),
         },
         Err(error) if error.kind() == io::ErrorKind::NotFound => (Settings::default(), None),
-        Err(error) => defaults(error.to_string()),
+        Err(error) => default_settings_because(&error.to_string(), path),
     }
+}
+
+/// The default settings, and a message that says why they are used.
+fn default_settings_because(reason: &str, path: &Path) -> (Settings, Option<String>) {
+    let message = format!("settings {}: {reason}; defaults are used", path.display());
+    (Settings::default(), Some(message))
 }
 
 /// Writes the settings atomically.
@@ -61,16 +58,17 @@ pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
 /// # Errors
 /// The file or its folder cannot be written.
 pub fn save_settings(settings: &Settings, path: &Path) -> Result<(), SettingsError> {
-    let write = || -> io::Result<()> {
-        if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        write_atomically(path, serde_json::to_string_pretty(settings)?.as_bytes())
-    };
-    write().map_err(|source| SettingsError::Write {
+    write_settings(settings, path).map_err(|source| SettingsError::Write {
         path: path.to_path_buf(),
         source,
     })
+}
+
+fn write_settings(settings: &Settings, path: &Path) -> io::Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    write_atomically(path, serde_json::to_string_pretty(settings)?.as_bytes())
 }
 
 #[cfg(test)]

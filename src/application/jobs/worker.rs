@@ -136,10 +136,9 @@ impl<O, R> Mailbox<O, R> {
     /// Leaves the report of an order and removes the order under the same lock; blocks until there
     /// is room.
     pub(super) fn report_done(&self, report: R, strike_off: impl FnOnce(&mut O)) {
-        let is_full = |state: &mut State<O, R>| state.reports.len() >= self.capacity;
         let mut state = self
             .changed
-            .wait_while(self.lock(), is_full)
+            .wait_while(self.lock(), |state| state.reports.len() >= self.capacity)
             .unwrap_or_else(PoisonError::into_inner);
         state.reports.push_back(report);
         strike_off(&mut state.orders);
@@ -242,8 +241,9 @@ impl<O, R> Worker<O, R> {
     fn has_ended_after(&self, until: Instant, reports: &mut Vec<R>) -> bool {
         let Mailbox { changed, .. } = &*self.mailbox;
         let left = until.saturating_duration_since(Instant::now());
-        let is_quiet = |state: &mut State<O, R>| state.reports.is_empty() && !state.has_ended;
-        let waited = changed.wait_timeout_while(self.mailbox.lock(), left, is_quiet);
+        let waited = changed.wait_timeout_while(self.mailbox.lock(), left, |state| {
+            state.reports.is_empty() && !state.has_ended
+        });
         let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         reports.extend(state.reports.drain(..));
         let has_ended = state.has_ended;

@@ -94,15 +94,17 @@ fn turn(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
 /// The shift of a corner when both its edges move outwards by 0.5 px: (n + m) / |n + m|² for the
 /// unit normals n and m. |n + m|² is at least 0.25, so that acute corners do not become spikes.
 fn half_px_outward(before: [f32; 2], at: [f32; 2], after: [f32; 2]) -> [f32; 2] {
-    let normal = |from: [f32; 2], to: [f32; 2]| {
-        let (x, y) = (to[0] - from[0], to[1] - from[1]);
-        let length = x.hypot(y);
-        [y / length, -x / length]
-    };
-    let (n, m) = (normal(before, at), normal(at, after));
+    let (n, m) = (unit_normal(before, at), unit_normal(at, after));
     let sum = [n[0] + m[0], n[1] + m[1]];
     let squared = (sum[0] * sum[0] + sum[1] * sum[1]).max(0.25);
     sum.map(|x| x / squared)
+}
+
+/// The unit normal (y, −x) / |(x, y)| of an edge.
+fn unit_normal(from: [f32; 2], to: [f32; 2]) -> [f32; 2] {
+    let (x, y) = (to[0] - from[0], to[1] - from[1]);
+    let length = x.hypot(y);
+    [y / length, -x / length]
 }
 
 /// Triangulates a simple polygon, whose corners run from +x towards +y, by ear clipping (Meisters

@@ -69,21 +69,15 @@ impl MipmapMaker {
         encoder: &mut wgpu::CommandEncoder,
         texture: &wgpu::Texture,
     ) {
-        let level = |base_mip_level| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                base_mip_level,
-                mip_level_count: Some(1),
-                ..wgpu::TextureViewDescriptor::default()
-            })
-        };
         for smaller in 1..texture.mip_level_count() {
+            let source = level_view(texture, smaller - 1);
             let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("mipmap"),
                 layout: &self.layout,
                 entries: &[
                     wgpu::BindGroupEntry {
                         binding: 0,
-                        resource: wgpu::BindingResource::TextureView(&level(smaller - 1)),
+                        resource: wgpu::BindingResource::TextureView(&source),
                     },
                     wgpu::BindGroupEntry {
                         binding: 1,
@@ -91,11 +85,20 @@ impl MipmapMaker {
                     },
                 ],
             });
-            let target = level(smaller);
+            let target = level_view(texture, smaller);
             let mut pass = super::begin_pass(encoder, "mipmap", &target, wgpu::Color::TRANSPARENT);
             pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, &bind_group, &[]);
             pass.draw(0..4, 0..1);
         }
     }
+}
+
+/// A view of a single mip level of a texture.
+fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..wgpu::TextureViewDescriptor::default()
+    })
 }

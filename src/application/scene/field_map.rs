@@ -299,18 +299,29 @@ fn bilinear(picture: &Picture, at: ImagePoint) -> Option<[f64; 3]> {
         return None;
     }
     let (x, y) = (at.x - 0.5, at.y - 0.5);
+    // The four nearest pixel centres, each weighted by its nearness in both directions. Beyond the
+    // outermost centres the border pixels are repeated.
     let (left, top) = (x.floor(), y.floor());
     let (right_share, lower_share) = (x - left, y - top);
-    let pixel = |dx: f64, dy: f64| {
-        let column = (left + dx).clamp(0.0, f64::from(size.width) - 1.0) as u32;
-        let row = (top + dy).clamp(0.0, f64::from(size.height) - 1.0) as u32;
-        picture.pixel(column, row)
-    };
+    let columns = [left, left + 1.0].map(|x| x.clamp(0.0, f64::from(size.width) - 1.0) as u32);
+    let rows = [top, top + 1.0].map(|y| y.clamp(0.0, f64::from(size.height) - 1.0) as u32);
     let corners = [
-        (pixel(0.0, 0.0)?, (1.0 - right_share) * (1.0 - lower_share)),
-        (pixel(1.0, 0.0)?, right_share * (1.0 - lower_share)),
-        (pixel(0.0, 1.0)?, (1.0 - right_share) * lower_share),
-        (pixel(1.0, 1.0)?, right_share * lower_share),
+        (
+            picture.pixel(columns[0], rows[0])?,
+            (1.0 - right_share) * (1.0 - lower_share),
+        ),
+        (
+            picture.pixel(columns[1], rows[0])?,
+            right_share * (1.0 - lower_share),
+        ),
+        (
+            picture.pixel(columns[0], rows[1])?,
+            (1.0 - right_share) * lower_share,
+        ),
+        (
+            picture.pixel(columns[1], rows[1])?,
+            right_share * lower_share,
+        ),
     ];
     Some(std::array::from_fn(|channel| {
         corners

@@ -52,14 +52,12 @@ pub fn next_clicks(
     let now_px = solved.worst_corner_sigma_px;
     let scale = image_size.scale_from_1920();
     let margin_px = MARGIN_PX * scale;
-    let well_inside = |at: ImagePoint| {
-        (margin_px..=f64::from(image_size.width) - margin_px).contains(&at.x)
-            && (margin_px..=f64::from(image_size.height) - margin_px).contains(&at.y)
-    };
     let mut found: Vec<NextClick> = project_landmarks(field, camera, image_size, 0.0)
         .into_iter()
         .map(|projected| (&field.landmarks[projected.landmark], projected.image))
-        .filter(|(landmark, at)| landmark.nominal_m.z == 0.0 && well_inside(*at))
+        .filter(|(landmark, at)| {
+            landmark.nominal_m.z == 0.0 && is_well_inside(*at, image_size, margin_px)
+        })
         .filter(|(landmark, _)| {
             !clicks
                 .iter()
@@ -84,4 +82,10 @@ pub fn next_clicks(
         .collect();
     found.sort_by(|a, b| a.worst_corner_px.total_cmp(&b.worst_corner_px));
     found
+}
+
+/// Whether a point of the picture is at least `margin_px` away from each border.
+fn is_well_inside(at: ImagePoint, image_size: ImageSize, margin_px: f64) -> bool {
+    (margin_px..=f64::from(image_size.width) - margin_px).contains(&at.x)
+        && (margin_px..=f64::from(image_size.height) - margin_px).contains(&at.y)
 }

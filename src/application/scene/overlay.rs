@@ -157,38 +157,39 @@ pub fn click_overlay(scene: &OverlayScene<'_>) -> Drawing {
 /// Masks: boxes from which no features are taken.
 #[must_use]
 pub fn mask_overlay(boxes: &[PixelBox]) -> Drawing {
-    let corners = |pixel_box: &PixelBox| {
-        let (left, top) = (pixel_box.x, pixel_box.y);
-        let (right, bottom) = (left + pixel_box.width, top + pixel_box.height);
-        [(left, top), (right, top), (right, bottom), (left, bottom)]
-            .map(|(x, y)| [x as f32, y as f32])
-            .to_vec()
-    };
-    let border = |pixel_box: &PixelBox| {
-        let mut points = corners(pixel_box);
-        points.push(points[0]);
-        Stroke {
-            points,
-            colour: MASK,
-            width_pt: 1.0,
-            outline: Some(rim(0.5)),
-            dash: None,
-        }
-    };
     Drawing {
         areas: boxes
             .iter()
             .map(|one| Area {
-                corners: corners(one),
+                corners: corners(one).to_vec(),
                 colour: MASK.with_alpha(48),
             })
             .collect(),
         strokes: vec![StrokeGroup {
-            strokes: boxes.iter().map(border).collect(),
+            strokes: boxes.iter().map(mask_border).collect(),
             opacity: 0.9,
             clip_px: None,
         }],
         ..Drawing::default()
+    }
+}
+
+/// The corners of a box, clockwise from the upper left one.
+fn corners(pixel_box: &PixelBox) -> [[f32; 2]; 4] {
+    let (left, top) = (pixel_box.x, pixel_box.y);
+    let (right, bottom) = (left + pixel_box.width, top + pixel_box.height);
+    [(left, top), (right, top), (right, bottom), (left, bottom)].map(|(x, y)| [x as f32, y as f32])
+}
+
+/// The border of a mask, as a closed line.
+fn mask_border(pixel_box: &PixelBox) -> Stroke {
+    let [upper_left, upper_right, lower_right, lower_left] = corners(pixel_box);
+    Stroke {
+        points: vec![upper_left, upper_right, lower_right, lower_left, upper_left],
+        colour: MASK,
+        width_pt: 1.0,
+        outline: Some(rim(0.5)),
+        dash: None,
     }
 }
 

@@ -124,22 +124,28 @@ impl PaintMapFrame {
     #[must_use]
     pub fn frame_at(&self, scene: &PaintMapScene<'_>, at: ImagePoint) -> Option<usize> {
         let ray = self.ray_from_map(at);
-        let off = |(ptz, size): &(Ptz, ImageSize)| {
-            let seen = PtzCamera::new(*scene.base, *ptz)
-                .image_from_ray(ray)
-                .ok()
-                .filter(|seen| size.contains(*seen))?;
-            Some(seen.distance_px(size.centre()) / size.scale_from_1920())
-        };
         let frames = scene
             .frames
             .iter()
             .enumerate()
-            .filter_map(|(place, frame)| Some((place, off(frame)?)));
+            .filter_map(|(place, (ptz, size))| {
+                let camera = PtzCamera::new(*scene.base, *ptz);
+                Some((place, distance_from_centre_px(&camera, *size, ray)?))
+            });
         frames
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(place, _)| place)
     }
+}
+
+/// How far from the picture's centre a camera sees a direction, px at 1920 px width. `None` if it
+/// does not see it.
+fn distance_from_centre_px(camera: &PtzCamera, size: ImageSize, ray: PanTilt) -> Option<f64> {
+    let seen = camera
+        .image_from_ray(ray)
+        .ok()
+        .filter(|seen| size.contains(*seen))?;
+    Some(seen.distance_px(size.centre()) / size.scale_from_1920())
 }
 
 /// Draws the map: ground, paint, lines, each over the one before.
@@ -153,6 +159,7 @@ pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Op
             rgba[at..at + 4].copy_from_slice(&colour);
         }
     };
+    // A square of the ground was seen if a frame shows its centre.
     for row in (0..height).step_by(SQUARE_PX) {
         for column in (0..width).step_by(SQUARE_PX) {
             let middle = 0.5 * SQUARE_PX as f64;
@@ -164,10 +171,10 @@ pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Op
             }
         }
     }
-    let pixel =
-        |at: ImagePoint| (at.x >= 0.0 && at.y >= 0.0).then_some((at.x as usize, at.y as usize));
+    // A sample of paint covers 3 × 3 pixels, so that a single one is visible; the lines are thinner
+    // and remain distinguishable on it.
     for ray in scene.paint {
-        if let Some((column, row)) = pixel(frame.map_from_ray(*ray)) {
+        if let Some((column, row)) = pixel_at(frame.map_from_ray(*ray)) {
             (0..9).for_each(|place| {
                 dot(
                     (column + place % 3).saturating_sub(1),
@@ -178,12 +185,17 @@ pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Op
         }
     }
     for at in line_pieces(scene, frame).into_iter().flatten() {
-        if let Some((column, row)) = pixel(at) {
+        if let Some((column, row)) = pixel_at(at) {
             dot(column, row, LINE);
             dot(column, row + 1, LINE);
         }
     }
     Picture::new(frame.size, rgba).ok()
+}
+
+/// Column and row of the pixel at a point of the map. `None` left of the map or above it.
+fn pixel_at(at: ImagePoint) -> Option<(usize, usize)> {
+    (at.x >= 0.0 && at.y >= 0.0).then_some((at.x as usize, at.y as usize))
 }
 
 /// The painted lines of the field on the map, cut into pieces that lie within it. Points are about

@@ -111,25 +111,34 @@ impl Timeline {
         let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else {
             return None;
         };
-        let has_moved = |at: &usize| document.frames[*at].video != before.frames[*at].video;
-        if document.shots != before.shots || changed.iter().any(has_moved) {
+        let has_moved_frame = changed
+            .iter()
+            .any(|at| document.frames[*at].video != before.frames[*at].video);
+        if document.shots != before.shots || has_moved_frame {
             return None;
         }
         let mut timeline = self.clone();
         let count = self.parts.len();
-        let of_part = |at: usize| at * count / self.frames;
-        let mut parts: Vec<usize> = changed.into_iter().map(of_part).collect();
+        let mut parts: Vec<usize> = changed
+            .into_iter()
+            .map(|at| at * count / self.frames)
+            .collect();
         parts.dedup();
         for part in parts {
-            let begin = |part: usize| (part * self.frames).div_ceil(count);
             let mut summed = TimelinePart::default();
             document
                 .frames
-                .range(begin(part)..begin(part + 1))
+                .range(self.first_frame_of(part)..self.first_frame_of(part + 1))
                 .for_each(|frame| summed.add(frame));
             timeline.parts[part] = summed;
         }
         Some(timeline)
+    }
+
+    /// The index of the first frame of a part; of the part behind the last one, the number of
+    /// frames.
+    fn first_frame_of(&self, part: usize) -> usize {
+        (part * self.frames).div_ceil(self.parts.len())
     }
 
     /// The interval of a part, as shares of the whole length.

@@ -69,29 +69,33 @@ impl HeatMap {
     #[must_use]
     pub fn new(uncertainty: &Uncertainty, camera: &PtzCamera, image_size: ImageSize) -> Self {
         let [columns, rows] = HEAT_GRID;
-        let along = |index: u32, count: u32, px: u32| {
-            f64::from(index) / f64::from(count - 1) * f64::from(px)
-        };
-        let level = |row: u32, column: u32| {
-            let pixel = ImagePoint::new(
-                along(column, columns, image_size.width),
-                along(row, rows, image_size.height),
-            );
-            let sigma_px = uncertainty
-                .overlay_sigma_px(camera, pixel)
-                .unwrap_or(f64::INFINITY);
-            (f64::from(u16::MAX) * heat_level(sigma_px, image_size)).round() as u16
-        };
         let levels = (0..rows)
             .into_par_iter()
             .flat_map_iter(|row| (0..columns).map(move |column| (row, column)));
-        let levels = levels.map(|(row, column)| level(row, column)).collect();
+        let levels = levels
+            .map(|(row, column)| {
+                let pixel = ImagePoint::new(
+                    grid_position_px(column, columns, image_size.width),
+                    grid_position_px(row, rows, image_size.height),
+                );
+                let sigma_px = uncertainty
+                    .overlay_sigma_px(camera, pixel)
+                    .unwrap_or(f64::INFINITY);
+                (f64::from(u16::MAX) * heat_level(sigma_px, image_size)).round() as u16
+            })
+            .collect();
         Self {
             size: HEAT_GRID,
             image_size,
             levels,
         }
     }
+}
+
+/// The coordinate of a grid's column or row: the first of `count` lies on one border of the
+/// picture, the last on the opposite one.
+fn grid_position_px(index: u32, count: u32, length_px: u32) -> f64 {
+    f64::from(index) / f64::from(count - 1) * f64::from(length_px)
 }
 
 /// The position of a 1-σ on the colour scale: 0 is the first colour, 1 the last. `sigma_px` is in

@@ -41,9 +41,8 @@ impl CameraChange {
     /// The indices of the camera's frames from the change on.
     #[must_use]
     pub fn frames(&self, document: &Document) -> Vec<usize> {
-        let concerned = |index: &usize| document.frames[*index].camera == self.camera;
         (self.frame..document.frames.len())
-            .filter(concerned)
+            .filter(|index| document.frames[*index].camera == self.camera)
             .collect()
     }
 
@@ -78,28 +77,10 @@ pub fn camera_change(
     let base = known.base()?;
     // Each frame contributes its clicks and the camera that follows from them. Solving these is
     // what takes time, so it is done in parallel.
-    let observe = |index: usize| {
-        let frame = &document.frames[index];
-        let takes_part = frame.image_size == known.image_size && frame.is_used_for_base();
-        let observations = takes_part
-            .then(|| observations(frame, field).ok())
-            .flatten()?;
-        let pointed = ptz_by_clicks(document, lookup, index, known, field);
-        Some((
-            index,
-            (
-                FrameClicks {
-                    observations,
-                    start: None,
-                },
-                pointed,
-            ),
-        ))
-    };
     let observed = lookup
         .clicked_frames(camera)
         .into_par_iter()
-        .filter_map(observe);
+        .filter_map(|index| observe_frame(document, lookup, index, known, field));
     let (places, observed): (Vec<usize>, Vec<(FrameClicks, Option<Ptz>)>) = observed.unzip();
     let (clicks, pointed): (Vec<FrameClicks>, Vec<Option<Ptz>>) = observed.into_iter().unzip();
     // The test itself compares a model with one base to a model with a change of base at each frame
@@ -113,6 +94,27 @@ pub fn camera_change(
         own_px: found.own_px,
         base: found.base,
     })
+}
+
+/// The index of a frame of `camera`, with its clicks and the camera that follows from them. None if
+/// the frame takes no part in the base, or its clicks are not valid.
+fn observe_frame(
+    document: &Document,
+    lookup: &FrameLookup,
+    index: usize,
+    camera: &Camera,
+    field: &FieldModel,
+) -> Option<(usize, (FrameClicks, Option<Ptz>))> {
+    let frame = &document.frames[index];
+    if frame.image_size != camera.image_size || !frame.is_used_for_base() {
+        return None;
+    }
+    let clicks = FrameClicks {
+        observations: observations(frame, field).ok()?,
+        start: None,
+    };
+    let pointed = ptz_by_clicks(document, lookup, index, camera, field);
+    Some((index, (clicks, pointed)))
 }
 
 /// Pan, tilt and focal length of a frame from its clicks; a stored solution from clicks is not

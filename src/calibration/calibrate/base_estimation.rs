@@ -163,15 +163,11 @@ impl BaseProblem {
             })?;
         let field = document.model_of(document.field_of_camera(camera))?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
-        // Frames of another picture size cannot share the camera's lens and principal point.
-        let of_camera =
-            |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
-        for (index, frame) in document
-            .frames
-            .iter()
-            .enumerate()
-            .filter(|(_, frame)| of_camera(frame))
-        {
+        for (index, frame) in document.frames.iter().enumerate() {
+            // Frames of another picture size cannot share the camera's lens and principal point.
+            if frame.camera != *camera || frame.image_size != known.image_size {
+                continue;
+            }
             let observations =
                 observations(frame, &field).map_err(|source| BaseEstimationError::Observation {
                     frame: frame.name(),
@@ -218,10 +214,12 @@ impl BaseProblem {
         options: &BaseOptions,
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
+        let has_landmarks = self
+            .frames
+            .iter()
+            .any(|index| document.frames[*index].landmark_clicks() >= LANDMARKS_ALONE);
         // Frames without landmarks enough may have cameras by their lines, from which to start.
-        let has_landmarks =
-            |index: &usize| document.frames[*index].landmark_clicks() >= LANDMARKS_ALONE;
-        let own_cameras = if self.frames.iter().any(has_landmarks) {
+        let own_cameras = if has_landmarks {
             Vec::new()
         } else {
             cameras_from_lines(&self.field, &self.clicks, self.image_size)
@@ -299,23 +297,28 @@ impl BaseProblem {
                 }
             }
         }
-        // The median is robust against a single wrong click, which `worst` names.
-        let fit = |(id, mut errors): (&LandmarkId, Vec<(f64, usize, usize)>)| {
-            errors.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (worst_px, frame, click) = *errors.last()?;
-            let median_px = median(&mut errors.iter().map(|error| error.0).collect::<Vec<_>>())?;
-            Some(LandmarkFit {
-                id: id.clone(),
-                median_px,
-                clicks: errors.len(),
-                worst: (frame, click),
-                worst_px,
-            })
-        };
-        let mut fits: Vec<LandmarkFit> = errors.into_iter().filter_map(fit).collect();
+        let mut fits: Vec<LandmarkFit> = errors
+            .into_iter()
+            .filter_map(|(id, errors)| landmark_fit(id, errors))
+            .collect();
         fits.sort_by(|a, b| b.median_px.total_cmp(&a.median_px));
         fits
     }
+}
+
+/// The fit of one landmark from its residuals (px) with the indices of frame and click; none
+/// without a residual. The median is robust against a single wrong click, which `worst` names.
+fn landmark_fit(id: &LandmarkId, mut errors: Vec<(f64, usize, usize)>) -> Option<LandmarkFit> {
+    errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (worst_px, frame, click) = *errors.last()?;
+    let median_px = median(&mut errors.iter().map(|error| error.0).collect::<Vec<_>>())?;
+    Some(LandmarkFit {
+        id: id.clone(),
+        median_px,
+        clicks: errors.len(),
+        worst: (frame, click),
+        worst_px,
+    })
 }
 
 impl EstimatedBase {
@@ -408,15 +411,18 @@ impl EstimatedBase {
         {
             // A frame that fits the base with mirrored names gets a warning, once, and its verdict
             // is `Wrong`.
-            let solution = document
+            let Some(solution) = document
                 .frames
                 .get_mut(mirrored.frame)
-                .and_then(|frame| frame.solution.as_mut());
-            let is_mirrored =
-                |known: &SolutionWarning| known.code == WarningCode::Mirrored.as_str();
-            if let Some(solution) =
-                solution.filter(|solution| !solution.warnings.iter().any(is_mirrored))
-            {
+                .and_then(|frame| frame.solution.as_mut())
+            else {
+                continue;
+            };
+            let has_warning = solution
+                .warnings
+                .iter()
+                .any(|known| known.code == WarningCode::Mirrored.as_str());
+            if !has_warning {
                 let message = format!("The names look mirrored: {}.", describe_mirrored(mirrored));
                 solution.warnings.push(SolutionWarning::new(
                     WarningCode::Mirrored.as_str(),
@@ -472,12 +478,11 @@ impl EstimatedBase {
                 .turn_from(self.estimate.base.angles().heading)
                 .degrees()
         });
-        let of_camera =
-            |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
         // Every frame of the camera follows the gauge; only frames from clicks are solved again.
         let mut clicked = Vec::new();
         for &index in places {
-            if !of_camera(&document.frames[index]) {
+            let frame = &document.frames[index];
+            if frame.camera != self.camera || frame.status == FrameStatus::Rejected {
                 continue;
             }
             if turned_deg != 0.0

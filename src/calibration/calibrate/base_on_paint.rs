@@ -128,16 +128,16 @@ impl BaseOnPaint {
             .zip(&estimate.frames)
             .filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz)))
             .collect();
-        let is_of_camera = |frame: &Frame| {
-            frame.camera == self.estimated.camera
-                && frame.ptz.is_some()
-                && frame.status != FrameStatus::Rejected
-        };
         // The alignment searches near a frame's camera, so each frame first gets the best camera on
         // the new base: of the adjustment, of its clicks, or the old one turned so that its lines
         // stay in place.
         let of_camera: Vec<usize> = (0..document.frames.len())
-            .filter(|index| is_of_camera(&document.frames[*index]))
+            .filter(|index| {
+                let frame = &document.frames[*index];
+                frame.camera == self.estimated.camera
+                    && frame.ptz.is_some()
+                    && frame.status != FrameStatus::Rejected
+            })
             .collect();
         let mut started = document.clone();
         for &index in &of_camera {
@@ -243,8 +243,11 @@ fn first_cameras(
     options: &BaseOptions,
     progress: &Progress<'_, BaseProgress>,
 ) -> Result<KnownCameras, BaseEstimationError> {
-    let recorded = |index: &usize| document.frames.get(*index)?.ptz.as_ref().map(FramePtz::ptz);
-    let mut ptz: Vec<Option<Ptz>> = problem.frames.iter().map(recorded).collect();
+    let mut ptz: Vec<Option<Ptz>> = problem
+        .frames
+        .iter()
+        .map(|index| document.frames.get(*index)?.ptz.as_ref().map(FramePtz::ptz))
+        .collect();
     // Without a click the estimation has priors alone to go by, and must not replace a base.
     let has_clicks = problem
         .clicks

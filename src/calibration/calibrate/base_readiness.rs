@@ -98,40 +98,47 @@ pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel)
             .enumerate()
             .filter(|(_, frame)| frame.camera == *camera)
     };
-    let is_wide = |frame: &Frame| BaseReadiness::from_frame(frame).wide > 0;
     let wide: Vec<(usize, Option<Angle>)> = of_camera()
         .filter(|(_, frame)| is_wide(frame))
         .map(|(index, frame)| (index, pan_of(frame)))
         .collect();
-    // Unsolved frames may show enough.
-    let shows_enough = |frame: &Frame| {
-        let seen = document
-            .ptz_camera(frame)
-            .map(|camera| project_landmarks(field, &camera, frame.image_size, 0.0).len());
-        seen.is_none_or(|seen| seen >= LANDMARKS_ALONE)
-    };
-    // The distance of a frame from the nearest wide one: in pan (°), else in frames of the
-    // document. The base is determined best if the wide frames look in different directions. The
-    // flag ranks any known pan above any index.
-    let gain = |index: usize, frame: &Frame| {
-        let apart_deg = |(_, other): &(usize, Option<Angle>)| {
-            Some(pan_of(frame)?.turn_from((*other)?).degrees().abs())
-        };
-        let by_pan = wide.iter().filter_map(apart_deg).min_by(f64::total_cmp);
-        let by_place = wide
-            .iter()
-            .map(|(other, _)| index.abs_diff(*other))
-            .min()
-            .unwrap_or(0);
-        (by_pan.is_some(), by_pan.unwrap_or(by_place as f64))
-    };
     of_camera()
-        .filter(|(_, frame)| frame.is_used_for_base() && !is_wide(frame) && shows_enough(frame))
-        .map(|(index, frame)| (index, gain(index, frame)))
+        .filter(|(_, frame)| frame.is_used_for_base() && !is_wide(frame))
+        .filter(|(_, frame)| shows_enough(document, frame, field))
+        .map(|(index, frame)| (index, distance_from_wide(index, frame, &wide)))
         // `max_by` returns the last of equal elements: reversed, that is the first frame.
         .rev()
         .max_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
         .map(|(index, _)| index)
+}
+
+/// Whether a frame counts towards [`WIDE_FRAMES`].
+fn is_wide(frame: &Frame) -> bool {
+    BaseReadiness::from_frame(frame).wide > 0
+}
+
+/// Whether a frame shows as many landmarks as it needs. An unsolved frame may.
+fn shows_enough(document: &Document, frame: &Frame, field: &FieldModel) -> bool {
+    let seen = document
+        .ptz_camera(frame)
+        .map(|camera| project_landmarks(field, &camera, frame.image_size, 0.0).len());
+    seen.is_none_or(|seen| seen >= LANDMARKS_ALONE)
+}
+
+/// The distance of a frame from the nearest wide one (index, pan): in pan (°), else in frames of
+/// the document. The base is determined best if the wide frames look in different directions. The
+/// flag ranks any known pan above any index.
+fn distance_from_wide(index: usize, frame: &Frame, wide: &[(usize, Option<Angle>)]) -> (bool, f64) {
+    let by_pan = wide
+        .iter()
+        .filter_map(|(_, other)| Some(pan_of(frame)?.turn_from((*other)?).degrees().abs()))
+        .min_by(f64::total_cmp);
+    let by_place = wide
+        .iter()
+        .map(|(other, _)| index.abs_diff(*other))
+        .min()
+        .unwrap_or(0);
+    (by_pan.is_some(), by_pan.unwrap_or(by_place as f64))
 }
 
 fn pan_of(frame: &Frame) -> Option<Angle> {

@@ -68,29 +68,42 @@ pub fn better_camera(
     // surplus equations it scatters more.
     let usual = CHECK_MISFIT + 1.0 / solved.redundancy as f64;
     solved.misfit().filter(|misfit| *misfit > usual)?;
-    let context = SolveContext::new(frame.image_size);
-    // χ² of two cameras is comparable only with equal numbers of equations. A focal length outside
-    // the usual range is no fit.
-    let fit = |camera: &Camera, field: &FieldModel| {
-        let fit = solve_frame(&camera.base()?, &observations(frame, field).ok()?, &context).ok()?;
-        let fits = fit.redundancy == solved.redundancy
-            && fit.misfit().is_some_and(|misfit| misfit < usual);
-        let better = BETTER * fit.chi_squared < solved.chi_squared
-            && fit.chi_squared + BETTER_BY < solved.chi_squared;
-        (fits && better && context.ranges.contains(&fit.ptz)).then_some(fit)
-    };
     document
         .cameras
         .iter()
         .zip(fields)
         .filter(|(camera, _)| camera.id != frame.camera && camera.image_size == frame.image_size)
-        .filter_map(|(camera, field)| Some((camera, fit(camera, field)?)))
+        .filter_map(|(camera, field)| {
+            let fit = better_fit(frame, solved, camera, field, usual)?;
+            Some((camera, fit))
+        })
         .min_by(|a, b| a.1.chi_squared.total_cmp(&b.1.chi_squared))
         .map(|(camera, fit)| BetterCamera {
             camera: camera.id.clone(),
             rms_px: fit.rms_px,
             own_rms_px: solved.rms_px,
         })
+}
+
+/// The solution of a frame with another camera, if it fits with a misfit below the usual one and
+/// clearly better than the frame's own.
+///
+/// χ² of two cameras is comparable only with equal numbers of equations. A focal length outside the
+/// usual range is no fit.
+fn better_fit(
+    frame: &Frame,
+    own: &FrameSolution,
+    camera: &Camera,
+    field: &FieldModel,
+    usual_misfit: f64,
+) -> Option<FrameSolution> {
+    let context = SolveContext::new(frame.image_size);
+    let fit = solve_frame(&camera.base()?, &observations(frame, field).ok()?, &context).ok()?;
+    let fits = fit.redundancy == own.redundancy
+        && fit.misfit().is_some_and(|misfit| misfit < usual_misfit);
+    let better =
+        BETTER * fit.chi_squared < own.chi_squared && fit.chi_squared + BETTER_BY < own.chi_squared;
+    (fits && better && context.ranges.contains(&fit.ptz)).then_some(fit)
 }
 
 /// Inserts the warning that another camera fits before a solution's other warnings, if one does.

@@ -17,7 +17,7 @@ use thiserror::Error;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
 use touchline_core::progress::{Progress, Share};
-use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameId};
+use touchline_documents::document::{CameraId, Document, Fields, FrameId};
 
 /// A change after which many frames are solved again.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,10 +104,12 @@ impl BulkSolve {
     /// Number of these frames that are solved again: those with clicks, and accepted proposals,
     /// whose lines are kept in place.
     fn count_frames_to_solve(&self, places: &[usize]) -> usize {
-        let is_one = |frame: &Frame| is_by_clicks(frame) || frame.is_suggestion();
         places
             .iter()
-            .filter(|index| is_one(&self.document.frames[**index]))
+            .filter(|index| {
+                let frame = &self.document.frames[**index];
+                is_by_clicks(frame) || frame.is_suggestion()
+            })
             .count()
     }
 

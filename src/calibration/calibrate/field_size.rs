@@ -28,12 +28,12 @@ pub(crate) fn set_field_size(document: &mut Document, camera: &CameraId, sizes: 
 
 /// Writes a fitted size into a field.
 pub(crate) fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
-    // Clicks do not determine it better than to a centimetre.
-    let rounded = |size: &FittedSize| (size.name.clone(), (size.value_m * 100.0).round() / 100.0);
     // What the frames do not show stays as it was assumed.
-    field
-        .params
-        .extend(sizes.iter().filter(|size| !size.is_open).map(rounded));
+    for size in sizes.iter().filter(|size| !size.is_open) {
+        // Clicks do not determine it better than to a centimetre.
+        let value_m = (size.value_m * 100.0).round() / 100.0;
+        field.params.insert(size.name.clone(), value_m);
+    }
     if !sizes.is_empty() && sizes.iter().all(|size| !size.is_open) {
         field.size = Some(FieldSize::Fitted);
     }

@@ -11,32 +11,33 @@ use touchline_documents::document::{
 /// The frames, by ascending index, whose camera has another base than in `before`, or that now
 /// belong to another camera.
 fn frames_with_changed_base(before: &Document, now: &Document) -> Vec<usize> {
-    let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
     // If the lists of cameras are equal, no base has changed.
     let ids = now
         .cameras
         .iter()
         .filter(|_| before.cameras != now.cameras)
         .map(|camera| &camera.id);
-    let moved: BTreeSet<&CameraId> = ids.filter(|id| base(before, id) != base(now, id)).collect();
-    let given_away = |index: &usize| {
-        let frame = &now.frames[*index];
-        before
-            .frames
-            .get(*index)
-            .is_some_and(|known| known.id == frame.id && known.camera != frame.camera)
-    };
+    let moved: BTreeSet<&CameraId> = ids
+        .filter(|id| {
+            before.camera(id).and_then(Camera::base) != now.camera(id).and_then(Camera::base)
+        })
+        .collect();
     let given_away = now
         .frames
         .differences(&before.frames)
         .into_iter()
-        .filter(given_away);
+        .filter(|index| {
+            let frame = &now.frames[*index];
+            before
+                .frames
+                .get(*index)
+                .is_some_and(|known| known.id == frame.id && known.camera != frame.camera)
+        });
     if moved.is_empty() {
         return given_away.collect();
     }
-    let of_moved = |index: &usize| moved.contains(&now.frames[*index].camera);
     let mut frames: Vec<usize> = (0..now.frames.len())
-        .filter(of_moved)
+        .filter(|index| moved.contains(&now.frames[*index].camera))
         .chain(given_away)
         .collect();
     frames.sort_unstable();

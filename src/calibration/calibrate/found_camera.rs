@@ -49,27 +49,32 @@ impl FoundCamera {
     /// Writes base, crown and suggestions into a document. Frames that a person has clicked in or
     /// decided on do not change.
     pub(super) fn write(&self, document: &mut Document) {
-        // Frames are found again by id. Those that were deleted, assigned to another camera or
-        // decided on meanwhile are left out.
-        let here = |(id, of_found): (&FrameId, &AutocalibratedFrame)| {
-            let index = document.frames.position_of(id)?;
-            let is_open =
-                document.frames[index].is_open() && document.frames[index].camera == self.camera;
-            is_open.then(|| AutocalibratedFrame {
-                index,
-                ..of_found.clone()
-            })
-        };
         let frames = self
             .frames
             .iter()
             .zip(&self.found.frames)
-            .filter_map(here)
+            .filter_map(|(id, frame)| self.find_open_frame(document, id, frame))
             .collect();
         let found = AutocalibratedCamera {
             frames,
             ..self.found.clone()
         };
         record_found(document, &self.camera, &found);
+    }
+
+    /// A frame of the calibration with its present index in a document, in which it is found by id.
+    /// None if it was deleted, assigned to another camera or decided on meanwhile.
+    fn find_open_frame(
+        &self,
+        document: &Document,
+        id: &FrameId,
+        frame: &AutocalibratedFrame,
+    ) -> Option<AutocalibratedFrame> {
+        let index = document.frames.position_of(id)?;
+        let now = &document.frames[index];
+        (now.is_open() && now.camera == self.camera).then(|| AutocalibratedFrame {
+            index,
+            ..frame.clone()
+        })
     }
 }

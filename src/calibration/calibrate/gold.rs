@@ -16,49 +16,56 @@ const CHOSEN: usize = 6;
 /// among equals the one whose pan is farthest from all their pans.
 #[must_use]
 pub fn choose_gold(document: &Document) -> Vec<usize> {
-    let frames = || {
-        document
-            .frames
-            .iter()
-            .enumerate()
-            .map(|(index, frame)| (index, &**frame))
-    };
-    let gold = || frames().filter(|(_, frame)| frame.gold);
-    let pan = |frame: &Frame| frame.ptz.as_ref().map_or(Angle::ZERO, |ptz| ptz.ptz().pan);
-    let mut pans: Vec<Angle> = gold().map(|(_, frame)| pan(frame)).collect();
-    let mut repeated: BTreeSet<&LandmarkId> = gold()
-        .flat_map(|(_, frame)| frame.landmarks_to_repeat())
+    let gold: Vec<&Frame> = document
+        .frames
+        .iter()
+        .map(|frame| &**frame)
+        .filter(|frame| frame.gold)
         .collect();
-    let mut open: Vec<(usize, &Frame)> = frames()
+    let mut pans: Vec<Angle> = gold.iter().map(|frame| pan_or_zero(frame)).collect();
+    let mut repeated: BTreeSet<&LandmarkId> = gold
+        .into_iter()
+        .flat_map(Frame::landmarks_to_repeat)
+        .collect();
+    let mut open: Vec<(usize, &Frame)> = document
+        .frames
+        .iter()
+        .enumerate()
+        .map(|(index, frame)| (index, &**frame))
         .filter(|(_, frame)| !frame.gold && frame.why_not_gold().is_none())
         .collect();
     let mut chosen = Vec::new();
     while pans.len() < CHOSEN && !open.is_empty() {
-        let rank = |frame: &Frame| {
-            // Rank by the number of new landmarks, then by the distance in pan from the nearest
-            // gold frame.
-            let news: BTreeSet<&LandmarkId> = frame
-                .landmarks_to_repeat()
-                .filter(|id| !repeated.contains(id))
-                .collect();
-            let apart = pans
-                .iter()
-                .map(|other| pan(frame).turn_from(*other).abs().radians());
-            (news.len(), apart.fold(f64::INFINITY, f64::min))
-        };
         // `max_by` returns the last of equal elements: reversed, that is the first frame.
         let best = (0..open.len()).rev().max_by(|a, b| {
-            let (a, b) = (rank(open[*a].1), rank(open[*b].1));
+            let [a, b] = [*a, *b].map(|at| gain(open[at].1, &repeated, &pans));
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         });
         let Some(best) = best else { break };
         let (index, frame) = open.remove(best);
         repeated.extend(frame.landmarks_to_repeat());
-        pans.push(pan(frame));
+        pans.push(pan_or_zero(frame));
         chosen.push(index);
     }
     chosen.sort_unstable();
     chosen
+}
+
+/// What a frame adds to the gold frames: the number of its landmarks that are not yet `repeated`,
+/// and the distance of its pan from the nearest of theirs, rad (infinite without one).
+fn gain(frame: &Frame, repeated: &BTreeSet<&LandmarkId>, pans: &[Angle]) -> (usize, f64) {
+    let new_landmarks: BTreeSet<&LandmarkId> = frame
+        .landmarks_to_repeat()
+        .filter(|id| !repeated.contains(id))
+        .collect();
+    let apart = pans
+        .iter()
+        .map(|other| pan_or_zero(frame).turn_from(*other).abs().radians());
+    (new_landmarks.len(), apart.fold(f64::INFINITY, f64::min))
+}
+
+fn pan_or_zero(frame: &Frame) -> Angle {
+    frame.ptz.as_ref().map_or(Angle::ZERO, |ptz| ptz.ptz().pan)
 }
 
 /// Whether [`choose_gold`] would choose any frame, given the numbers of gold frames and of others

@@ -170,9 +170,12 @@ impl KnownFrames<'_> {
                 .map_err(BaseEstimationError::from)?;
             let sized = problem.clone().on_field(field);
             // The cameras belong to the size that they were adjusted with.
-            let on_sized = |frame| frame_on_field(frame, &sized.field);
             let seen_on_sized = Seen {
-                painted: seen.painted.iter().map(on_sized).collect(),
+                painted: seen
+                    .painted
+                    .iter()
+                    .map(|frame| frame_on_field(frame, &sized.field))
+                    .collect(),
                 ..seen
             };
             let sized_start = first.adjust(&sized, &seen_on_sized, &model, &options.adjust);
@@ -270,15 +273,22 @@ impl BaseProblem {
 
 /// The same clicks and paint with their coordinates on a field of another size.
 fn frame_on_field(frame: &FrameClicks, field: &FieldModel) -> FrameClicks {
-    let renamed = |seen: &Observation| {
-        seen.element
-            .and_then(|element| seen.with_element(field, element))
-            .unwrap_or(*seen)
-    };
     FrameClicks {
-        observations: frame.observations.iter().map(renamed).collect(),
+        observations: frame
+            .observations
+            .iter()
+            .map(|seen| observation_on_field(seen, field))
+            .collect(),
         start: frame.start,
     }
+}
+
+/// The same observation of the same element on another field; unchanged where it has no such
+/// element.
+fn observation_on_field(seen: &Observation, field: &FieldModel) -> Observation {
+    seen.element
+        .and_then(|element| seen.with_element(field, element))
+        .unwrap_or(*seen)
 }
 
 /// A base, its crown, and the cameras of the frames.
@@ -354,8 +364,10 @@ impl Seen {
         // Pictures are read one after the other and processed in parallel, a few at a time to limit
         // memory.
         for some in looked_at.chunks(AT_ONCE) {
-            let read = |place: &usize| Some((*place, picture(*place)?));
-            let read: Vec<(usize, Picture)> = some.iter().filter_map(read).collect();
+            let read: Vec<(usize, Picture)> = some
+                .iter()
+                .filter_map(|place| Some((*place, picture(*place)?)))
+                .collect();
             let looked = read.par_iter().map(|(place, picture)| {
                 let ground = GroundPicture::new(picture, &masks[*place]);
                 // Paint counts only in frames that can be aligned; elsewhere it may belong to other

@@ -13,8 +13,8 @@ use super::paint::LINE_CHECK;
 use super::size_fit::OpenSize;
 use super::unseen_length::{LENGTH, UnseenLength};
 use rayon::prelude::*;
-use touchline_core::camera::{Ptz, PtzCamera};
-use touchline_core::field::FieldError;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::geometry::{Vec3, mean, subsample};
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{
@@ -144,11 +144,9 @@ fn length_by_camera(
     // Coarse search. The score of a length is the mean over the suspect frames.
     let assumed_m = unseen.assumed_length_m();
     let (min_m, max_m) = unseen.limits_m();
-    let worth =
-        |looks: &[Look<'_>], length_m: f64| mean(&worths(&unseen, looks, length_m)).unwrap_or(0.0);
     let rated: Vec<(f64, f64)> = steps(min_m, max_m, COARSE_M)
         .into_iter()
-        .map(|length_m| (worth(&doubted, length_m), length_m))
+        .map(|length_m| (mean_worth(&unseen, &doubted, length_m), length_m))
         .collect();
     let Some(&(best, best_m)) = rated.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Ok(None);
@@ -159,8 +157,14 @@ fn length_by_camera(
         .iter()
         .filter(|(_, length_m)| (length_m - best_m).abs() > PEAK_M)
         .map(|(worth, _)| *worth);
-    let is_peak = best >= PEAK * elsewhere.fold(worth(&doubted, assumed_m), f64::max);
-    if !is_peak || worth(&agreeing, best_m) < worth(&agreeing, assumed_m) - NOISE {
+    let assumed_worth = mean_worth(&unseen, &doubted, assumed_m);
+    let is_peak = best >= PEAK * elsewhere.fold(assumed_worth, f64::max);
+    if !is_peak {
+        return Ok(None);
+    }
+    // The certain frames must not lose more than noise.
+    let worth_before = mean_worth(&unseen, &agreeing, assumed_m);
+    if mean_worth(&unseen, &agreeing, best_m) < worth_before - NOISE {
         return Ok(None);
     }
     // Fine search around the peak.
@@ -251,46 +255,52 @@ fn frames_of<'a>(
         .iter()
         .map(|frame| &**frame)
         .filter(|frame| frame.camera == *camera && frame.ptz.is_some());
-    let confidence = |frame: &Frame| {
-        frame
-            .solution
-            .as_ref()
-            .and_then(|solution| solution.confidence)
-    };
     of_camera
-        .filter(|frame| is_included(frame, confidence(frame).unwrap_or(1.0)))
+        .filter(|frame| {
+            let solution = frame.solution.as_ref();
+            let confidence = solution.and_then(|solution| solution.confidence);
+            is_included(frame, confidence.unwrap_or(1.0))
+        })
         .collect()
 }
 
 /// The pictures of at most [`FRAMES`] of these frames, spread evenly.
 fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -> Vec<Look<'a>> {
-    let read = |frame: &&'a Frame| {
-        let ground = GroundPicture::new(&picture(frame)?, &at.document.masks_of(frame));
-        Some(Look {
-            ground,
-            ptz: frame.ptz.as_ref()?.ptz(),
-            frame,
+    subsample(frames, FRAMES)
+        .filter_map(|frame| {
+            let ground = GroundPicture::new(&picture(frame)?, &at.document.masks_of(frame));
+            Some(Look {
+                ground,
+                ptz: frame.ptz.as_ref()?.ptz(),
+                frame,
+            })
         })
-    };
-    subsample(frames, FRAMES).filter_map(read).collect()
+        .collect()
 }
 
-/// The score of a length in each frame: the agreement of its lines with paint, times the share of
-/// its paint that lies on lines. Neither factor suffices alone: each is highest at a length at
-/// which the lines in question leave the picture.
+/// The mean score of a length over some frames.
+fn mean_worth(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> f64 {
+    mean(&worths(unseen, looks, length_m)).unwrap_or(0.0)
+}
+
+/// The score of a length in each frame; zeros where the template has no field of that length.
 fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> {
     let Some((field, base)) = unseen.at_length(length_m) else {
         return vec![0.0; looks.len()];
     };
-    let worth = |look: &Look<'_>| {
-        let check = check_lines(
-            &look.ground,
-            &field,
-            &PtzCamera::new(look.frame.base_from(&base), look.ptz),
-        );
-        check.agreement * (1.0 - check.unexplained.unwrap_or(0.0))
-    };
-    looks.par_iter().map(worth).collect()
+    looks
+        .par_iter()
+        .map(|look| worth_in_frame(look, &field, &base))
+        .collect()
+}
+
+/// The score of a field in one frame: the agreement of its lines with paint, times the share of its
+/// paint that lies on lines. Neither factor suffices alone: each is highest at a length at which
+/// the lines in question leave the picture.
+fn worth_in_frame(look: &Look<'_>, field: &FieldModel, base: &CameraBase) -> f64 {
+    let camera = PtzCamera::new(look.frame.base_from(base), look.ptz);
+    let check = check_lines(&look.ground, field, &camera);
+    check.agreement * (1.0 - check.unexplained.unwrap_or(0.0))
 }
 
 /// The length with the highest score in one frame; none if the frame's score hardly depends on the

@@ -79,15 +79,15 @@ pub fn give_own_cameras(
         })
         .collect();
 
-    let solve = |&index: &usize| {
-        let frame = &given.frames[index];
-        let solved = solve_alone(frame, fields.for_frame(&given, frame));
-        progress.report(()).is_continue().then_some((index, solved))
-    };
     let mut names = FreeNames::from_document(&given);
     let mut result = OwnCameras::default();
     for some in open.chunks(AT_ONCE) {
-        let Some(solved) = some.par_iter().map(solve).collect::<Option<Vec<_>>>() else {
+        let solved = some.par_iter().map(|&index| {
+            let frame = &given.frames[index];
+            let solved = solve_alone(frame, fields.for_frame(&given, frame));
+            progress.report(()).is_continue().then_some((index, solved))
+        });
+        let Some(solved) = solved.collect::<Option<Vec<_>>>() else {
             *document = given;
             return Ok(None);
         };
@@ -117,16 +117,18 @@ pub(super) fn cameras_from_lines(
         .filter(|frame| frame.equations() >= 2 * LANDMARKS_ALONE)
         .collect();
     let chosen: Vec<&FrameClicks> = subsample(enough, MAX_BY_LINES).collect();
-    let camera = |frame: &&FrameClicks| {
-        let picture = LinePicture {
-            field,
-            observations: &frame.observations,
-            image_size,
-        };
-        let found = camera_from_lines(&picture, &FromLinesOptions::default());
-        found.ok().map(|found| found.camera())
-    };
-    chosen.par_iter().filter_map(camera).collect()
+    chosen
+        .par_iter()
+        .filter_map(|frame| {
+            let picture = LinePicture {
+                field,
+                observations: &frame.observations,
+                image_size,
+            };
+            let found = camera_from_lines(&picture, &FromLinesOptions::default());
+            found.ok().map(|found| found.camera())
+        })
+        .collect()
 }
 
 /// A camera of a frame's lines, with the root mean square distance of its points, px.

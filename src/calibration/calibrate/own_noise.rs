@@ -25,9 +25,7 @@ use std::collections::BTreeMap;
 use touchline_core::field::{CLICKING_SHARE, FieldError, LandmarkId};
 use touchline_core::geometry::Vec2;
 use touchline_core::score::ClickScatter;
-use touchline_documents::document::{
-    ClickNoise, Document, DocumentAt, Extra, Fields, Frame, Shared,
-};
+use touchline_documents::document::{ClickNoise, Document, DocumentAt, Extra, Fields};
 
 /// Minimum number of repeats for an estimate of the noise: the smallest for which the ends of the
 /// 95 % interval differ by less than a factor of two.
@@ -90,13 +88,8 @@ impl OwnNoise {
     /// # Errors
     /// One of its fields is not valid.
     pub fn estimate(document: DocumentAt<'_>) -> Result<Self, FieldError> {
-        let repeated =
-            |(index, frame): (usize, &Shared<Frame>)| (!frame.repeats.is_empty()).then_some(index);
-        let places: Vec<usize> = document
-            .frames
-            .iter()
-            .enumerate()
-            .filter_map(repeated)
+        let places: Vec<usize> = (0..document.frames.len())
+            .filter(|index| !document.frames[*index].repeats.is_empty())
             .collect();
         if places.is_empty() {
             Ok(Self::default())
@@ -196,14 +189,11 @@ fn click_noise(
     let factor = shrunk_towards(1.0, ANNOTATOR_PRIOR, &seen);
     // Landmarks with few repeats have too uncertain a scale of their own and use the annotator's
     // factor.
-    let own_factor = |normalised: &[Vec2]| {
+    let own = by_landmark.iter().filter_map(|(id, [_, normalised])| {
         let seen = ClickScatter::from_differences(normalised)
             .filter(|seen| seen.pairs >= ENOUGH_OF_LANDMARK)?;
-        Some(shrunk_towards(factor, LANDMARK_PRIOR, &seen))
-    };
-    let own = by_landmark.iter();
-    let own = own.filter_map(|(id, [_, normalised])| {
-        Some((id.as_str().to_owned(), own_factor(normalised)?))
+        let own_factor = shrunk_towards(factor, LANDMARK_PRIOR, &seen);
+        Some((id.as_str().to_owned(), own_factor))
     });
     // The factors are for the solve; σ in px and its interval are for display.
     Some(ClickNoise {

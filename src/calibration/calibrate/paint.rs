@@ -9,7 +9,8 @@ use touchline_core::markings::LineVerdict;
 use touchline_core::progress::Progress;
 use touchline_core::solve::ObservationError;
 use touchline_documents::document::{
-    Document, Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, Target,
+    Click, Document, Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning,
+    Target,
 };
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{
@@ -227,19 +228,28 @@ pub fn snap_clicks(
     clicks: &[usize],
 ) -> Vec<(usize, SnappedPoint)> {
     let ground = GroundPicture::new(picture, &document.masks_of(frame));
-    let snapped = |index: &usize| {
-        let click = frame.clicks.get(*index)?;
-        let Some(Target::Landmark(id)) = &click.target else {
-            return None;
-        };
-        let landmark = field.landmark(id.as_str())?;
-        let options = PointSnapOptions::default();
-        Some((
-            *index,
-            snap_point(&ground, field, camera, landmark, click.image, &options)?,
-        ))
+    clicks
+        .iter()
+        .filter_map(|index| {
+            let click = frame.clicks.get(*index)?;
+            Some((*index, snap_click(&ground, field, camera, click)?))
+        })
+        .collect()
+}
+
+/// Where the landmark of a click is painted; none for a click on a line, or if it is not certain.
+fn snap_click(
+    ground: &GroundPicture,
+    field: &FieldModel,
+    camera: &PtzCamera,
+    click: &Click,
+) -> Option<SnappedPoint> {
+    let Some(Target::Landmark(id)) = &click.target else {
+        return None;
     };
-    clicks.iter().filter_map(snapped).collect()
+    let landmark = field.landmark(id.as_str())?;
+    let options = PointSnapOptions::default();
+    snap_point(ground, field, camera, landmark, click.image, &options)
 }
 
 /// A line check in the document's form; values that are not finite are left out.

@@ -100,11 +100,12 @@ pub(crate) fn ground_moved_px(
     after: &PtzCamera,
     image_size: ImageSize,
 ) -> Option<f64> {
-    let moved_px = |(image, ground): (ImagePoint, Vec3)| {
-        let now = after.image_from_world(ground);
-        now.map_or(f64::INFINITY, |now| now.distance_px(image))
-    };
-    let mut moved: Vec<f64> = visible_ground(before, image_size).map(moved_px).collect();
+    let mut moved: Vec<f64> = visible_ground(before, image_size)
+        .map(|(image, ground)| {
+            let now = after.image_from_world(ground);
+            now.map_or(f64::INFINITY, |now| now.distance_px(image))
+        })
+        .collect();
     median_high(&mut moved)
 }
 

@@ -119,18 +119,17 @@ impl OpenSize {
 
     /// The free lengths with those of `field` as their assumed values.
     pub fn params_of(&self, field: &FieldModel) -> Vec<SizeParam> {
-        let of = |param: &SizeParam| {
-            let assumed_m = field
-                .params
-                .get(&param.name)
-                .copied()
-                .unwrap_or(param.assumed_m);
-            SizeParam {
-                assumed_m,
+        self.params
+            .iter()
+            .map(|param| SizeParam {
+                assumed_m: field
+                    .params
+                    .get(&param.name)
+                    .copied()
+                    .unwrap_or(param.assumed_m),
                 ..param.clone()
-            }
-        };
-        self.params.iter().map(of).collect()
+            })
+            .collect()
     }
 
     /// The field at these lengths, in the order of `params`, clamped to what the rules allow. None

@@ -43,24 +43,17 @@ pub(super) fn solve_frames(
         ShownFields::Document(fields) => fields.per_camera(document),
         ShownFields::Camera(_) => Vec::new(),
     };
-    let solve = |document: &Document, lookup: &FrameLookup, index: usize| {
-        solve_one(document, lookup, index, fields, &of_cameras).map(Box::new)
-    };
     // First pass: all frames see the document as it was given, so that neither order nor number of
     // threads matters. It runs in batches, because the solutions of a long video together need much
     // memory.
     let given = document.clone();
-    let solve_first = |&index: &usize| {
-        let solved = solve(&given, &lookup, index);
-        progress.report(()).is_continue().then_some(solved)
-    };
     let (mut settled, mut again) = (Vec::with_capacity(places.len()), Vec::new());
     for some in places.chunks(AT_ONCE) {
-        let Some(first) = some
-            .par_iter()
-            .map(solve_first)
-            .collect::<Option<Vec<Solved>>>()
-        else {
+        let first = some.par_iter().map(|&index| {
+            let solved = solve_one(&given, &lookup, index, fields, &of_cameras);
+            progress.report(()).is_continue().then_some(solved)
+        });
+        let Some(first) = first.collect::<Option<Vec<Solved>>>() else {
             // Cancelled: undo the batches that are written.
             *document = given;
             return None;
@@ -82,7 +75,7 @@ pub(super) fn solve_frames(
     }
     let second: Vec<Solved> = again
         .par_iter()
-        .map(|&index| solve(document, &lookup, index))
+        .map(|&index| solve_one(document, &lookup, index, fields, &of_cameras))
         .collect();
     for (index, solved) in again.into_iter().zip(second) {
         if let Ok(solved) = solved {
@@ -98,7 +91,7 @@ fn solve_one(
     index: usize,
     fields: ShownFields<'_>,
     of_cameras: &[Arc<FieldModel>],
-) -> Result<FrameSolution, CalibrationError> {
+) -> Solved {
     let frame = &document.frames[index];
     let field = match fields {
         ShownFields::Document(fields) => fields.for_frame(document, frame),
@@ -106,7 +99,7 @@ fn solve_one(
     };
     let mut solved = calibrate(document, lookup, frame, field, index)?;
     warn_of_better_camera(document, frame, &mut solved, of_cameras);
-    Ok(solved)
+    Ok(Box::new(solved))
 }
 
 /// Solves those of some frames again whose camera comes from clicks, or would if there had been a

@@ -10,12 +10,13 @@ pub(super) fn still_runs(document: &Document) -> Vec<Vec<usize>> {
     let mut runs = Vec::new();
     for shot in known.shots() {
         let places: Vec<usize> = shot.iter().copied().collect();
-        let is_still = |&at: &usize| {
-            known
-                .for_frame(places[at])
-                .is_some_and(|found| found.is_still())
-        };
-        let inside: Vec<usize> = (0..places.len()).filter(is_still).collect();
+        let inside: Vec<usize> = (0..places.len())
+            .filter(|&at| {
+                known
+                    .for_frame(places[at])
+                    .is_some_and(|found| found.is_still())
+            })
+            .collect();
         // A still frame has the same camera as its two neighbours, so each run extends by one frame
         // at both ends. A still frame always has neighbours on both sides.
         for run in inside.chunk_by(|one, next| one + 1 == *next) {

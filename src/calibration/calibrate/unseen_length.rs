@@ -163,39 +163,54 @@ impl UnseenLength {
     /// 1-σ in a picture of the lines that do not move with the seen end, px; 0 if it shows none of
     /// them at any likely length.
     pub fn sigma_px(&self, ptz: Ptz, image: ImageSize) -> f64 {
-        // The motion of a sample relative to the seen end, px per metre of length: its motion per
-        // metre along x, times the difference of dx/dL. A line of the middle moves by half of the
-        // length's error, hence half the threshold.
-        let of_length = |(field, base): &(FieldModel, CameraBase)| {
-            let samples = telling_samples(field, &PtzCamera::new(*base, ptz), image).into_iter();
-            let moves = samples
-                .map(|(line, px_per_m)| px_per_m * (self.by_line[line] - self.end.shift()).abs());
-            let mut telling: Vec<f64> = moves
-                .filter(|px| *px >= TELLING_PX / 2.0 * image.scale_from_1920())
-                .collect();
-            median_high(&mut telling).filter(|_| telling.len() >= ENOUGH_SAMPLES)
-        };
         // The median over the samples of each length, the largest over the lengths: lines that may
         // be in the picture count.
-        self.likely.iter().filter_map(of_length).fold(0.0, f64::max) * self.sigma_m()
+        let px_per_m = self
+            .likely
+            .iter()
+            .filter_map(|(field, base)| {
+                self.median_motion_px(field, &PtzCamera::new(*base, ptz), image)
+            })
+            .fold(0.0, f64::max);
+        px_per_m * self.sigma_m()
+    }
+
+    /// The median motion of the lines in a picture relative to the seen end, px per metre of
+    /// length. None if too few samples move.
+    fn median_motion_px(
+        &self,
+        field: &FieldModel,
+        camera: &PtzCamera,
+        image: ImageSize,
+    ) -> Option<f64> {
+        // The motion of a sample: its motion per metre along x, times the difference of dx/dL. A
+        // line of the middle moves by half of the length's error, hence half the threshold.
+        let moves = telling_samples(field, camera, image)
+            .into_iter()
+            .map(|(line, px_per_m)| px_per_m * (self.by_line[line] - self.end.shift()).abs());
+        let mut telling: Vec<f64> = moves
+            .filter(|px| *px >= TELLING_PX / 2.0 * image.scale_from_1920())
+            .collect();
+        median_high(&mut telling).filter(|_| telling.len() >= ENOUGH_SAMPLES)
     }
 
     /// dx/dL of each line, from a central difference at its midpoint. None if the template has no
     /// field one step away.
     fn shifts_of_lines(&self) -> Option<Vec<f64>> {
         const STEP_M: f64 = 0.5;
-        let at = |by_m: f64| {
-            self.at_length(self.assumed_length_m() + by_m)
-                .map(|(field, _)| field)
-        };
-        let (shorter, longer) = (at(-STEP_M)?, at(STEP_M)?);
+        let assumed_m = self.assumed_length_m();
+        let (shorter, _) = self.at_length(assumed_m - STEP_M)?;
+        let (longer, _) = self.at_length(assumed_m + STEP_M)?;
         // Lengths are clamped to the rules, so the actual step may be shorter than 2 × `STEP_M`.
         let (from, to) = (shorter.length_m, longer.length_m);
-        let middle =
-            |field: &FieldModel, line: usize| field.lines[line].paint_centre.point_at(0.5).x;
-        let shift = |line: usize| (middle(&longer, line) - middle(&shorter, line)) / (to - from);
-        (to > from && shorter.lines.len() == longer.lines.len())
-            .then(|| (0..longer.lines.len()).map(shift).collect())
+        let is_comparable = to > from && shorter.lines.len() == longer.lines.len();
+        let lines = shorter.lines.iter().zip(&longer.lines);
+        let shifts = lines.map(|(shorter, longer)| {
+            let [shorter_m, longer_m] =
+                [shorter, longer].map(|line| line.paint_centre.point_at(0.5).x);
+            (longer_m - shorter_m) / (to - from)
+        });
+        is_comparable.then(|| shifts.collect())
     }
 }
 
@@ -208,6 +223,8 @@ fn telling_samples(field: &FieldModel, camera: &PtzCamera, image: ImageSize) -> 
         ..SampleOptions::default()
     };
     let samples = sample_lines(field, camera, image, &options).into_iter();
+    // The derivative of the image point by x, as a forward difference. A motion along the line
+    // cannot be seen, so only its component along the normal counts.
     let moved = samples.filter_map(|sample| {
         let beside = camera
             .image_from_world(sample.at + Vec3::new(STEP_M, 0.0, 0.0))

@@ -132,13 +132,16 @@ pub(super) fn assign_frames(
 ) {
     // A camera of an old base would project lines elsewhere with the new one.
     let base = document.camera(camera).and_then(Camera::base);
-    let changes = |index: &usize| {
-        document
-            .frames
-            .get(*index)
-            .is_some_and(|frame| frame.camera != *camera)
-    };
-    let given: Vec<usize> = frames.iter().copied().filter(changes).collect();
+    let given: Vec<usize> = frames
+        .iter()
+        .copied()
+        .filter(|index| {
+            document
+                .frames
+                .get(*index)
+                .is_some_and(|frame| frame.camera != *camera)
+        })
+        .collect();
     for &index in &given {
         let same_base = document
             .camera_of(&document.frames[index])

@@ -120,25 +120,7 @@ fn describe_names(frame: &FrameAgreement) -> String {
 /// All results as JSON.
 #[must_use]
 pub fn agreement_json(agreement: &Agreement) -> Value {
-    let disputes = |frame: &FrameAgreement| -> Vec<Value> {
-        let dispute = |dispute: &super::NameDispute| {
-            json!({
-                "frame": frame.name,
-                "first": dispute.names[0].as_str(),
-                "second": dispute.names[1].as_str(),
-                "apart_px": dispute.apart_px,
-            })
-        };
-        frame.names.iter().map(dispute).collect()
-    };
-    let lone = |first: bool| -> Vec<&str> {
-        agreement
-            .lone
-            .iter()
-            .filter(|lone| lone.by_first == first)
-            .map(|lone| lone.name.as_str())
-            .collect()
-    };
+    let disputes: Vec<Value> = agreement.frames.iter().flat_map(disputes_json).collect();
     let [right, down] = agreement
         .noise_by_axis
         .map(|noise| noise.as_ref().map(noise_json));
@@ -153,10 +135,32 @@ pub fn agreement_json(agreement: &Agreement) -> Value {
         "one_annotator": agreement.noise.as_ref().map(noise_json),
         "one_annotator_x": right,
         "one_annotator_y": down,
-        "names_differ": agreement.frames.iter().flat_map(disputes).collect::<Vec<_>>(),
-        "only_first": lone(true),
-        "only_second": lone(false),
+        "names_differ": disputes,
+        "only_first": lone_names(agreement, true),
+        "only_second": lone_names(agreement, false),
     })
+}
+
+fn disputes_json(frame: &FrameAgreement) -> Vec<Value> {
+    let disputes = frame.names.iter().map(|dispute| {
+        json!({
+            "frame": frame.name,
+            "first": dispute.names[0].as_str(),
+            "second": dispute.names[1].as_str(),
+            "apart_px": dispute.apart_px,
+        })
+    });
+    disputes.collect()
+}
+
+/// The names of the frames that only the first, or only the second annotator has labelled.
+fn lone_names(agreement: &Agreement, by_first: bool) -> Vec<&str> {
+    agreement
+        .lone
+        .iter()
+        .filter(|lone| lone.by_first == by_first)
+        .map(|lone| lone.name.as_str())
+        .collect()
 }
 
 /// Click noise as JSON.

@@ -1,6 +1,6 @@
 //! Reports of an evaluation: tables, and figures of the errors.
 
-use super::{Evaluation, FrameGroup, FrameScores, GroupKind, Measure};
+use super::{Evaluation, FrameGroup, GroupKind, Measure};
 use std::fmt::Write as _;
 use touchline_core::geometry::Angle;
 use touchline_core::score::Summary;
@@ -23,15 +23,12 @@ const DRAWN: [Measure; 6] = [
 pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Report {
     let mut report = Report::new("evaluation", "Evaluation");
     report.text(&evaluation_tables(groups, Table::to_markdown));
-    let scored = || {
-        evaluation
+
+    for measure in DRAWN {
+        let values: Vec<f64> = evaluation
             .frames
             .iter()
-            .filter_map(|frame| frame.scores.as_ref().ok())
-    };
-    for measure in DRAWN {
-        let values: Vec<f64> = scored()
-            .filter_map(|scores: &FrameScores| scores.get(measure))
+            .filter_map(|frame| frame.scores.as_ref().ok()?.get(measure))
             .collect();
         // A logarithmic axis cannot show an error of exactly zero.
         if values.iter().any(|value| value.is_finite() && *value > 0.0) {
@@ -161,26 +158,9 @@ fn summary_table(group: &FrameGroup) -> Table {
         ("worst_tenth", "worst tenth from"),
         ("worst", "worst"),
     ]);
-    let mut add = |name: &str, summary: &Summary, more_is_better: bool| {
-        let [low, high] = summary.mean_interval.map(|end| Cell::from(end).to_string());
-        let (tenth, worst) = if more_is_better {
-            (summary.p10, summary.min)
-        } else {
-            (summary.p90, summary.max)
-        };
-        table.push(vec![
-            name.into(),
-            summary.count.into(),
-            summary.mean.into(),
-            format!("{low} to {high}").into(),
-            summary.std.into(),
-            summary.median.into(),
-            tenth.into(),
-            worst.into(),
-        ]);
-    };
     for (measure, summary) in &group.measures {
-        add(measure.label(), summary, measure.more_is_better());
+        let more_is_better = measure.more_is_better();
+        table.push(summary_row(measure.label(), summary, more_is_better));
     }
     for (name, summary) in [
         ("every click used (px)", &group.clicks_px),
@@ -188,10 +168,30 @@ fn summary_table(group: &FrameGroup) -> Table {
         ("every click held out (m)", &group.held_out_m),
     ] {
         if let Some(summary) = summary {
-            add(name, summary, false);
+            table.push(summary_row(name, summary, false));
         }
     }
     table
+}
+
+/// The row of [`summary_table`] for one measure.
+fn summary_row(name: &str, summary: &Summary, more_is_better: bool) -> Vec<Cell> {
+    let [low, high] = summary.mean_interval.map(|end| Cell::from(end).to_string());
+    let (tenth, worst) = if more_is_better {
+        (summary.p10, summary.min)
+    } else {
+        (summary.p90, summary.max)
+    };
+    vec![
+        name.into(),
+        summary.count.into(),
+        summary.mean.into(),
+        format!("{low} to {high}").into(),
+        summary.std.into(),
+        summary.median.into(),
+        tenth.into(),
+        worst.into(),
+    ]
 }
 
 /// A table of medians by group.

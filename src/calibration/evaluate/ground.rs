@@ -187,16 +187,17 @@ impl GroundComparison {
     /// All of it, for scripts. Distances that are not finite are null.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let frame = |frame: &FrameOnGround| {
+        let frames = self.frames.iter().filter_map(|frame| {
             let mut value = GroundError::from_distances(&frame.distances_m)?.to_json();
             value["frame"] = json!(frame.name);
             Some(value)
-        };
+        });
+        let frames: Vec<Value> = frames.collect();
         json!({
             "points": if self.is_given { "given" } else { "grid" },
             "without_ground": self.without_ground,
             "all": self.error().map(GroundError::to_json),
-            "frames": self.frames.iter().filter_map(frame).collect::<Vec<_>>(),
+            "frames": frames,
         })
     }
 

@@ -88,16 +88,17 @@ fn by_path(frame: &Frame, _: &Path) -> Option<String> {
 
 /// The file's name without its folder, with the frame's number for a video.
 fn by_name(frame: &Frame, _: &Path) -> Option<String> {
-    let name = |path: &str| {
-        Path::new(path)
-            .file_name()
-            .map(|name| name.to_string_lossy().into_owned())
-    };
     match (&frame.image, &frame.video) {
-        (Some(image), _) => name(image),
-        (None, Some(video)) => Some(format!("{}#{}", name(&video.path)?, video.frame_index)),
+        (Some(image), _) => file_name(image),
+        (None, Some(video)) => Some(format!("{}#{}", file_name(&video.path)?, video.frame_index)),
         (None, None) => None,
     }
+}
+
+fn file_name(path: &str) -> Option<String> {
+    Path::new(path)
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned())
 }
 
 #[cfg(test)]

@@ -206,8 +206,10 @@ fn propose_or_report(
 ) -> Proposal {
     let (document, generation) = (pictures.document, forest.generation);
     let model = (forest.model, generation);
-    let ask = || propose(document, index, features, model, &forest.options);
-    catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|panic| {
+    let proposal = catch_unwind(AssertUnwindSafe(|| {
+        propose(document, index, features, model, &forest.options)
+    }));
+    proposal.unwrap_or_else(|panic| {
         let message = panic_message(panic.as_ref());
         let reason = NoProposal::Panicked { message };
         Proposal::without_answer(document, index, generation, reason)
@@ -229,29 +231,43 @@ fn propose_in_batches(
         if progress.is_cancelled() {
             break;
         }
-        let ask = |look: Look<'_, ByResolution>| {
-            let resolution = look
-                .found
-                .as_ref()
-                .map_or(Resolution::Fine, |features| features.resolution);
-            let mut proposal = propose_or_report(pictures, forest, look.index, look.found);
-            match &look.earlier {
-                Some(earlier) => proposal = proposal.after(&earlier.proposal),
-                None => {
+        let of_batch = pictures.each_coarse_to_fine(
+            reader,
+            batch,
+            |look: Look<'_, ByResolution>| {
+                let is_first = look.earlier.is_none();
+                let proposed = propose_by_look(pictures, forest, look);
+                if is_first {
                     // The answers of a batch are kept: a break takes effect before the next one.
                     let _ = progress.report(num_done.fetch_add(1, Ordering::Relaxed) + 1);
                 }
-            }
-            ControlFlow::Continue(ByResolution {
-                proposal,
-                resolution,
-            })
-        };
-        let is_doubtful = |found: &ByResolution| needs_fine(&found.proposal);
-        let of_batch = pictures.each_coarse_to_fine(reader, batch, ask, is_doubtful);
+                ControlFlow::Continue(proposed)
+            },
+            |found: &ByResolution| needs_fine(&found.proposal),
+        );
         proposals.extend(of_batch.unwrap_or_default());
     }
     proposals
+}
+
+/// Queries the forest for a frame with these features. Fine features answer after coarse ones.
+fn propose_by_look(
+    pictures: &FramePictures<'_>,
+    forest: &ForestRequest<'_>,
+    look: Look<'_, ByResolution>,
+) -> ByResolution {
+    let resolution = look
+        .found
+        .as_ref()
+        .map_or(Resolution::Fine, |features| features.resolution);
+    let mut proposal = propose_or_report(pictures, forest, look.index, look.found);
+    if let Some(earlier) = &look.earlier {
+        proposal = proposal.after(&earlier.proposal);
+    }
+    ByResolution {
+        proposal,
+        resolution,
+    }
 }
 
 /// The folders of a document's pictures and of their features.

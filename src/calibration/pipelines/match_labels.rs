@@ -148,10 +148,6 @@ fn describe_two(
     other: &AutocalibratedCamera,
     deciding: Option<&DecidingLandmark>,
 ) -> String {
-    let at = |found: &AutocalibratedCamera| {
-        let at = found.base.position_m;
-        format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
-    };
     let click = deciding.map_or_else(
         || "click 4 landmarks on 2 frames".to_owned(),
         |deciding| {
@@ -167,9 +163,14 @@ fn describe_two(
     );
     format!(
         "two places for the camera explain the paint, {} and {}, so none is given; {click}",
-        at(best),
-        at(other)
+        format_position(best),
+        format_position(other)
     )
+}
+
+fn format_position(found: &AutocalibratedCamera) -> String {
+    let at = found.base.position_m;
+    format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
 }
 
 /// The clicks that would help after an abstention, as a part of a sentence.
@@ -266,23 +267,24 @@ pub fn label_match(
     });
     // Further cameras, then the frames that were not sampled.
     let cameras = labelling.find_other_cameras(camera.clone(), first)?;
-    let without = |document: &Document| {
-        document
-            .frames
-            .iter()
-            .filter(|frame| frame.ptz.is_none())
-            .count()
-    };
-    let open = without(labelling.document);
+    let open = count_without_camera(labelling.document);
     if options.label_the_rest && open > 0 {
         labelling.label_the_rest(&cameras)?;
     }
-    let unanswered = without(labelling.document);
+    let unanswered = count_without_camera(labelling.document);
     Ok(MatchLabels::Labelled(LabelledMatch {
         cameras,
         answered: open - unanswered,
         unanswered,
     }))
+}
+
+fn count_without_camera(document: &Document) -> usize {
+    document
+        .frames
+        .iter()
+        .filter(|frame| frame.ptz.is_none())
+        .count()
 }
 
 /// Trains a forest on those frames of found cameras that are aligned to their own paint, as if the

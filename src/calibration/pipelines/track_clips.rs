@@ -249,8 +249,10 @@ impl Tracking<'_> {
         known: &mut Document,
     ) -> Result<bool, FieldError> {
         let (reader, folder) = (&mut *self.reader, self.folder);
-        let mut picture = |frame: &Frame| read_picture(&mut *reader, frame, folder).ok();
-        let Some(found) = length_on_lines(document.at(folder), &mut picture)? else {
+        let found = length_on_lines(document.at(folder), &mut |frame: &Frame| {
+            read_picture(&mut *reader, frame, folder).ok()
+        })?;
+        let Some(found) = found else {
             return Ok(false);
         };
         if self

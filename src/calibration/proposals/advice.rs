@@ -52,11 +52,9 @@ pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
 impl LabelAdvice {
     /// The advice for the frames that need a label.
     pub fn from_needs(needs: &LabelNeeds, coverage: &[Coverage]) -> Self {
-        let of_camera =
-            |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
         let places = needs
             .needing()
-            .filter_map(|(camera, needing)| best_place(needing, of_camera(camera)));
+            .filter_map(|(camera, needing)| best_place(needing, coverage_of(camera, coverage)));
         // Among equals the first camera by name, so that the order of frames does not matter.
         let place = places.rev().max_by(|a, b| a.0.total_cmp(&b.0));
         // Compare with the shot that has most frames of unknown direction, of which a label is
@@ -76,7 +74,9 @@ impl LabelAdvice {
             }),
         };
         if let Some(next) = &mut next {
-            let coverage = needs.camera_of(next.frame).and_then(of_camera);
+            let coverage = needs
+                .camera_of(next.frame)
+                .and_then(|camera| coverage_of(camera, coverage));
             next.missing_pan_deg = coverage.and_then(|coverage| coverage.missing_pan_deg);
         }
         Self {
@@ -87,6 +87,11 @@ impl LabelAdvice {
     }
 }
 
+/// The coverage of one of these cameras.
+fn coverage_of<'a>(camera: &CameraId, coverage: &'a [Coverage]) -> Option<&'a Coverage> {
+    coverage.iter().find(|coverage| coverage.camera == *camera)
+}
+
 /// The direction in which a label helps the frames of a camera most, and its gain: the expected
 /// number of frames that would be answered because of it. None if no frame sees the field.
 fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f64, LabelNext)> {
@@ -95,27 +100,21 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
     // The weight of a direction: how much its frames need a label, times how new the view is.
     for (to, direction) in needing.directions() {
         let half_view = direction.half_view();
-        let view = || AngleRange::around(Look::towards(to), half_view);
-        let novelty = coverage.map_or(Some(1.0), |coverage| coverage.novelty(view()));
+        let novelty = coverage.map_or(Some(1.0), |coverage| {
+            coverage.novelty(AngleRange::around(Look::towards(to), half_view))
+        });
         let Some(weight) = novelty.map(|novelty| novelty * direction.need()) else {
             continue;
         };
         weights.push((to, weight));
         (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half_view.degrees());
     }
-    // A label helps a frame by the overlap of their views: 1 in the same direction, linear to 0 at
-    // a distance of the mean width of a view.
+    // The mean width of a view.
     let view_deg = (2.0 * half_view_deg / whole).max(DIRECTION_DEG);
-    let gain = |at: i64| -> f64 {
-        let apart = |other: i64| Look::towards(other).turn_from(Look::towards(at)).abs();
-        let overlap = |other: i64| 1.0 - apart(other).degrees() / view_deg;
-        weights
-            .iter()
-            .map(|&(other, weight)| weight * overlap(other).max(0.0))
-            .sum()
-    };
     // Of equal gains, the smallest pan.
-    let gains = weights.iter().map(|&(at, _)| (gain(at), at));
+    let gains = weights
+        .iter()
+        .map(|&(at, _)| (gain_of_label(at, &weights, view_deg), at));
     let (gain, at) = gains.rev().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let chosen = needing.neediest(at)?;
     let next = LabelNext {
@@ -125,6 +124,20 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
         missing_pan_deg: None,
     };
     Some((gain, next))
+}
+
+/// The weights of the directions that a label in direction `at` helps. It helps a frame by the
+/// overlap of their views: 1 in the same direction, linear to 0 at a distance of the width of a
+/// view.
+fn gain_of_label(at: i64, weights: &[(i64, f64)], view_deg: f64) -> f64 {
+    weights
+        .iter()
+        .map(|&(other, weight)| {
+            let apart = Look::towards(other).turn_from(Look::towards(at)).abs();
+            let overlap = 1.0 - apart.degrees() / view_deg;
+            weight * overlap.max(0.0)
+        })
+        .sum()
 }
 
 #[cfg(test)]

@@ -40,17 +40,20 @@ pub fn adopt_bases(
     model: &ForestModel,
 ) -> Result<(), BaseMismatch> {
     for forest in &model.cameras {
-        let name = || forest.camera.clone();
         let id = forest.camera.as_str().into();
         let known = of_forest.camera(&id).and_then(Camera::base);
-        let known = known.ok_or_else(|| BaseMismatch::Unknown { camera: name() })?;
+        let known = known.ok_or_else(|| BaseMismatch::Unknown {
+            camera: forest.camera.clone(),
+        })?;
         let Some(camera) = document.camera_mut(&id) else {
             continue;
         };
         match camera.base() {
             None => camera.set_base(&known),
             Some(base) if differs(&base, &known) => {
-                return Err(BaseMismatch::Differs { camera: name() });
+                return Err(BaseMismatch::Differs {
+                    camera: forest.camera.clone(),
+                });
             }
             Some(_) => {}
         }
@@ -61,11 +64,11 @@ pub fn adopt_bases(
 fn differs(one: &CameraBase, other: &CameraBase) -> bool {
     // Lenses are compared by their effect at two focal lengths, because they are functions of the
     // focal length.
-    let lens = |base: &CameraBase, focal_px: f64| base.distortion.at(focal_px);
     (one.position_m - other.position_m).amax() > SAME_BASE
         || (one.base_from_world - other.base_from_world).amax() > SAME_BASE
         || one.principal_point.distance_px(other.principal_point) > SAME_BASE
-        || [1000.0, 5000.0]
-            .iter()
-            .any(|&focal_px| (lens(one, focal_px) - lens(other, focal_px)).abs() > SAME_BASE)
+        || [1000.0, 5000.0].iter().any(|&focal_px| {
+            let apart = one.distortion.at(focal_px) - other.distortion.at(focal_px);
+            apart.abs() > SAME_BASE
+        })
 }

@@ -81,11 +81,20 @@ impl FramePictures<'_> {
         work: impl Fn(Look<'_, T>) -> ControlFlow<(), T> + Sync,
         needs_fine: impl Fn(&T) -> bool + Sync,
     ) -> Option<Vec<T>> {
-        let first = |frame: &Frame| match self.options.coarse(frame.image_size.width) {
+        self.in_batches(
+            reader,
+            frames,
+            |frame| self.first_resolution(frame),
+            work,
+            needs_fine,
+        )
+    }
+
+    fn first_resolution(&self, frame: &Frame) -> Resolution {
+        match self.options.coarse(frame.image_size.width) {
             Some(_) => Resolution::Coarse,
             None => Resolution::Fine,
-        };
-        self.in_batches(reader, frames, first, work, needs_fine)
+        }
     }
 
     fn in_batches<T: Send>(
@@ -100,7 +109,7 @@ impl FramePictures<'_> {
         // Videos are decoded here in sequence; extraction, and reading of images, runs in parallel
         // after that.
         for batch in frames.chunks(BATCH) {
-            let begin = |&index: &usize| {
+            let begun = batch.iter().map(|&index| {
                 let frame = &*self.document.frames[index];
                 let resolution = first(frame);
                 Begun {
@@ -110,8 +119,8 @@ impl FramePictures<'_> {
                     found: self.begin(reader, frame, resolution, None),
                     earlier: None,
                 }
-            };
-            let begun = batch.iter().map(begin).collect();
+            });
+            let begun = begun.collect();
             let (mut done, mut again, mut places) = (Vec::new(), Vec::new(), Vec::new());
             let worked = self.work_on(begun, &work, &needs_fine)?;
             for (place, (&index, worked)) in batch.iter().zip(worked).enumerate() {

@@ -39,24 +39,14 @@ impl FoundMask {
     #[must_use]
     pub fn describe(&self, document: &Document) -> String {
         let area = &self.mask.pixel_box;
-        let name = |index: usize| {
-            document
-                .frames
-                .get(index)
-                .map(|frame| frame.name())
-                .unwrap_or_default()
-        };
+        let [first, last] = self.frames.map(|index| {
+            let frame = document.frames.get(index);
+            frame.map(|frame| frame.name()).unwrap_or_default()
+        });
         format!(
-            "camera {}: {:.0} × {:.0} px at {:.0}, {:.0} look burnt in from {} to {} ({} features stand still) and are left out \
+            "camera {}: {:.0} × {:.0} px at {:.0}, {:.0} look burnt in from {first} to {last} ({} features stand still) and are left out \
              of the training",
-            self.camera,
-            area.width,
-            area.height,
-            area.x,
-            area.y,
-            name(self.frames[0]),
-            name(self.frames[1]),
-            self.features
+            self.camera, area.width, area.height, area.x, area.y, self.features
         )
     }
 }
@@ -91,23 +81,21 @@ pub(super) fn leave_out_burnt_in(
             .collect();
         for graphic in &burnt.graphics {
             // A graphic in the first or the last picture has a range that is open at that end.
-            let ends = [graphic.first, graphic.last];
-            let number = |picture: usize, is_end: bool| {
-                let video = document.frames[frames[picture]].video.as_ref();
-                video.filter(|_| !is_end).map(|video| video.frame_index)
-            };
+            let is_open_before = graphic.first == 0;
+            let is_open_after = graphic.last + 1 == frames.len();
+            let ends = [graphic.first, graphic.last].map(|picture| frames[picture]);
+            let [from, to] = ends.map(|index| video_frame_number(document, index));
             let mask = RangedMask {
                 pixel_box: graphic.pixel_box,
-                from: number(graphic.first, graphic.first == 0),
-                to: number(graphic.last, graphic.last + 1 == frames.len()),
+                from: from.filter(|_| !is_open_before),
+                to: to.filter(|_| !is_open_after),
                 source: MaskSource::Found,
                 extra: Extra::new(),
             };
-            let frames = ends.map(|picture| frames[picture]);
             found.push(FoundMask {
                 camera: camera.id.clone(),
                 mask,
-                frames,
+                frames: ends,
                 features: graphic.features,
             });
         }
@@ -128,6 +116,12 @@ pub(super) fn leave_out_burnt_in(
         }
     }
     found
+}
+
+/// The number of a frame in its video; none for an image.
+pub(super) fn video_frame_number(document: &Document, index: usize) -> Option<u64> {
+    let video = document.frames[index].video.as_ref();
+    video.map(|video| video.frame_index)
 }
 
 /// Removes the rays of some features, so that they do not become training samples.

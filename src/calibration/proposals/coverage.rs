@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use touchline_core::camera::{CameraBase, PanTilt, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, AngleRange, ImageSize, Vec3};
-use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, Frame};
+use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
 
 /// Number of columns (pan) and rows (tilt) of the map.
 const COLUMNS: usize = 30;
@@ -48,13 +48,13 @@ impl Coverage {
     /// Cameras without a base or a valid field are left out.
     #[must_use]
     pub fn measure_cameras(document: DocumentAt<'_>, training_frames: &[usize]) -> Vec<Self> {
-        let is_used = |camera: &Camera| {
-            let mut used = training_frames
+        let used = document.cameras.iter().filter(|camera| {
+            let mut frames = training_frames
                 .iter()
                 .filter_map(|&index| document.frames.get(index));
-            used.any(|frame| frame.camera == camera.id)
-        };
-        let of_camera = |camera: &Camera| {
+            frames.any(|frame| frame.camera == camera.id)
+        });
+        let coverages = used.filter_map(|camera| {
             let field = camera
                 .field
                 .as_ref()
@@ -62,12 +62,8 @@ impl Coverage {
                 .model(document.folder)
                 .ok()?;
             Self::measure(&document, &field, &camera.id, training_frames)
-        };
-        let cameras = document.cameras.iter().map(|camera| &**camera);
-        cameras
-            .filter(|camera| is_used(camera))
-            .filter_map(of_camera)
-            .collect()
+        });
+        coverages.collect()
     }
 
     /// The coverage of one camera by `training_frames`. None if the camera has no base.
@@ -154,22 +150,25 @@ impl Coverage {
     /// Pan of the middle of the longest run of columns with a part of the field that no reference
     /// sees. Of equally long runs, the first.
     fn widest_gap_deg(&self) -> Option<f64> {
-        // A gap is a column that shows some of the field, of which no reference sees any cell.
-        let is_gap = |column: &usize| {
-            let mut cells = self
-                .cells
-                .iter()
-                .skip(*column)
-                .step_by(self.columns)
-                .filter(|cell| cell.field)
-                .peekable();
-            cells.peek().is_some() && cells.all(|cell| cell.references == 0)
-        };
-        let gaps: Vec<usize> = (0..self.columns).filter(is_gap).collect();
+        let gaps: Vec<usize> = (0..self.columns)
+            .filter(|column| self.is_gap(*column))
+            .collect();
         let runs = gaps.chunk_by(|a, b| a + 1 == *b);
         let widest = runs.rev().max_by_key(|run| run.len())?;
         let middle = (widest.first()? + widest.last()? + 1) as f64 / 2.0 / self.columns as f64;
         Some(self.pan.at(middle).wrap().degrees())
+    }
+
+    /// Whether a column shows some of the field, and no reference sees any of it.
+    fn is_gap(&self, column: usize) -> bool {
+        let mut cells = self
+            .cells
+            .iter()
+            .skip(column)
+            .step_by(self.columns)
+            .filter(|cell| cell.field)
+            .peekable();
+        cells.peek().is_some() && cells.all(|cell| cell.references == 0)
     }
 }
 

@@ -50,18 +50,21 @@ impl ExpectedWrong {
                 sum
             })
             .collect();
-        // Quantiles of the cumulative distribution.
-        let first_above = |share: f64| {
-            upto.iter()
-                .position(|upto| *upto > share)
-                .unwrap_or(upto.len() - 1)
-        };
         Self {
             mean,
-            least: first_above(TAIL),
-            most: first_above(1.0 - TAIL),
+            least: quantile_of(&upto, TAIL),
+            most: quantile_of(&upto, 1.0 - TAIL),
         }
     }
+}
+
+/// The quantile of a cumulative distribution over 0, 1, …: the first number at which it exceeds
+/// `share`, or the last one.
+fn quantile_of(cumulative: &[f64], share: f64) -> usize {
+    cumulative
+        .iter()
+        .position(|upto| *upto > share)
+        .unwrap_or(cumulative.len() - 1)
 }
 
 #[cfg(test)]

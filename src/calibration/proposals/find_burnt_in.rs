@@ -1,14 +1,14 @@
 //! Finds graphics burnt into the pictures of a document, labelled or not, from a few pictures of
 //! each camera: by edges that are static throughout or for a while, and by static features.
 
-use super::burnt_in::{FoundMask, has_point_moved};
+use super::burnt_in::{FoundMask, has_point_moved, video_frame_number};
 use super::spread::spread;
 use super::{FramePictures, read_picture};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use touchline_core::camera::PtzCamera;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Camera, Extra, MaskSource, RangedMask};
+use touchline_documents::document::{Camera, Document, Extra, MaskSource, RangedMask};
 use touchline_vision::features::{
     BurntInGraphic, Features, ReducedPicture, StandingGraphic, burnt_in, standing_graphics,
 };
@@ -71,13 +71,15 @@ pub fn find_burnt_in(
             .filter_map(|seen| Some((seen.frame, seen.features?)))
             .collect();
         let by_features = find_by_features(pictures, camera, &looked_at);
-        let is_new = |graphic: &FoundMask| {
-            let centre = graphic.mask.pixel_box.centre();
-            !by_edges
-                .iter()
-                .any(|known| known.mask.pixel_box.contains(centre))
-        };
-        let by_features: Vec<FoundMask> = by_features.into_iter().filter(is_new).collect();
+        let by_features: Vec<FoundMask> = by_features
+            .into_iter()
+            .filter(|graphic| {
+                let centre = graphic.mask.pixel_box.centre();
+                !by_edges
+                    .iter()
+                    .any(|known| known.mask.pixel_box.contains(centre))
+            })
+            .collect();
         found.extend(by_edges.into_iter().chain(by_features));
     }
     Some(found)
@@ -94,12 +96,6 @@ fn by_edges(
 ) -> Option<Vec<FoundMask>> {
     let document = pictures.document;
     let reduced: Vec<ReducedPicture> = seen.iter().map(|seen| seen.reduced.clone()).collect();
-    let number = |frame: usize| {
-        document.frames[frame]
-            .video
-            .as_ref()
-            .map(|video| video.frame_index)
-    };
     let mut found = Vec::new();
     for graphic in standing_graphics(&reduced) {
         let [first, last] = [graphic.first, graphic.last].map(|place| seen[place].frame);
@@ -115,17 +111,19 @@ fn by_edges(
         // and the next one; bisect between the two. Images have no frame numbers, so their range
         // stays open.
         let mut bound = |shown: usize, other: Option<&Seen>| -> Option<Option<u64>> {
-            let Some(other) = other.filter(|_| number(shown).is_some()) else {
+            let is_of_video = video_frame_number(document, shown).is_some();
+            let Some(other) = other.filter(|_| is_of_video) else {
                 return Some(None);
             };
-            Some(number(last_without(
+            let without = last_without(
                 pictures,
                 reader,
                 &graphic,
                 of_camera,
                 [shown, other.frame],
                 progress,
-            )?))
+            )?;
+            Some(video_frame_number(document, without))
         };
         let before = bound(
             first,
@@ -162,8 +160,8 @@ fn last_without(
     [shown, without]: [usize; 2],
     progress: &Progress<'_, ()>,
 ) -> Option<usize> {
-    let place = |frame: usize| of_camera.binary_search(&frame).unwrap_or_default();
-    let (mut shown, mut without) = (place(shown), place(without));
+    let [mut shown, mut without] =
+        [shown, without].map(|frame| of_camera.binary_search(&frame).unwrap_or_default());
     while shown.abs_diff(without) > 1 {
         if progress.report(()).is_break() {
             return None;
@@ -189,10 +187,10 @@ fn find_by_features(
     camera: &Camera,
     looked_at: &[(usize, Arc<Features>)],
 ) -> Vec<FoundMask> {
-    let frames = &pictures.document.frames;
+    let document = pictures.document;
     let cameras: Vec<Option<PtzCamera>> = looked_at
         .iter()
-        .map(|(index, _)| camera.ptz_camera(&frames[*index]))
+        .map(|(index, _)| camera.ptz_camera(&document.frames[*index]))
         .collect();
     let features: Vec<&Features> = looked_at.iter().map(|(_, features)| &**features).collect();
     let scale = camera.image_size.scale_from_1920();
@@ -204,35 +202,41 @@ fn find_by_features(
         };
         has_point_moved(one, other, point, scale)
     });
-    let mask = |graphic: &BurntInGraphic| {
-        let number = |picture: usize| {
-            frames[looked_at[picture].0]
-                .video
-                .as_ref()
-                .map(|video| video.frame_index)
-        };
-        // The range is as wide as the samples allow: the graphic may have appeared right after the
-        // picture before its first, and vanished right before the one after its last.
-        let from = graphic
-            .first
-            .checked_sub(1)
-            .and_then(number)
-            .map(|before| before + 1);
-        let to = Some(graphic.last + 1)
-            .filter(|after| *after < looked_at.len())
-            .and_then(number);
-        FoundMask {
-            camera: camera.id.clone(),
-            mask: RangedMask {
-                pixel_box: graphic.pixel_box,
-                from,
-                to: to.map(|after| after.saturating_sub(1)),
-                source: MaskSource::Found,
-                extra: Extra::new(),
-            },
-            frames: [graphic.first, graphic.last].map(|picture| looked_at[picture].0),
-            features: graphic.features,
-        }
-    };
-    found.graphics.iter().map(mask).collect()
+    let sampled: Vec<usize> = looked_at.iter().map(|(index, _)| *index).collect();
+    found
+        .graphics
+        .iter()
+        .map(|graphic| mask_of_graphic(document, camera, &sampled, graphic))
+        .collect()
+}
+
+/// The mask of a graphic that was found in sampled pictures, given by their frames' indices.
+///
+/// Its range is as wide as the samples allow: the graphic may have appeared right after the picture
+/// before its first, and vanished right before the one after its last.
+fn mask_of_graphic(
+    document: &Document,
+    camera: &Camera,
+    sampled: &[usize],
+    graphic: &BurntInGraphic,
+) -> FoundMask {
+    let before = graphic
+        .first
+        .checked_sub(1)
+        .and_then(|before| video_frame_number(document, sampled[before]));
+    let after = sampled
+        .get(graphic.last + 1)
+        .and_then(|after| video_frame_number(document, *after));
+    FoundMask {
+        camera: camera.id.clone(),
+        mask: RangedMask {
+            pixel_box: graphic.pixel_box,
+            from: before.map(|before| before + 1),
+            to: after.map(|after| after.saturating_sub(1)),
+            source: MaskSource::Found,
+            extra: Extra::new(),
+        },
+        frames: [graphic.first, graphic.last].map(|picture| sampled[picture]),
+        features: graphic.features,
+    }
 }

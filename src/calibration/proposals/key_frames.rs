@@ -1,7 +1,7 @@
 //! Key frames of videos: the forest is queried for these, and cameras are tracked from them to the
 //! frames between.
 
-use crate::calibrate::{ClipFrame, ClipFrames, clips};
+use crate::calibrate::{ClipFrames, clips};
 use touchline_documents::document::DocumentAt;
 use touchline_vision::media::FrameRef;
 
@@ -30,18 +30,12 @@ impl KeyWindow {
     /// The windows of a document. The forest is queried for every frame that belongs to none.
     #[must_use]
     pub fn from_document(at: DocumentAt<'_>) -> Vec<Self> {
-        let is_of_video = |clip: &ClipFrames| {
-            matches!(
-                clip.frames.first(),
-                Some(ClipFrame {
-                    source: FrameRef::Video { .. },
-                    ..
-                })
-            )
-        };
         clips(at, None)
             .into_iter()
-            .filter(is_of_video)
+            .filter(|clip| {
+                let first = clip.frames.first();
+                first.is_some_and(|frame| matches!(frame.source, FrameRef::Video { .. }))
+            })
             .flat_map(|clip| Self::from_clip(&clip))
             .collect()
     }
@@ -73,29 +67,39 @@ impl KeyWindow {
         }
         keys.push(last);
         keys.dedup();
-        let place = |at: &usize| clip.frames[*at].place;
-        let window = |keys: &[usize]| {
-            let (from, to) = (*keys.first()?, *keys.last()?);
-            let is_between =
-                |at: &&usize| (from..=to).contains(at) && keys.binary_search(at).is_err();
-            let between: Vec<usize> = run.iter().filter(is_between).filter_map(place).collect();
-            let frames = clip.frames[from..=to].to_vec();
-            let clip = ClipFrames {
-                camera: clip.camera.clone(),
-                frames,
-            };
-            (!between.is_empty()).then(|| Self {
-                clip,
-                keys: keys.iter().filter_map(place).collect(),
-                between,
-            })
-        };
         // Neighbouring windows share a key frame, so that no gap stays between them. Windows
         // without frames between keys are dropped.
         let starts = (0..keys.len().saturating_sub(1)).step_by(OF_WINDOW - 1);
         starts
-            .filter_map(|start| window(&keys[start..(start + OF_WINDOW).min(keys.len())]))
+            .filter_map(|start| {
+                let keys = &keys[start..(start + OF_WINDOW).min(keys.len())];
+                Self::from_keys(clip, run, keys)
+            })
             .collect()
+    }
+
+    /// The window with these key frames of a run; none without a frame between them.
+    fn from_keys(clip: &ClipFrames, run: &[usize], keys: &[usize]) -> Option<Self> {
+        let (from, to) = (*keys.first()?, *keys.last()?);
+        let between: Vec<usize> = run
+            .iter()
+            .filter(|&&at| (from..=to).contains(&at) && keys.binary_search(&at).is_err())
+            .filter_map(|&at| clip.frames[at].place)
+            .collect();
+        if between.is_empty() {
+            return None;
+        }
+        Some(Self {
+            clip: ClipFrames {
+                camera: clip.camera.clone(),
+                frames: clip.frames[from..=to].to_vec(),
+            },
+            keys: keys
+                .iter()
+                .filter_map(|&at| clip.frames[at].place)
+                .collect(),
+            between,
+        })
     }
 }
 

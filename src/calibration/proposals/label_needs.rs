@@ -5,6 +5,7 @@
 //! shot.
 
 use super::needing_frames::{Look, Needing, NeedingFrames};
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_documents::document::{
     CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames,
@@ -90,13 +91,12 @@ impl LabelNeeds {
     /// The frames of unknown direction in the shot that has most of them. Of equal shots, the one
     /// that begins first.
     pub(super) fn unknown(&self) -> Option<&BTreeSet<usize>> {
-        let first = |shot: &&BTreeSet<usize>| std::cmp::Reverse(shot.first().copied());
         let unknown = self
             .shots
             .values()
             .map(|shot| &shot.unknown)
             .filter(|unknown| !unknown.is_empty());
-        unknown.max_by_key(|shot| (shot.len(), first(shot)))
+        unknown.max_by_key(|shot| (shot.len(), Reverse(shot.first().copied())))
     }
 
     /// The camera of a frame.

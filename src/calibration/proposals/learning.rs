@@ -120,26 +120,12 @@ pub fn study(
     let document = pictures.document;
     // If the field is not valid, the uncertainties of labels are those of four clicks.
     let fields = Fields::from_document(document.at(pictures.folder)).ok();
-    let look = |look: Look<'_, Studying>| {
-        let (index, frame) = (look.index, look.frame);
-        let found = match look.found {
-            Ok(found) if found.resolution == Resolution::Coarse => {
-                progress.check()?;
-                return ControlFlow::Continue(Studying::Coarse(found.features));
-            }
-            found => found,
-        };
-        let field = fields
-            .as_ref()
-            .map(|fields| &**fields.for_frame(document, frame));
-        let coarse = look.earlier.and_then(Studying::coarse);
-        let sample = found
-            .map_err(TrainingSampleError::from)
-            .and_then(|fine| training_sample(document, field, (index, frame), &fine, coarse));
-        progress.report(())?;
-        ControlFlow::Continue(Studying::Done(Box::new(sample)))
-    };
-    let looks = pictures.each_coarse_to_fine(reader, training_frames, look, Studying::is_coarse)?;
+    let looks = pictures.each_coarse_to_fine(
+        reader,
+        training_frames,
+        |look| study_look(document, fields.as_ref(), look, progress),
+        Studying::is_coarse,
+    )?;
     let mut studied = Studied::default();
     // Each is done, in the order of the frames.
     let samples = looks.into_iter().filter_map(Studying::sample);
@@ -153,6 +139,31 @@ pub fn study(
     Some(studied)
 }
 
+/// Studies one reference: keeps its coarse features, or makes its training sample once it has the
+/// fine ones.
+fn study_look(
+    document: &Document,
+    fields: Option<&Fields>,
+    look: Look<'_, Studying>,
+    progress: &Progress<'_, ()>,
+) -> ControlFlow<(), Studying> {
+    let (index, frame) = (look.index, look.frame);
+    let found = match look.found {
+        Ok(found) if found.resolution == Resolution::Coarse => {
+            progress.check()?;
+            return ControlFlow::Continue(Studying::Coarse(found.features));
+        }
+        found => found,
+    };
+    let field = fields.map(|fields| &**fields.for_frame(document, frame));
+    let coarse = look.earlier.and_then(Studying::coarse);
+    let sample = found
+        .map_err(TrainingSampleError::from)
+        .and_then(|fine| training_sample(document, field, (index, frame), &fine, coarse));
+    progress.report(())?;
+    ControlFlow::Continue(Studying::Done(Box::new(sample)))
+}
+
 /// The training sample of a reference, or why it gives none.
 fn training_sample(
     document: &Document,
@@ -161,13 +172,16 @@ fn training_sample(
     fine: &FrameFeatures,
     coarse: Option<Arc<Features>>,
 ) -> Result<TrainingSample, TrainingSampleError> {
-    let name = || frame.camera.as_str().to_owned();
     let camera = document
         .camera_of(frame)
-        .ok_or_else(|| TrainingSampleError::UnknownCamera { camera: name() })?;
-    camera
-        .base()
-        .ok_or_else(|| TrainingSampleError::NoBase { camera: name() })?;
+        .ok_or_else(|| TrainingSampleError::UnknownCamera {
+            camera: frame.camera.as_str().to_owned(),
+        })?;
+    if camera.base().is_none() {
+        return Err(TrainingSampleError::NoBase {
+            camera: frame.camera.as_str().to_owned(),
+        });
+    }
     let pointed = camera
         .ptz_camera(frame)
         .ok_or(TrainingSampleError::Unsolved)?;
@@ -201,9 +215,10 @@ pub fn learn(
         let of_camera = training_samples
             .iter()
             .filter(|sample| sample.camera == camera.id);
-        let pointed =
-            |sample: &TrainingSample| document.ptz_camera(document.frames.get(sample.frame)?);
-        let of_camera = of_camera.filter_map(|sample| Some((sample, pointed(sample)?)));
+        let of_camera = of_camera.filter_map(|sample| {
+            let frame = document.frames.get(sample.frame)?;
+            Some((sample, document.ptz_camera(frame)?))
+        });
         cameras.extend(learn_camera(
             &camera.id,
             of_camera,

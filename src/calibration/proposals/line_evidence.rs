@@ -67,10 +67,11 @@ impl LineEvidence {
             proven: None,
             snapping,
         };
-        let is_solved =
-            |frame: &Frame| frame.status == FrameStatus::Reference && frame.ptz.is_some();
         let references: Vec<usize> = (0..at.document.frames.len())
-            .filter(|&index| is_solved(&at.document.frames[index]))
+            .filter(|&index| {
+                let frame = &at.document.frames[index];
+                frame.status == FrameStatus::Reference && frame.ptz.is_some()
+            })
             .collect();
         let pictures =
             PictureStream::new(at, subsample(references, REFERENCES)).with_reader(reader);
@@ -151,20 +152,14 @@ impl LineEvidence {
             // The aligned camera replaces the answer if it reaches the confidence by itself; if the
             // answer did not, it must also be supported and close to it.
             let refused = weigh(answer, scale, min_confidence);
-            let is_better = |snapped: &mut Answer| {
-                let stands = weigh(snapped, scale, min_confidence).is_none();
-                stands
-                    && (refused.is_none()
-                        || is_borne_out(
-                            snapped,
-                            answer,
-                            proposal.request.base.as_ref(),
-                            image_size,
-                        ))
-            };
-            if let Some(snapped) =
-                snapped.and_then(|mut snapped| is_better(&mut snapped).then_some(snapped))
-            {
+            let base = proposal.request.base.as_ref();
+            let better = snapped.and_then(|mut snapped| {
+                let stands = weigh(&mut snapped, scale, min_confidence).is_none();
+                let is_better = stands
+                    && (refused.is_none() || is_borne_out(&snapped, answer, base, image_size));
+                is_better.then_some(snapped)
+            });
+            if let Some(snapped) = better {
                 *answer = snapped;
             } else if let Some(refused) = refused {
                 proposal.outcome = Err(refused);
@@ -323,12 +318,14 @@ fn weigh(answer: &mut Answer, scale: f64, min_confidence: f64) -> Option<NoPropo
     // Paint and features are taken as independent evidence, so their log odds add up.
     let log_odds = |probability: f64| (probability / (1.0 - probability)).ln();
     let both = log_odds(check.score) + log_odds(answer.evidence.agreement()).min(FEATURES_AT_MOST);
+    // The distance of the paint from the lines as a σ; without any found paint it says nothing.
     let seen_sigma_px = SIGMAS_PER_MEDIAN * check.offset_px / scale;
     let seen_sigma_px = if seen_sigma_px.is_finite() {
         seen_sigma_px
     } else {
         0.0
     };
+    // The logistic function makes a probability of the log odds.
     answer.confidence = answer
         .evidence
         .confidence_if(1.0 / (1.0 + (-both).exp()), seen_sigma_px);

@@ -87,33 +87,36 @@ impl NeedingFrames {
 
     /// Of the frames of a direction with the greatest need, the middle one in the document's order.
     pub(super) fn neediest(&self, to: i64) -> Option<&Needing> {
-        let here = || {
-            self.directions
-                .get(&to)
-                .into_iter()
-                .flat_map(|direction| direction.frames.values())
-        };
-        let most = here().map(|needing| needing.need).max_by(f64::total_cmp)?;
-        let neediest: Vec<&Needing> = here().filter(|needing| needing.need == most).collect();
+        let here = &self.directions.get(&to)?.frames;
+        let most = here
+            .values()
+            .map(|needing| needing.need)
+            .max_by(f64::total_cmp)?;
+        let neediest: Vec<&Needing> = here
+            .values()
+            .filter(|needing| needing.need == most)
+            .collect();
         neediest.get(neediest.len() / 2).copied()
     }
 
     /// Number of frames with a pan within `reach` of this one.
     pub(super) fn within(&self, pan: Angle, reach: Angle) -> usize {
         let half = Angle::from_degrees(DIRECTION_DEG / 2.0);
-        let apart = |other: Angle| other.turn_from(pan).abs();
         // Directions entirely within or beyond the reach are counted as a whole, those at the limit
         // frame by frame.
-        let count = |(&to, direction): (&i64, &Direction)| match apart(Look::towards(to)) {
-            all if all + half <= reach => direction.frames.len(),
-            none if none - half > reach => 0,
-            _ => direction
-                .frames
-                .values()
-                .filter(|needing| apart(needing.look.pan) <= reach)
-                .count(),
-        };
-        self.directions.iter().map(count).sum()
+        let counts = self.directions.iter().map(|(&to, direction)| {
+            let apart = Look::towards(to).turn_from(pan).abs();
+            if apart + half <= reach {
+                direction.frames.len()
+            } else if apart - half > reach {
+                0
+            } else {
+                let pans = direction.frames.values().map(|needing| needing.look.pan);
+                pans.filter(|other| other.turn_from(pan).abs() <= reach)
+                    .count()
+            }
+        });
+        counts.sum()
     }
 }
 

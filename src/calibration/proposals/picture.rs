@@ -80,11 +80,13 @@ impl<'a> PictureStream<'a> {
     /// Streams the pictures of the frames with these indices. Nothing is read yet.
     #[must_use]
     pub fn new(at: DocumentAt<'a>, indices: impl IntoIterator<Item = usize>) -> Self {
-        let with_source = |index: usize| {
-            let frame = &*at.document.frames[index];
-            (index, frame, frame.picture_source(at.folder))
-        };
-        let frames: Vec<_> = indices.into_iter().map(with_source).collect();
+        let frames: Vec<_> = indices
+            .into_iter()
+            .map(|index| {
+                let frame = &*at.document.frames[index];
+                (index, frame, frame.picture_source(at.folder))
+            })
+            .collect();
         let sources: Vec<FrameRef> = frames
             .iter()
             .filter_map(|(.., source)| source.clone())

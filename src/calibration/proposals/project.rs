@@ -198,12 +198,12 @@ impl Project {
     /// suggestion: positions, and the frames that do show it.
     pub fn not_shown_in(&self, now: &Document) -> Vec<(usize, Shared<Frame>)> {
         let bases = Bases::in_document(now);
-        // A frame that shows no suggestion although there is one for it.
-        let lacks = |frame: &Frame| {
-            !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some()
-        };
         let positions = self.affected_positions(now, &bases).into_iter();
-        let lacking = positions.filter(|&position| lacks(&now.frames[position]));
+        // Frames that show no suggestion although there is one for them.
+        let lacking = positions.filter(|&position| {
+            let frame = &now.frames[position];
+            !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some()
+        });
         lacking
             .map(|position| {
                 (
@@ -243,12 +243,11 @@ impl Project {
             let batch = self
                 .batch_that_showed(&suggestion, &frame.id, &bases_before)
                 .unwrap_or_else(|| {
-                    let open = || {
+                    *new_batch.get_or_insert_with(|| {
                         self.suggestions.open_batch(Finder::Command {
                             name: name.to_owned(),
                         })
-                    };
-                    *new_batch.get_or_insert_with(open)
+                    })
                 });
             self.suggestions.put(&frame.id, batch, suggestion);
         }
@@ -325,13 +324,10 @@ impl Project {
     /// neither that forest nor any up to `newest_forest` may answer there again. `now` is as in
     /// [`Self::suggest`].
     pub fn discard(&mut self, now: &mut Document, batch: BatchId, newest_forest: u64) -> Discarded {
-        let is_open = |id: &FrameId| {
-            self.edited
-                .frames
-                .by_id(id)
-                .is_some_and(|frame| frame.is_untouched())
-        };
-        let TakenOut { frames, refused } = self.suggestions.take_out(batch, newest_forest, is_open);
+        let edited = &self.edited.frames;
+        let TakenOut { frames, refused } = self.suggestions.take_out(batch, newest_forest, |id| {
+            edited.by_id(id).is_some_and(|frame| frame.is_untouched())
+        });
         let Shown {
             view,
             emptied,

@@ -251,15 +251,16 @@ impl Proposal {
             .solution
             .as_ref()
             .and_then(|solution| solution.confidence);
-        let is_more_certain =
-            |answer: &Answer| earlier.is_none_or(|earlier| answer.confidence > earlier);
-        !frame.is_answered_without_forest() || self.outcome.as_ref().is_ok_and(is_more_certain)
+        let is_more_certain = self
+            .outcome
+            .as_ref()
+            .is_ok_and(|answer| earlier.is_none_or(|earlier| answer.confidence > earlier));
+        !frame.is_answered_without_forest() || is_more_certain
     }
 }
 
 impl From<Timings> for TimingsMs {
     fn from(timings: Timings) -> Self {
-        let milliseconds = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
         Self {
             features: milliseconds(timings.features),
             predict: milliseconds(timings.predict),
@@ -267,6 +268,11 @@ impl From<Timings> for TimingsMs {
             ..Self::default()
         }
     }
+}
+
+/// A duration in ms, to the microsecond.
+fn milliseconds(time: Duration) -> f64 {
+    (time.as_secs_f64() * 1e6).round() / 1e3
 }
 
 #[cfg(test)]

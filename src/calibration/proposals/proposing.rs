@@ -20,13 +20,15 @@ pub fn propose(
     let mut timings = Timings::default();
     let outcome = found.map_err(NoProposal::from).and_then(|found| {
         timings.features = found.time;
-        let camera = || frame.camera.as_str().to_owned();
+        let camera = frame.camera.as_str();
         let forest = model
-            .camera(frame.camera.as_str())
-            .ok_or_else(|| NoProposal::NoReferences { camera: camera() })?;
-        let base = request
-            .base
-            .ok_or_else(|| NoProposal::NoBase { camera: camera() })?;
+            .camera(camera)
+            .ok_or_else(|| NoProposal::NoReferences {
+                camera: camera.to_owned(),
+            })?;
+        let base = request.base.ok_or_else(|| NoProposal::NoBase {
+            camera: camera.to_owned(),
+        })?;
         // Match the features in the forest and estimate the pose from the matched rays.
         let Relocalized {
             pose,

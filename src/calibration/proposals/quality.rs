@@ -303,61 +303,66 @@ impl Collected {
 
 /// The camera with the most references; the first of equals.
 fn most_used<'a>(document: &'a Document, training_frames: &[usize]) -> Option<&'a Camera> {
-    let collected = |camera: &Camera| {
+    let cameras = document.cameras.iter().map(|camera| &**camera);
+    cameras.rev().max_by_key(|camera| {
         training_frames
             .iter()
             .filter(|&&index| document.frames[index].camera == camera.id)
             .count()
-    };
-    let cameras = document.cameras.iter().map(|camera| &**camera);
-    cameras.rev().max_by_key(|camera| collected(camera))
+    })
 }
 
 /// The groups to leave out: the shots, if there are several. Otherwise each reference with those
 /// near it in time, or, if any time is unknown, with its two neighbours. Frames near in time show
 /// nearly the same picture, so a forest that knows one finds the other too easily.
 fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
-    let frame = |place: usize| -> &Frame { &document.frames[collected[place]] };
-    let all = 0..collected.len();
-    // By shot, if there are several; frames without a shot form one.
-    let clips: BTreeSet<Option<&Clip>> = all
-        .clone()
-        .map(|index| frame(index).clip.as_ref())
+    let frames: Vec<&Frame> = collected
+        .iter()
+        .map(|&index| &*document.frames[index])
         .collect();
+    // By shot, if there are several; frames without a shot form one.
+    let clips: BTreeSet<Option<&Clip>> = frames.iter().map(|frame| frame.clip.as_ref()).collect();
     if clips.len() > 1 {
-        let of_clip = |clip: Option<&Clip>| {
-            let left_out: BTreeSet<usize> = all
-                .clone()
-                .filter(|&index| frame(index).clip.as_ref() == clip)
-                .collect();
-            Group {
-                tested: subsample(&left_out, MOST_OF_A_SHOT).copied().collect(),
-                left_out,
-            }
-        };
-        return (LeftOutBy::Shot, clips.into_iter().map(of_clip).collect());
+        let groups = clips.into_iter().map(|clip| group_of_clip(&frames, clip));
+        return (LeftOutBy::Shot, groups.collect());
     }
-    let time = |index: usize| frame(index).video.as_ref().and_then(|video| video.pts_s);
     // Otherwise by time, if all frames have one, or by order.
-    let (by, near): (_, Box<dyn Fn(usize, usize) -> bool>) =
-        if all.clone().all(|index| time(index).is_some()) {
-            let within = move |a: usize, b: usize| {
-                time(a)
-                    .zip(time(b))
-                    .is_some_and(|(a, b)| (a - b).abs() <= TOGETHER_S)
-            };
-            (LeftOutBy::Time, Box::new(within))
-        } else {
-            (
-                LeftOutBy::Neighbours,
-                Box::new(|a: usize, b: usize| a.abs_diff(b) <= 1),
-            )
-        };
-    let of_one = |tested| Group {
-        tested: vec![tested],
-        left_out: all.clone().filter(|&other| near(tested, other)).collect(),
+    let times_s: Option<Vec<f64>> = frames
+        .iter()
+        .map(|frame| frame.video.as_ref()?.pts_s)
+        .collect();
+    let by = if times_s.is_some() {
+        LeftOutBy::Time
+    } else {
+        LeftOutBy::Neighbours
     };
-    (by, all.clone().map(of_one).collect())
+    let groups = (0..frames.len()).map(|tested| {
+        let others = 0..frames.len();
+        let left_out = match &times_s {
+            Some(times_s) => others
+                .filter(|&other| (times_s[tested] - times_s[other]).abs() <= TOGETHER_S)
+                .collect(),
+            None => others
+                .filter(|&other| tested.abs_diff(other) <= 1)
+                .collect(),
+        };
+        Group {
+            tested: vec![tested],
+            left_out,
+        }
+    });
+    (by, groups.collect())
+}
+
+/// The group that leaves out a shot, and tests a sample of its references.
+fn group_of_clip(frames: &[&Frame], clip: Option<&Clip>) -> Group {
+    let left_out: BTreeSet<usize> = (0..frames.len())
+        .filter(|&index| frames[index].clip.as_ref() == clip)
+        .collect();
+    Group {
+        tested: subsample(&left_out, MOST_OF_A_SHOT).copied().collect(),
+        left_out,
+    }
 }
 
 /// The largest distance between the overlays of two cameras over a grid of 5 × 3 points of the

@@ -142,8 +142,11 @@ impl Suggestions {
     }
 
     fn topmost_kept(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&KeptSuggestion> {
-        let is_for_base = |kept: &&KeptSuggestion| kept.suggestion.base.as_ref() == base;
-        self.by_frame.get(frame)?.iter().rev().find(is_for_base)
+        self.by_frame
+            .get(frame)?
+            .iter()
+            .rev()
+            .find(|kept| kept.suggestion.base.as_ref() == base)
     }
 
     fn topmost_kept_mut(
@@ -151,12 +154,11 @@ impl Suggestions {
         frame: &FrameId,
         base: Option<&CameraBase>,
     ) -> Option<&mut KeptSuggestion> {
-        let is_for_base = |kept: &&mut KeptSuggestion| kept.suggestion.base.as_ref() == base;
         self.by_frame
             .get_mut(frame)?
             .iter_mut()
             .rev()
-            .find(is_for_base)
+            .find(|kept| kept.suggestion.base.as_ref() == base)
     }
 
     /// How an answer for a batch relates to the suggestions for its frame.
@@ -186,22 +188,23 @@ impl Suggestions {
         let Self {
             by_frame, finders, ..
         } = self;
-        let is_forest = |batch: BatchId| finders.get(&batch).is_some_and(Finder::is_forest);
-        let is_for_same_base = |known: &KeptSuggestion| known.suggestion.base == suggestion.base;
-        // One suggestion per batch and base, and one of all forests.
-        let is_replaced = |known: &KeptSuggestion| {
-            is_for_same_base(known)
-                && (known.batch == batch || (is_forest(batch) && is_forest(known.batch)))
-        };
-        let stays_above = |known: &KeptSuggestion| {
-            is_for_same_base(known)
-                && is_forest(batch)
-                && known.is_found_without_forest(finders.get(&known.batch))
-        };
+        let is_of_forest = finders.get(&batch).is_some_and(Finder::is_forest);
         let kept = by_frame.entry(frame.clone()).or_default();
-        kept.retain(|known| !is_replaced(known));
+        // One suggestion per batch and base, and one of all forests.
+        kept.retain(|known| {
+            let are_of_forests =
+                is_of_forest && finders.get(&known.batch).is_some_and(Finder::is_forest);
+            let is_replaced = known.suggestion.base == suggestion.base
+                && (known.batch == batch || are_of_forests);
+            !is_replaced
+        });
         // Insert below the cameras that stay above, else on top.
-        let at = kept.iter().position(stays_above).unwrap_or(kept.len());
+        let lowest_above = kept.iter().position(|known| {
+            is_of_forest
+                && known.suggestion.base == suggestion.base
+                && known.is_found_without_forest(finders.get(&known.batch))
+        });
+        let at = lowest_above.unwrap_or(kept.len());
         kept.insert(at, KeptSuggestion { batch, suggestion });
         forget_oldest(kept);
     }
@@ -299,18 +302,13 @@ fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
 /// Whether two suggestions are equal. Two without an answer are equal if their reasons are; timings
 /// are ignored.
 fn says_the_same(new: &Suggestion, known: &Suggestion) -> bool {
-    let reason = |suggestion: &Suggestion| {
-        Some(
-            suggestion
-                .solution
-                .as_ref()?
-                .warnings
-                .first()?
-                .message
-                .clone(),
-        )
-    };
     let both_unanswered = new.is_unanswered() && known.is_unanswered();
     (both_unanswered && reason(new) == reason(known))
         || (new.ptz == known.ptz && new.solution == known.solution)
+}
+
+/// Why a suggestion has no answer: its first warning.
+fn reason(suggestion: &Suggestion) -> Option<&str> {
+    let solution = suggestion.solution.as_ref()?;
+    Some(solution.warnings.first()?.message.as_str())
 }

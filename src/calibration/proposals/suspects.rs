@@ -75,7 +75,7 @@ fn suspects_among(
     let (frames, references): (Vec<usize>, Vec<Reference>) = pointed.unzip();
     // Contradictions come in descending order, so the first one of a reference is its largest.
     let found = contradictions(&references, &ContradictionOptions::default());
-    let suspect = |index: usize| {
+    let suspects = suspects(&found).into_iter().map(|index| {
         let mut against = found
             .iter()
             .filter(|contradiction| contradiction.references.contains(&index))
@@ -92,6 +92,6 @@ fn suspects_among(
                 disagreement_px,
             },
         )
-    };
-    suspects(&found).into_iter().map(suspect).collect()
+    });
+    suspects.collect()
 }

@@ -90,8 +90,9 @@ impl TrainingSample {
 
 impl FeatureRays {
     fn new(camera: &PtzCamera, features: Arc<Features>) -> Self {
-        let ray = |feature: u32| Some((feature, ray(camera, &features, feature)?));
-        let rays = (0..features.len() as u32).filter_map(ray).collect();
+        let rays = (0..features.len() as u32)
+            .filter_map(|feature| Some((feature, ray(camera, &features, feature)?)))
+            .collect();
         Self { features, rays }
     }
 

@@ -72,16 +72,9 @@ impl BaseSigma {
         let deviation = covariance
             .diagonal()
             .map(|variance| variance.max(0.0).sqrt());
-        // 0 / 0 for a parameter that is exactly known, and ∞ / ∞ for one that is unknown: no
-        // correlation.
-        let share = |row: usize, column: usize| {
-            let share = covariance[(row, column)] / (deviation[row] * deviation[column]);
-            if share.is_finite() {
-                share.clamp(-1.0, 1.0)
-            } else {
-                0.0
-            }
-        };
+        let below_diagonal = below_diagonal(|row, column| {
+            correlation(covariance[(row, column)], deviation[row], deviation[column])
+        });
         Self {
             position_m: deviation.fixed_rows::<3>(0).into_owned(),
             rotation: Vec3::new(deviation[3], deviation[4], 0.0),
@@ -90,9 +83,7 @@ impl BaseSigma {
             crown_m: deviation[7],
             crown_width_m,
             principal_point_px: deviation.fixed_rows::<2>(8).into_owned(),
-            correlation: BaseCorrelation {
-                below_diagonal: below_diagonal(share),
-            },
+            correlation: BaseCorrelation { below_diagonal },
         }
     }
 
@@ -175,8 +166,10 @@ impl BaseSigma {
             // The pseudo-inverse, because the position may be exactly known along some directions.
             let eigen = of_position.symmetric_eigen();
             let least = 1e-12 * eigen.eigenvalues.max();
-            let inverse = |value: f64| if value > least { value.recip() } else { 0.0 };
-            let inverse = Matrix3::from_diagonal(&eigen.eigenvalues.map(inverse));
+            let inverse = eigen
+                .eigenvalues
+                .map(|value| if value > least { value.recip() } else { 0.0 });
+            let inverse = Matrix3::from_diagonal(&inverse);
             let cause = eigen.eigenvectors * inverse * eigen.eigenvectors.transpose() * error_m;
             error = covariance.fixed_columns::<3>(0) * cause;
         }
@@ -212,13 +205,9 @@ impl BaseSigma {
         let uncertain: Vec<usize> = (0..SHARED_PARAMETERS)
             .filter(|at| covariance[(*at, *at)] > 0.0)
             .collect();
-        let part = |of: &SharedCovariance| {
-            DMatrix::from_fn(uncertain.len(), uncertain.len(), |row, column| {
-                of[(uncertain[row], uncertain[column])]
-            })
-        };
         // Without a Cholesky factor (a singular covariance), the sum is a valid, larger bound.
-        let (own, other) = (part(&covariance), part(other));
+        let own = part_of_covariance(&covariance, &uncertain);
+        let other = part_of_covariance(other, &uncertain);
         let raised = raise_to(&own, &other).unwrap_or_else(|| &own + &other);
         for (row, &to_row) in uncertain.iter().enumerate() {
             for (column, &to_column) in uncertain.iter().enumerate() {
@@ -238,18 +227,12 @@ impl BaseSigma {
         // fully determined by the earlier ones has a pivot of zero, and its column stays zero
         // instead of being divided by the pivot.
         for column in 0..SHARED_PARAMETERS {
-            let by_earlier =
-                |row: usize, root: &SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>| -> f64 {
-                    (0..column)
-                        .map(|before| {
-                            root[(place(row), place(before))] * root[(place(column), place(before))]
-                        })
-                        .sum()
-                };
-            let own = correlation[(column, column)] - by_earlier(column, &root);
+            let own =
+                correlation[(column, column)] - product_of_earlier_columns(&root, column, column);
             root[(place(column), place(column))] = own.max(0.0).sqrt();
             for row in column + 1..SHARED_PARAMETERS {
-                let shared = correlation[(row, column)] - by_earlier(row, &root);
+                let shared =
+                    correlation[(row, column)] - product_of_earlier_columns(&root, row, column);
                 root[(place(row), place(column))] = if own > 1e-12 {
                     shared / own.sqrt()
                 } else {
@@ -268,6 +251,36 @@ impl BaseSigma {
         root[(GAUGE, GAUGE)] = self.rotation.z;
         root
     }
+}
+
+/// The correlation of two errors from their covariance and their σ. Zero where a parameter is
+/// exactly known (0 / 0) or unknown (∞ / ∞).
+fn correlation(covariance: f64, sigma: f64, other_sigma: f64) -> f64 {
+    let correlation = covariance / (sigma * other_sigma);
+    if correlation.is_finite() {
+        correlation.clamp(-1.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// The covariance of some of the shared parameters, given by their indices.
+fn part_of_covariance(covariance: &SharedCovariance, parameters: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(parameters.len(), parameters.len(), |row, column| {
+        covariance[(parameters[row], parameters[column])]
+    })
+}
+
+/// Σ `L_rk L_ck` over the columns k before column c of a Cholesky factor L: what these explain of
+/// the entry (r, c).
+fn product_of_earlier_columns(
+    root: &SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>,
+    row: usize,
+    column: usize,
+) -> f64 {
+    (0..column)
+        .map(|before| root[(place(row), place(before))] * root[(place(column), place(before))])
+        .sum()
 }
 
 /// The index of a shared parameter in [`BaseSigma::root`], where the gauge is inserted.
@@ -329,18 +342,17 @@ impl BaseCorrelation {
         {
             return None;
         }
-        let at = |row: usize, column: usize| {
-            let inside = row < size && column < size;
-            if inside {
+        // Parameters that are not stated have independent errors.
+        let stated = SharedCovariance::from_fn(|row, column| {
+            if row < size && column < size {
                 rows[row][column]
             } else {
                 f64::from(u8::from(row == column))
             }
-        };
+        });
         let of_errors = Self {
-            below_diagonal: below_diagonal(at),
+            below_diagonal: below_diagonal(|row, column| stated[(row, column)]),
         };
-        let stated = SharedCovariance::from_fn(at);
         let is_one = (of_errors.matrix() - stated)
             .iter()
             .all(|off| off.abs() <= ROUNDING);

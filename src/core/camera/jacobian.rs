@@ -72,8 +72,7 @@ impl PtzCamera {
         // A rotation by ω moves the point by ω × offset, and r · (ω × offset) = (offset × r) · ω
         // for a row r of `by_world`. A shift of the camera acts like the opposite shift of the
         // point.
-        let turned = |row: usize| offset.cross(&by_world.row(row).transpose());
-        let (x, y) = (turned(0), turned(1));
+        let [x, y] = [0, 1].map(|row| offset.cross(&by_world.row(row).transpose()));
         let mut by_base = Matrix2x6::zeros();
         for axis in 0..3 {
             by_base.set_column(axis, &-by_world.column(axis));

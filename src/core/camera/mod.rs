@@ -66,13 +66,15 @@ impl Ptz {
     /// times.
     #[must_use]
     pub fn interpolate(&self, to: &Self, share: f64) -> Self {
-        let turned = |from: Angle, to: Angle| {
-            from + Angle::from_radians(to.turn_from(from).radians() * share)
-        };
         Self {
-            pan: turned(self.pan, to.pan),
-            tilt: turned(self.tilt, to.tilt),
+            pan: interpolate_angle(self.pan, to.pan, share),
+            tilt: interpolate_angle(self.tilt, to.tilt, share),
             focal_px: (self.focal_px.ln() * (1.0 - share) + to.focal_px.ln() * share).exp(),
         }
     }
+}
+
+/// The angle at a share (0 to 1) of the way to another, by the shorter way around.
+fn interpolate_angle(from: Angle, to: Angle, share: f64) -> Angle {
+    from + Angle::from_radians(to.turn_from(from).radians() * share)
 }

@@ -292,24 +292,13 @@ impl Builder<'_> {
     }
 
     fn curve(&self, part: &str, curve: &CurvePart, painted: bool) -> Result<Curve, FieldError> {
-        let point = |key: &str, at: &PointPart| {
-            let place = self.point(&format!("{part}, {key}"), at)?;
-            if painted && place.z != 0.0 {
-                let problem = format!(
-                    "it lies at z = {} m: what is off the ground needs \"painted\": false",
-                    place.z
-                );
-                return Err(self.invalid(&format!("{part}, {key}"), problem));
-            }
-            Ok(place)
-        };
         let curve = match curve {
             CurvePart::Segment { from, to } => Curve::Segment {
-                from: point("from", from)?,
-                to: point("to", to)?,
+                from: self.line_point(&format!("{part}, from"), from, painted)?,
+                to: self.line_point(&format!("{part}, to"), to, painted)?,
             },
             CurvePart::Circle { centre, radius_m } => Curve::Arc {
-                centre: point("centre", centre)?,
+                centre: self.line_point(&format!("{part}, centre"), centre, painted)?,
                 radius_m: self.positive(&format!("{part}, radius_m"), radius_m)?,
                 start: Angle::ZERO,
                 sweep: Angle::from_degrees(360.0),
@@ -317,9 +306,9 @@ impl Builder<'_> {
             CurvePart::Arc(points) => {
                 let [from, through, to] = &**points;
                 arc_through(
-                    point("from", from)?,
-                    point("through", through)?,
-                    point("to", to)?,
+                    self.line_point(&format!("{part}, from"), from, painted)?,
+                    self.line_point(&format!("{part}, through"), through, painted)?,
+                    self.line_point(&format!("{part}, to"), to, painted)?,
                 )
                 .map_err(|problem| self.invalid(part, problem))?
             }
@@ -328,6 +317,19 @@ impl Builder<'_> {
             return Err(self.invalid(part, format!("it is only {} m long", curve.length_m())));
         }
         Ok(curve)
+    }
+
+    /// A point of a line, m; that of a painted line must lie on the ground.
+    fn line_point(&self, part: &str, point: &PointPart, painted: bool) -> Result<Vec3, FieldError> {
+        let place = self.point(part, point)?;
+        if painted && place.z != 0.0 {
+            let problem = format!(
+                "it lies at z = {} m: what is off the ground needs \"painted\": false",
+                place.z
+            );
+            return Err(self.invalid(part, problem));
+        }
+        Ok(place)
     }
 }
 

@@ -23,14 +23,13 @@ pub fn builtin_names() -> Vec<&'static str> {
 /// # Errors
 /// There is none of this name.
 pub fn builtin(name: &str) -> Result<&'static Template, FieldError> {
-    let unknown = || FieldError::UnknownTemplate {
-        name: name.to_owned(),
-        known: builtin_names().join(", "),
-    };
     let index = FIELDS
         .iter()
         .position(|(known, _)| *known == name)
-        .ok_or_else(unknown)?;
+        .ok_or_else(|| FieldError::UnknownTemplate {
+            name: name.to_owned(),
+            known: builtin_names().join(", "),
+        })?;
     TEMPLATES[index].as_ref().map_err(Clone::clone)
 }
 

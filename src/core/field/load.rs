@@ -19,20 +19,15 @@ impl Template {
     /// default parameters and with each of them at its smallest and largest value, so that an
     /// accepted template can be built for a venue.
     pub fn from_json(text: &str, place: &str) -> Result<Self, FieldError> {
-        let json = |problem: String| FieldError::Json {
-            place: place.to_owned(),
-            problem: plain(&problem),
-        };
         if text.trim().is_empty() {
-            return Err(json(
-                "the file is empty; a field template is a JSON object".to_owned(),
-            ));
+            let problem = "the file is empty; a field template is a JSON object";
+            return Err(json_error(place, problem));
         }
-        let header: Header = serde_json::from_str(text).map_err(|error| json(error.to_string()))?;
+        let header: Header =
+            serde_json::from_str(text).map_err(|error| json_error(place, &error.to_string()))?;
         if header.format.as_deref() != Some(FORMAT) {
-            return Err(json(format!(
-                "not a field template: it has no \"format\": {FORMAT:?}"
-            )));
+            let problem = format!("not a field template: it has no \"format\": {FORMAT:?}");
+            return Err(json_error(place, &problem));
         }
         if let Some(version) = header.version.filter(|version| *version > VERSION) {
             return Err(FieldError::NewerVersion {
@@ -42,7 +37,7 @@ impl Template {
             });
         }
         let file: TemplateFile =
-            serde_json::from_str(text).map_err(|error| json(error.to_string()))?;
+            serde_json::from_str(text).map_err(|error| json_error(place, &error.to_string()))?;
         let template = read_parts(file, place)?;
         template.check()?;
         Ok(template)
@@ -54,18 +49,19 @@ impl Template {
     /// As [`Template::from_json`], or the file cannot be read.
     pub fn from_file(path: &Path) -> Result<Self, FieldError> {
         let place = path.display().to_string();
-        let unreadable = |problem: String| FieldError::Unreadable {
-            place: place.clone(),
-            problem,
-        };
         if path.is_dir() {
-            return Err(unreadable(
-                "it is a folder; give the template's JSON file".to_owned(),
-            ));
+            return Err(FieldError::Unreadable {
+                place,
+                problem: "it is a folder; give the template's JSON file".to_owned(),
+            });
         }
-        let text =
-            read_named_text(path, MAX_BYTES).map_err(|error| unreadable(error.to_string()))?;
-        Self::from_json(&text, &place)
+        match read_named_text(path, MAX_BYTES) {
+            Ok(text) => Self::from_json(&text, &place),
+            Err(error) => Err(FieldError::Unreadable {
+                place,
+                problem: error.to_string(),
+            }),
+        }
     }
 
     /// Builds the template at the extremes of its parameters, where it is most likely to be
@@ -80,5 +76,13 @@ impl Template {
             }
         }
         Ok(())
+    }
+}
+
+/// The error of a text that is no field template; `problem` may quote the text.
+fn json_error(place: &str, problem: &str) -> FieldError {
+    FieldError::Json {
+        place: place.to_owned(),
+        problem: plain(problem),
     }
 }

@@ -164,22 +164,10 @@ impl Reader<'_> {
                 );
                 return Err(self.invalid(&part, problem));
             }
-            let value = |key: &str, formula: &Formula| {
-                let part = format!("{part}, {key}");
-                let expression = self.expression(&part, formula)?;
-                expression
-                    .evaluate(&BTreeMap::new(), &[])
-                    .map_err(|problem| FieldError::Expression {
-                        place: self.place.to_owned(),
-                        part,
-                        text: formula.text(),
-                        problem: Box::new(problem),
-                    })
-            };
             let (min, default, max) = (
-                value("min", &file.min)?,
-                value("default", &file.default)?,
-                value("max", &file.max)?,
+                self.constant(format!("{part}, min"), &file.min)?,
+                self.constant(format!("{part}, default"), &file.default)?,
+                self.constant(format!("{part}, max"), &file.max)?,
             );
             if !(min <= default && default <= max) {
                 let problem =
@@ -199,6 +187,19 @@ impl Reader<'_> {
         Ok(params)
     }
 
+    /// The value of a formula that refers to no parameter and no dimension, m.
+    fn constant(&self, part: String, formula: &Formula) -> Result<f64, FieldError> {
+        let expression = self.expression(&part, formula)?;
+        expression
+            .evaluate(&BTreeMap::new(), &[])
+            .map_err(|problem| FieldError::Expression {
+                place: self.place.to_owned(),
+                part,
+                text: formula.text(),
+                problem: Box::new(problem),
+            })
+    }
+
     /// Every variant of an entry's id, with its id, label and code filled in.
     fn names(
         &self,
@@ -208,14 +209,16 @@ impl Reader<'_> {
         code: &str,
     ) -> Result<Vec<Named>, FieldError> {
         let part = format!("{kind} {id:?}");
-        let wrong = |problem: String| self.invalid(&part, problem);
         self.text_given(&part, "label", label)?;
         variants(id)
-            .map_err(wrong)?
+            .map_err(|problem| self.invalid(&part, problem))?
             .into_iter()
             .map(|variant| {
-                let fill = |text: &str| variant.fill(text).map_err(wrong);
-                let (id, label, code) = (fill(id)?, fill(label)?, fill(code)?);
+                let (id, label, code) = (
+                    self.fill(&part, &variant, id)?,
+                    self.fill(&part, &variant, label)?,
+                    self.fill(&part, &variant, code)?,
+                );
                 if !is_name(&id) {
                     return Err(self.invalid(&part, format!("{id:?} is not {NAME_RULE}")));
                 }
@@ -240,18 +243,19 @@ impl Reader<'_> {
             .collect()
     }
 
+    /// A text with the names of a variant filled in.
+    fn fill(&self, part: &str, variant: &Variant, text: &str) -> Result<String, FieldError> {
+        variant
+            .fill(text)
+            .map_err(|problem| self.invalid(part, problem))
+    }
+
     fn coordinates(
         &self,
         part: &str,
         variant: &Variant,
         formulas: &[Formula],
     ) -> Result<PointPart, FieldError> {
-        let coordinate = |index: usize| {
-            formulas.get(index).map_or_else(
-                || Ok(Expression::number(0.0)),
-                |formula| self.expression(&format!("{part}[{index}]"), formula),
-            )
-        };
         if !(2..=3).contains(&formulas.len()) {
             let problem = format!(
                 "{} coordinates instead of [x, y] or [x, y, z]",
@@ -260,9 +264,26 @@ impl Reader<'_> {
             return Err(self.invalid(part, problem));
         }
         Ok(PointPart {
-            coordinates: [coordinate(0)?, coordinate(1)?, coordinate(2)?],
+            coordinates: [
+                self.coordinate(part, formulas, 0)?,
+                self.coordinate(part, formulas, 1)?,
+                self.coordinate(part, formulas, 2)?,
+            ],
             names: variant.names().collect(),
         })
+    }
+
+    /// One of a point's coordinates; 0 where it is not given, which lays the point on the ground.
+    fn coordinate(
+        &self,
+        part: &str,
+        formulas: &[Formula],
+        index: usize,
+    ) -> Result<Expression, FieldError> {
+        formulas.get(index).map_or_else(
+            || Ok(Expression::number(0.0)),
+            |formula| self.expression(&format!("{part}[{index}]"), formula),
+        )
     }
 
     fn landmark(
@@ -400,9 +421,7 @@ impl Reader<'_> {
                 self.coordinates(&format!("{part}, {key}"), variant, formulas)
             }
             PointFile::Landmark(name) => {
-                let id = variant
-                    .fill(name)
-                    .map_err(|problem| self.invalid(part, problem))?;
+                let id = self.fill(part, variant, name)?;
                 landmarks
                     .iter()
                     .find(|landmark| landmark.id == id)

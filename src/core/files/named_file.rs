@@ -33,19 +33,22 @@ pub fn open_named(path: &Path) -> io::Result<File> {
 /// As [`open_named`]; [`NotReadable`], as the inner error, if it is larger.
 pub fn read_named(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let file = open_named(path)?;
-    let refuse = |bytes| io::Error::other(NotReadable::TooLarge { bytes, limit });
     let bytes = file.metadata()?.len();
     if bytes > limit {
-        return Err(refuse(bytes));
+        return Err(too_large(bytes, limit));
     }
     let mut content = Vec::with_capacity(bytes as usize);
     file.take(limit + 1).read_to_end(&mut content)?;
     // The file may have grown in the meantime.
     if content.len() as u64 > limit {
-        Err(refuse(content.len() as u64))
+        Err(too_large(content.len() as u64, limit))
     } else {
         Ok(content)
     }
+}
+
+fn too_large(bytes: u64, limit: u64) -> io::Error {
+    io::Error::other(NotReadable::TooLarge { bytes, limit })
 }
 
 /// Reads a UTF-8 text of at most `limit` bytes, without its byte order mark.
@@ -53,9 +56,10 @@ pub fn read_named(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// As [`read_named`]; [`NotReadable`], as the inner error, if it is not UTF-8.
 pub fn read_named_text(path: &Path, limit: u64) -> io::Result<String> {
-    let not_utf8 = |offset| io::Error::other(NotReadable::NotUtf8 { offset });
-    let text = String::from_utf8(read_named(path, limit)?);
-    let text = text.map_err(|error| not_utf8(error.utf8_error().valid_up_to()))?;
+    let text = String::from_utf8(read_named(path, limit)?).map_err(|error| {
+        let offset = error.utf8_error().valid_up_to();
+        io::Error::other(NotReadable::NotUtf8 { offset })
+    })?;
     Ok(text
         .strip_prefix('\u{feff}')
         .map(ToOwned::to_owned)

@@ -90,10 +90,6 @@ pub fn refuse_part_of_project(path: &Path) -> Result<(), NotReplaced> {
 /// # Errors
 /// The folder contains such a file, which is named; or the path is a file, or cannot be read.
 pub fn refuse_other_files(folder: &Path, is_replaced: IsReplaced) -> Result<(), NotReplaced> {
-    let failed = |source| NotReplaced::Io {
-        path: folder.to_path_buf(),
-        source,
-    };
     let Ok(metadata) = fs::metadata(folder) else {
         return Ok(());
     };
@@ -102,7 +98,9 @@ pub fn refuse_other_files(folder: &Path, is_replaced: IsReplaced) -> Result<(), 
             path: folder.to_path_buf(),
         });
     }
-    let Some(other) = find_other_file(folder, "", is_replaced).map_err(failed)? else {
+    let other =
+        find_other_file(folder, "", is_replaced).map_err(|source| io_error(folder, source))?;
+    let Some(other) = other else {
         return Ok(());
     };
     let (folder, name) = (folder.to_path_buf(), other.name);
@@ -124,35 +122,43 @@ pub fn replace_folder(
     is_replaced: IsReplaced,
 ) -> Result<(), NotReplaced> {
     refuse_other_files(path, is_replaced)?;
-    let failed = |source| NotReplaced::Io {
-        path: path.to_path_buf(),
-        source,
-    };
+    put_in_place(new, path, is_replaced).map_err(|source| io_error(path, source))
+}
+
+/// Renames a folder to `path`, moves the files of the old one that are not replaced into it and
+/// deletes the old one.
+fn put_in_place(new: TempDir, path: &Path, is_replaced: IsReplaced) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        fs::set_permissions(new.path(), fs::Permissions::from_mode(0o755)).map_err(failed)?;
+        fs::set_permissions(new.path(), fs::Permissions::from_mode(0o755))?;
     }
     if fs::symlink_metadata(path).is_err() {
-        fs::rename(new.path(), path).map_err(failed)?;
+        fs::rename(new.path(), path)?;
         let _ = new.keep();
         return Ok(());
     }
     // The old folder is deleted only when the new one is in its place.
-    let aside = super::temporary_folder_in(super::folder_of(path)).map_err(failed)?;
+    let aside = super::temporary_folder_in(super::folder_of(path))?;
     let old = aside.path().join("old");
-    fs::rename(path, &old).map_err(failed)?;
+    fs::rename(path, &old)?;
     if let Err(error) = fs::rename(new.path(), path) {
-        fs::rename(&old, path).map_err(failed)?;
-        return Err(failed(error));
+        fs::rename(&old, path)?;
+        return Err(error);
     }
     let _ = new.keep();
     // From here on, files that cannot be moved stay in the old folder, which must not be deleted as
     // a temporary one.
     let aside = aside.keep();
-    empty_folder(&old, path, "", is_replaced)
-        .and_then(|()| fs::remove_dir(aside))
-        .map_err(failed)
+    empty_folder(&old, path, "", is_replaced)?;
+    fs::remove_dir(aside)
+}
+
+fn io_error(path: &Path, source: io::Error) -> NotReplaced {
+    NotReplaced::Io {
+        path: path.to_path_buf(),
+        source,
+    }
 }
 
 /// The target of a link; any other path unchanged. Writing to a link writes to its target.

@@ -58,18 +58,20 @@ pub fn remove_stray_files(folder: &Path) {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let is_ours = name.starts_with(NAME.0) && name.ends_with(NAME.1);
-        let is_stray = |metadata: &Metadata| {
-            let age = metadata
-                .modified()
-                .ok()
-                .and_then(|modified| modified.elapsed().ok());
-            metadata.is_file() && age.is_some_and(|age| age > STRAY)
-        };
         // For a link these are the metadata of the link itself, which is not a regular file.
         if is_ours && fs::symlink_metadata(entry.path()).is_ok_and(|metadata| is_stray(&metadata)) {
             let _ = fs::remove_file(entry.path());
         }
     }
+}
+
+/// Whether a temporary name belongs to a file that is so old that no running program needs it.
+fn is_stray(metadata: &Metadata) -> bool {
+    let age = metadata
+        .modified()
+        .ok()
+        .and_then(|modified| modified.elapsed().ok());
+    metadata.is_file() && age.is_some_and(|age| age > STRAY)
 }
 
 #[cfg(test)]

@@ -33,11 +33,15 @@ impl Gap {
     /// Whether the smallest arc leaves out this gap rather than another: the wider one; of equal
     /// ones the one at ±180°, or else the first.
     fn precedes(&self, other: &Self) -> bool {
-        let rank = |gap: &Self| (gap.holds_seam, Reverse(gap.from));
         self.width
             .total_cmp(&other.width)
-            .then_with(|| rank(self).cmp(&rank(other)))
+            .then_with(|| self.rank_of_equal().cmp(&other.rank_of_equal()))
             .is_gt()
+    }
+
+    /// The order of equally wide gaps; the largest is left out.
+    const fn rank_of_equal(&self) -> (bool, Reverse<usize>) {
+        (self.holds_seam, Reverse(self.from))
     }
 }
 
@@ -110,11 +114,10 @@ impl Directions {
         // Without the direction, its two gaps become one. The smallest arc leaves out this joined
         // gap or the widest of the others.
         let joined = self.gap((left_out + count - 1) % count, (left_out + 1) % count);
-        let beside = |gap: &&Gap| gap.from == left_out || gap.to == left_out;
         let other = self
             .widest
             .iter()
-            .find(|gap| !beside(gap))
+            .find(|gap| gap.from != left_out && gap.to != left_out)
             .filter(|other| other.precedes(&joined));
         Some(self.arc_without(other.unwrap_or(&joined)))
     }

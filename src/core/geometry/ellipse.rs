@@ -11,11 +11,12 @@ use std::f64::consts::TAU;
 pub fn covariance_ellipse(covariance: Matrix2<f64>, corners: u32) -> Vec<Vec2> {
     let axes = SymmetricEigen::new(covariance);
     let radii = axes.eigenvalues.map(|value| value.max(0.0).sqrt());
-    let corner = |step: u32| {
-        let angle = f64::from(step) / f64::from(corners) * TAU;
-        axes.eigenvectors * Vec2::new(radii.x * angle.cos(), radii.y * angle.sin())
-    };
-    (0..corners).map(corner).collect()
+    (0..corners)
+        .map(|step| {
+            let angle = f64::from(step) / f64::from(corners) * TAU;
+            axes.eigenvectors * Vec2::new(radii.x * angle.cos(), radii.y * angle.sin())
+        })
+        .collect()
 }
 
 #[cfg(test)]

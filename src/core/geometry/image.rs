@@ -76,13 +76,21 @@ impl From<ImageSize> for [u32; 2] {
 impl ImageSize {
     /// The centres of the cells of a regular grid over the picture, px, row by row.
     pub fn cell_centres(self, columns: u32, rows: u32) -> impl Iterator<Item = ImagePoint> {
-        let centre = |cell: u32, cells: u32, side: u32| {
-            (f64::from(cell) + 0.5) / f64::from(cells) * f64::from(side)
-        };
         (0..rows).flat_map(move |row| {
-            let y = centre(row, rows, self.height);
-            (0..columns).map(move |column| ImagePoint::new(centre(column, columns, self.width), y))
+            (0..columns).map(move |column| self.cell_centre([column, row], [columns, rows]))
         })
+    }
+
+    /// The centre of one cell of such a grid, px.
+    pub(crate) fn cell_centre(
+        self,
+        [column, row]: [u32; 2],
+        [columns, rows]: [u32; 2],
+    ) -> ImagePoint {
+        ImagePoint::new(
+            cell_centre_px(column, columns, self.width),
+            cell_centre_px(row, rows, self.height),
+        )
     }
 
     /// The largest width or height of a picture, px.
@@ -103,14 +111,8 @@ impl ImageSize {
     /// Reads `1920x1080` or `1920 × 1080`; none where that is no size of a picture.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        let side = |text: &str| {
-            text.trim()
-                .parse::<u32>()
-                .ok()
-                .filter(|side| Self::is_side_px(f64::from(*side)))
-        };
         let (width, height) = text.split_once(['x', '×'])?;
-        Some(Self::new(side(width)?, side(height)?))
+        Some(Self::new(parse_side_px(width)?, parse_side_px(height)?))
     }
 
     /// The middle of the picture.
@@ -145,6 +147,19 @@ impl ImageSize {
     pub fn scale_from_1920(self) -> f64 {
         f64::from(self.width) / 1920.0
     }
+}
+
+/// The centre of one of the equal cells that divide a side of a picture, px from where it begins.
+fn cell_centre_px(cell: u32, cells: u32, side_px: u32) -> f64 {
+    (f64::from(cell) + 0.5) / f64::from(cells) * f64::from(side_px)
+}
+
+/// Reads a width or height of a picture, px; none where it is not a valid one.
+fn parse_side_px(text: &str) -> Option<u32> {
+    text.trim()
+        .parse::<u32>()
+        .ok()
+        .filter(|side_px| ImageSize::is_side_px(f64::from(*side_px)))
 }
 
 /// An axis-aligned box of pixels (`masks_px`): a score bug, a player.

@@ -57,8 +57,8 @@ pub fn within_pyramid(window: &Window, a: Vec3, b: Vec3, slack_m: f64) -> Option
         (1, window.ideal_max.y, -1.0),
     ] {
         let slack = slack_m * (1.0 + bound * bound).sqrt();
-        let at = |point: Vec3| sign * (point[axis] - bound * point.z) + slack;
-        span = span.keep(at(a), at(b))?;
+        let [at_a, at_b] = [a, b].map(|point| sign * (point[axis] - bound * point.z) + slack);
+        span = span.keep(at_a, at_b)?;
     }
     Some(span)
 }
@@ -66,20 +66,20 @@ pub fn within_pyramid(window: &Window, a: Vec3, b: Vec3, slack_m: f64) -> Option
 /// The part of a span in front of the camera that lies in the cone of the ideal radius, that is
 /// within the fold.
 pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span> {
-    // The cone as a quadratic form: R² z² − x² − y² ≥ 0.
     let radius_squared = window.ideal_radius * window.ideal_radius;
-    let form = |p: Vec3, q: Vec3| radius_squared * p.z * q.z - p.x * q.x - p.y * q.y;
     let along = b - a;
-    let inside = |t: f64| {
+    let [starts_inside, ends_inside] = [span.start, span.end].map(|t| {
         let p = a + along * t;
-        form(p, p) >= 0.0
-    };
-    if inside(span.start) && inside(span.end) {
+        cone_form(radius_squared, p, p) >= 0.0
+    });
+    if starts_inside && ends_inside {
         return Some(span);
     }
     // The cone in front of the camera is convex, so the remaining part is one span, bounded by the
     // roots of the quadratic form along the piece.
-    let (square, half_linear, constant) = (form(along, along), form(a, along), form(a, a));
+    let square = cone_form(radius_squared, along, along);
+    let half_linear = cone_form(radius_squared, a, along);
+    let constant = cone_form(radius_squared, a, a);
     let discriminant = half_linear * half_linear - square * constant;
     if !(discriminant >= 0.0) || square == 0.0 {
         return None;
@@ -97,12 +97,12 @@ pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span
             start: span.start.max(first),
             end: span.end.min(second),
         }
-    } else if inside(span.start) {
+    } else if starts_inside {
         Span {
             end: span.end.min(first),
             ..span
         }
-    } else if inside(span.end) {
+    } else if ends_inside {
         Span {
             start: span.start.max(second),
             ..span
@@ -111,6 +111,12 @@ pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span
         return None;
     };
     (kept.start <= kept.end).then_some(kept)
+}
+
+/// The bilinear form of the cone x² + y² = R² z²: R² `p_z q_z − p_x q_x − p_y q_y`, which is not
+/// negative for p = q inside the cone.
+fn cone_form(radius_squared: f64, p: Vec3, q: Vec3) -> f64 {
+    radius_squared * p.z * q.z - p.x * q.x - p.y * q.y
 }
 
 /// The part of the piece from `a` to `b` (`image`, px) that lies in the window's frame (Liang,

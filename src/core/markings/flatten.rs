@@ -104,8 +104,9 @@ impl<'a> Flattener<'a> {
 
         // The deviation divided by the smallest depth of the visible part is an angle. Times
         // px/rad, it is a distance in the picture.
-        let depth_at = |t: f64| a.in_cam.z + (b.in_cam.z - a.in_cam.z) * t;
-        let nearest_m = (depth_at(span.start).min(depth_at(span.end)) - bend_m).max(NEAR_M);
+        let [start_m, end_m] =
+            [span.start, span.end].map(|t| a.in_cam.z + (b.in_cam.z - a.in_cam.z) * t);
+        let nearest_m = (start_m.min(end_m) - bend_m).max(NEAR_M);
         if depth == 0 || bend_m / nearest_m * self.px_per_radian <= self.tolerance_px {
             piece(a.in_cam, b.in_cam);
             return;
@@ -127,6 +128,8 @@ impl<'a> Flattener<'a> {
                 radius_m, sweep, ..
             } => {
                 let turn = (sweep.radians() * (b.t - a.t)).abs();
+                // By the angle θ, |r''| = r in the plane, and on the crown z = −4 c y² / w² it is
+                // |z''| = 8 c / w² · |y'² + y y''|, with |y'|, |y''| ≤ r and |y| ≤ w / 2.
                 let second = radius_m
                     + 8.0 * crown_m / (width_m * width_m) * radius_m * (radius_m + width_m / 2.0);
                 (second * turn * turn / 8.0, radius_m * turn)
@@ -135,9 +138,12 @@ impl<'a> Flattener<'a> {
         if crown_m == 0.0 {
             return round;
         }
+        // The crown bends a straight piece by |z''| / 8 = c (Δy / w)². At its edge the slope jumps by
+        // 4 c / w; a kink deviates from the chord by at most a quarter of the jump times the length.
         let edge_m = width_m / 2.0;
-        let reach = |y_m: f64| (y_m.abs() - edge_m).abs() <= across_m;
-        let at_the_edge = reach(a.nominal_y_m) || reach(b.nominal_y_m);
+        let at_the_edge = [a.nominal_y_m, b.nominal_y_m]
+            .iter()
+            .any(|y_m| (y_m.abs() - edge_m).abs() <= across_m);
         let crown = crown_m * (across_m / width_m).powi(2);
         round
             + crown

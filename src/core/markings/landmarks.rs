@@ -22,19 +22,22 @@ pub fn project_landmarks(
     size: ImageSize,
     margin_px: f64,
 ) -> Vec<ProjectedLandmark> {
-    let shown = |point: ImagePoint| {
-        point.x >= -margin_px
-            && point.y >= -margin_px
-            && point.x <= f64::from(size.width) + margin_px
-            && point.y <= f64::from(size.height) + margin_px
-    };
     field
         .landmarks
         .iter()
         .enumerate()
         .filter_map(|(landmark, of)| {
             let image = camera.image_from_world(field.landmark_in_world(of)).ok()?;
-            shown(image).then_some(ProjectedLandmark { landmark, image })
+            is_within_margin(image, size, margin_px)
+                .then_some(ProjectedLandmark { landmark, image })
         })
         .collect()
+}
+
+/// Whether a point lies in the picture enlarged by a margin, px, the border included.
+fn is_within_margin(point: ImagePoint, size: ImageSize, margin_px: f64) -> bool {
+    point.x >= -margin_px
+        && point.y >= -margin_px
+        && point.x <= f64::from(size.width) + margin_px
+        && point.y <= f64::from(size.height) + margin_px
 }

@@ -85,12 +85,7 @@ impl Pen<'_> {
         let Some(span) = within_cone(self.window, a, b, span) else {
             return;
         };
-        let ideal = |t: f64| {
-            let p = if t == 0.0 { a } else { a + (b - a) * t };
-            let p = if t == 1.0 { b } else { p };
-            Vec2::new(p.x / p.z, p.y / p.z)
-        };
-        let (start, end) = (ideal(span.start), ideal(span.end));
+        let (start, end) = (ideal_at(a, b, span.start), ideal_at(a, b, span.end));
         // The piece is straight before distortion, and curved by at most (6 |k₁| r + 20 |k₂| r³) f
         // after it. A chord of n equal steps deviates by at most curvature · length² / (8 n²),
         // which gives n.
@@ -101,15 +96,17 @@ impl Pen<'_> {
             .sqrt()
             .ceil()
             .clamp(1.0, 4096.0);
-        let image = |ideal: Vec2| self.camera.image_from_cam(Vec3::new(ideal.x, ideal.y, 1.0));
-        let Ok(mut from) = image(start) else { return };
+        let Some(mut from) = self.image_from_ideal(start) else {
+            return;
+        };
         for step in 1..=steps as u32 {
             let share = f64::from(step) / steps;
-            let Ok(to) = image(if share == 1.0 {
+            let ideal = if share == 1.0 {
                 end
             } else {
                 start + (end - start) * share
-            }) else {
+            };
+            let Some(to) = self.image_from_ideal(ideal) else {
                 return;
             };
             self.stroke(line, first, from, to);
@@ -117,30 +114,37 @@ impl Pen<'_> {
         }
     }
 
+    /// The image, px, of a point of the plane z = 1 of `cam`; none beyond the fold of the lens.
+    fn image_from_ideal(&self, ideal: Vec2) -> Option<ImagePoint> {
+        self.camera
+            .image_from_cam(Vec3::new(ideal.x, ideal.y, 1.0))
+            .ok()
+    }
+
     /// Adds the part of a piece from `from` to `to` (`image`, px) inside the frame.
     fn stroke(&mut self, line: usize, first: usize, from: ImagePoint, to: ImagePoint) {
         let Some(span) = within_frame(self.window, from, to) else {
             return;
         };
-        // Rounding may put a clipped point slightly outside; the clamp does not move points inside.
         // Unclipped ends stay exact, because the next piece is joined by equality.
-        let held = |point: ImagePoint| {
+        let along = to.offset_from(from);
+        let start = if span.start == 0.0 {
+            from
+        } else {
+            from.translate(along * span.start)
+        };
+        let end = if span.end == 1.0 {
+            to
+        } else {
+            from.translate(along * span.end)
+        };
+        // Rounding may put a clipped point slightly outside; the clamp does not move points inside.
+        let [start, end] = [start, end].map(|point| {
             ImagePoint::new(
                 point.x.clamp(self.window.min.x, self.window.max.x),
                 point.y.clamp(self.window.min.y, self.window.max.y),
             )
-        };
-        let at = |t: f64| held(from.translate(to.offset_from(from) * t));
-        let start = if span.start == 0.0 {
-            held(from)
-        } else {
-            at(span.start)
-        };
-        let end = if span.end == 1.0 {
-            held(to)
-        } else {
-            at(span.end)
-        };
+        });
         if start == end {
             return;
         }
@@ -155,6 +159,14 @@ impl Pen<'_> {
             }),
         }
     }
+}
+
+/// The point at a fraction of the way from `a` to `b` (`cam`), on the plane z = 1. At 0 and 1 it
+/// comes from `a` and `b` themselves, without rounding.
+fn ideal_at(a: Vec3, b: Vec3, t: f64) -> Vec2 {
+    let p = if t == 0.0 { a } else { a + (b - a) * t };
+    let p = if t == 1.0 { b } else { p };
+    Vec2::new(p.x / p.z, p.y / p.z)
 }
 
 #[cfg(test)]

@@ -127,11 +127,11 @@ struct Projected {
 impl Projected {
     /// The side of the line that is outside the playing area: see [`LineSample::outward`].
     fn outward(&self, field: &FieldModel) -> f64 {
-        let beyond = |sign: f64| {
+        let [beyond_along, beyond_against] = [1.0, -1.0].map(|sign: f64| {
             let at = self.at + self.across * (sign * BESIDE_M);
             at.x.abs() > field.length_m / 2.0 || at.y.abs() > field.width_m / 2.0
-        };
-        let sign = f64::from(i8::from(beyond(1.0)) - i8::from(beyond(-1.0)));
+        });
+        let sign = f64::from(i8::from(beyond_along) - i8::from(beyond_against));
         if self.px_across_per_m < 0.0 {
             -sign
         } else {
@@ -174,12 +174,16 @@ fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Opt
 
 /// Distance of a point from the picture less its border, px; 0 inside.
 fn outside_px(point: ImagePoint, size: ImageSize, border_px: f64) -> f64 {
-    let beyond = |x: f64, extent: u32| {
-        (border_px - x)
-            .max(x - (f64::from(extent) - border_px))
-            .max(0.0)
-    };
-    beyond(point.x, size.width).max(beyond(point.y, size.height))
+    let x_px = outside_side_px(point.x, size.width, border_px);
+    let y_px = outside_side_px(point.y, size.height, border_px);
+    x_px.max(y_px)
+}
+
+/// Distance of a coordinate from one side of a picture less its border, px; 0 within.
+fn outside_side_px(at_px: f64, side_px: u32, border_px: f64) -> f64 {
+    (border_px - at_px)
+        .max(at_px - (f64::from(side_px) - border_px))
+        .max(0.0)
 }
 
 #[cfg(test)]

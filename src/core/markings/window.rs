@@ -93,19 +93,23 @@ fn most_shrunk(
     let radius_px = squared.map_or(f64::NAN, |squared| {
         squared.sqrt() * lens.stretch(squared) * camera.ptz().focal_px
     });
-    // NaN, which lies in no range, if the circle does not reach the edge.
-    let half_chord = move |offset: f64| (radius_px * radius_px - offset * offset).sqrt();
     let upright = [min.x, max.x].into_iter().flat_map(move |x| {
-        let half = half_chord(x - principal.x);
+        let half = half_chord_px(radius_px, x - principal.x);
         [principal.y - half, principal.y + half].map(|y| ImagePoint::new(x, y))
     });
     let level = [min.y, max.y].into_iter().flat_map(move |y| {
-        let half = half_chord(y - principal.y);
+        let half = half_chord_px(radius_px, y - principal.y);
         [principal.x - half, principal.x + half].map(|x| ImagePoint::new(x, y))
     });
     upright
         .chain(level)
         .filter(move |p| (min.x..=max.x).contains(&p.x) && (min.y..=max.y).contains(&p.y))
+}
+
+/// Half of the chord of a circle at a distance from its centre, px; NaN, which lies in no range, if
+/// the circle does not reach there.
+fn half_chord_px(radius_px: f64, offset_px: f64) -> f64 {
+    (radius_px * radius_px - offset_px * offset_px).sqrt()
 }
 
 #[cfg(test)]

@@ -88,8 +88,11 @@ impl ClickScatter {
         // The limit is raised by the uncertainty of the first scale, 2 σ.
         let limit =
             ANOTHER_SPOT * first * (1.0 + FIRST_SCALE_2_SIGMA / (sizes.len() as f64).sqrt());
-        let near = |pair: &&[f64; N]| pair.iter().all(|value| value.abs() <= limit);
-        let kept: Vec<[f64; N]> = all.iter().filter(near).copied().collect();
+        let kept: Vec<[f64; N]> = all
+            .iter()
+            .filter(|pair| pair.iter().all(|value| value.abs() <= limit))
+            .copied()
+            .collect();
         if kept.len() < MIN_PAIRS {
             return None;
         }
@@ -98,10 +101,11 @@ impl ClickScatter {
         let sigma = scale(&kept, first);
         let freedom = (kept.len() * N) as f64 / (2.0 * variance(&kept, sigma).max(NORMAL_VARIANCE));
         let freedom = freedom.max(LEAST_FREEDOM);
-        let end = |share: f64| sigma * (freedom / chi_squared_quantile(freedom, share)).sqrt();
+        let interval_95 = [0.975, 0.025]
+            .map(|share| sigma * (freedom / chi_squared_quantile(freedom, share)).sqrt());
         Some(Self {
             sigma,
-            interval_95: [end(0.975), end(0.025)],
+            interval_95,
             pairs: kept.len(),
             set_aside: all.len() - kept.len(),
             freedom,

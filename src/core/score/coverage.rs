@@ -39,16 +39,20 @@ impl SigmaCoverage {
     #[must_use]
     pub fn from_squared_distances(squared_mahalanobis: &[f64]) -> Option<Self> {
         let count = squared_mahalanobis.len();
-        let share = |limit: f64| {
-            squared_mahalanobis.iter().filter(|s| **s <= limit).count() as f64 / count as f64
-        };
         (count > 0).then(|| Self {
             count,
-            within_68: share(chi_squared_quantile(3.0, ONE_SIGMA)),
-            within_95: share(chi_squared_quantile(3.0, 0.95)),
+            within_68: share_within(squared_mahalanobis, ONE_SIGMA),
+            within_95: share_within(squared_mahalanobis, 0.95),
             error_over_sigma: (squared_mahalanobis.iter().sum::<f64>() / count as f64 / 3.0).sqrt(),
         })
     }
+}
+
+/// The share of squared Mahalanobis distances within the ellipsoid of a probability.
+fn share_within(squared_mahalanobis: &[f64], probability: f64) -> f64 {
+    let limit = chi_squared_quantile(3.0, probability);
+    let within = squared_mahalanobis.iter().filter(|s| **s <= limit);
+    within.count() as f64 / squared_mahalanobis.len() as f64
 }
 
 #[cfg(test)]

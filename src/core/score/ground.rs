@@ -68,12 +68,14 @@ pub fn visible_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) ->
     } else {
         intersect(&[ideal], &[border])
     };
-    let on_ground = |ring: &Ring| {
-        ring.iter()
-            .map(|point| ground_from_ideal(camera, *point))
-            .collect::<Option<Ring>>()
-    };
-    ideal.iter().filter_map(on_ground).collect()
+    ideal
+        .iter()
+        .filter_map(|ring| {
+            ring.iter()
+                .map(|point| ground_from_ideal(camera, *point))
+                .collect::<Option<Ring>>()
+        })
+        .collect()
 }
 
 /// The picture's border on the plane z = 1 of `cam`, before distortion: its corners, or points

@@ -38,7 +38,11 @@ pub fn landmark_errors(
         .filter_map(|shown| {
             let landmark = &estimate.field.landmarks[twins[shown.landmark]?];
             let at = estimate.field.landmark_in_world(landmark);
-            let ground_m = || ground_error_m(estimate.camera, shown.image, at);
+            let ground_m = if landmark.nominal_m.z == 0.0 {
+                ground_error_m(estimate.camera, shown.image, at)
+            } else {
+                None
+            };
             Some(LandmarkError {
                 landmark: shown.landmark,
                 image_px: estimate
@@ -46,11 +50,7 @@ pub fn landmark_errors(
                     .image_from_world(at)
                     .ok()
                     .map(|image| image.distance_px(shown.image)),
-                ground_m: if landmark.nominal_m.z == 0.0 {
-                    ground_m()
-                } else {
-                    None
-                },
+                ground_m,
             })
         })
         .collect()

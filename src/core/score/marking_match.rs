@@ -114,16 +114,10 @@ pub fn annotated_lines(
 
 /// Points at equal distances along some polylines, including both ends.
 fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
-    let pieces = || {
-        parts
-            .iter()
-            .flat_map(|part| part.windows(2))
-            .map(|pair| (pair[0], pair[1]))
-    };
-    let whole: f64 = pieces().map(|(from, to)| from.distance_px(to)).sum();
+    let whole: f64 = pieces(parts).map(|(from, to)| from.distance_px(to)).sum();
     let mut points = Vec::with_capacity(POINTS_PER_ARC);
     let mut passed = 0.0;
-    for (from, to) in pieces() {
+    for (from, to) in pieces(parts) {
         let length = from.distance_px(to);
         while points.len() < POINTS_PER_ARC {
             // The arc length of the next point. Go on to the next piece if it lies beyond this one.
@@ -148,6 +142,14 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
         points.push(*end);
     }
     points
+}
+
+/// The straight pieces of some polylines, by their ends.
+fn pieces(parts: &[Vec<ImagePoint>]) -> impl Iterator<Item = (ImagePoint, ImagePoint)> {
+    parts
+        .iter()
+        .flat_map(|part| part.windows(2))
+        .map(|pair| (pair[0], pair[1]))
 }
 
 impl MarkingMatch {

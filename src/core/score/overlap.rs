@@ -36,11 +36,7 @@ pub fn iou_part(
 #[must_use]
 pub fn iou_whole(field: &FieldModel, truth: &PtzCamera, estimate: &PtzCamera) -> f64 {
     let corners = field_corners(field);
-    let projected: Option<Ring> = corners
-        .iter()
-        .map(|corner| carry(truth, estimate, *corner))
-        .collect();
-    projected
+    transfer_ring(truth, estimate, &corners)
         .and_then(|projected| intersection_over_union(&[corners.to_vec()], &[projected]))
         .unwrap_or(0.0)
 }
@@ -69,8 +65,10 @@ pub fn iou_segments(
         if area(&shown) < LEAST_SEGMENT_M2 {
             continue;
         }
-        let carry_ring = |ring: &Ring| ring.iter().map(|at| carry(truth, estimate, *at)).collect();
-        let projected: Option<Vec<Ring>> = shown.iter().map(carry_ring).collect();
+        let projected: Option<Vec<Ring>> = shown
+            .iter()
+            .map(|ring| transfer_ring(truth, estimate, ring))
+            .collect();
         let score = projected.and_then(|projected| intersection_over_union(&shown, &projected));
         scores.push(score.unwrap_or(0.0));
     }
@@ -86,20 +84,32 @@ const LEAST_SEGMENT_M2: f64 = 1.0;
 fn segments(field: &FieldModel) -> impl Iterator<Item = Ring> {
     let [corner, _, opposite, _] = field_corners(field);
     let [along, across] = SEGMENTS;
-    let at = move |x: u8, y: u8| {
-        let share = Vec2::new(
-            f64::from(x) / f64::from(along),
-            f64::from(y) / f64::from(across),
-        );
-        corner + (opposite - corner).component_mul(&share)
-    };
-    let segment = move |x: u8, y: u8| vec![at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
-    (0..along).flat_map(move |x| (0..across).map(move |y| segment(x, y)))
+    (0..along).flat_map(move |x| {
+        (0..across).map(move |y| {
+            [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]
+                .map(|(x, y)| {
+                    let share = Vec2::new(
+                        f64::from(x) / f64::from(along),
+                        f64::from(y) / f64::from(across),
+                    );
+                    corner + (opposite - corner).component_mul(&share)
+                })
+                .to_vec()
+        })
+    })
+}
+
+/// [`transfer`] of the corners of a polygon. None if one of them lies beyond the estimate's
+/// horizon.
+fn transfer_ring(truth: &PtzCamera, estimate: &PtzCamera, ring: &[Vec2]) -> Option<Ring> {
+    ring.iter()
+        .map(|corner| transfer(truth, estimate, *corner))
+        .collect()
 }
 
 /// The ground point that the estimate sees at the pixel of a ground point under the truth: a
 /// homography of the plane z = 0. None beyond the estimate's horizon.
-fn carry(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec2> {
+fn transfer(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec2> {
     let in_cam = truth.cam_from_world_point(Vec3::new(ground.x, ground.y, 0.0));
     let apart = truth
         .base()

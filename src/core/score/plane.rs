@@ -105,21 +105,24 @@ impl PlaneView {
         sides
             .iter()
             .fold(field_corners(field).to_vec(), |polygon, side| {
-                let of = |point: &Vec2| side[0] * point.x + side[1] * point.y + side[2];
-                cut(&polygon, &of)
+                cut(&polygon, &|point: &Vec2| {
+                    side[0] * point.x + side[1] * point.y + side[2]
+                })
             })
+    }
+
+    /// The same as a list of polygons: one, or none if the picture shows nothing of the field.
+    fn visible_rings(&self, field: &FieldModel) -> Vec<Ring> {
+        Some(self.visible_field(field))
+            .filter(|ring| ring.len() >= 3)
+            .into_iter()
+            .collect()
     }
 
     /// `IoU_part` of an estimate, with this view as the truth: see [`iou_part`](super::iou_part).
     #[must_use]
     pub fn iou_part(&self, field: &FieldModel, estimate: &Self) -> Option<f64> {
-        let ring = |view: &Self| -> Vec<Ring> {
-            Some(view.visible_field(field))
-                .filter(|ring| ring.len() >= 3)
-                .into_iter()
-                .collect()
-        };
-        intersection_over_union(&ring(self), &ring(estimate))
+        intersection_over_union(&self.visible_rings(field), &estimate.visible_rings(field))
     }
 
     /// `IoU_whole` of an estimate, with this view as the truth: see

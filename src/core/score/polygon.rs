@@ -34,13 +34,7 @@ pub(super) fn area(rings: &[Ring]) -> f64 {
 /// The intersection of two sets of polygons, as polygons that do not overlap. Inputs without holes
 /// give no holes.
 pub(super) fn intersect(one: &[Ring], other: &[Ring]) -> Vec<Ring> {
-    let points = |rings: &[Ring]| -> Vec<Vec<[f64; 2]>> {
-        let enclosing = rings.iter().filter(|ring| ring.len() >= 3);
-        enclosing
-            .map(|ring| ring.iter().map(|point| [point.x, point.y]).collect())
-            .collect()
-    };
-    let (one, other) = (points(one), points(other));
+    let (one, other) = (contours(one), contours(other));
     if one.is_empty() || other.is_empty() {
         return Vec::new();
     }
@@ -50,6 +44,15 @@ pub(super) fn intersect(one: &[Ring], other: &[Ring]) -> Vec<Ring> {
         .filter_map(|shape| shape.into_iter().next());
     outer
         .map(|ring| ring.into_iter().map(|[x, y]| Vec2::new(x, y)).collect())
+        .collect()
+}
+
+/// The polygons that enclose an area, in the form that `i_overlay` takes.
+fn contours(rings: &[Ring]) -> Vec<Vec<[f64; 2]>> {
+    rings
+        .iter()
+        .filter(|ring| ring.len() >= 3)
+        .map(|ring| ring.iter().map(|point| [point.x, point.y]).collect())
         .collect()
 }
 

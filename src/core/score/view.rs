@@ -20,14 +20,15 @@ pub(super) fn same_names<'a, T>(
     to: &[T],
     name: impl Fn(&T) -> &str + 'a,
 ) -> Vec<Option<usize>> {
-    let find = |(index, item): (usize, &T)| {
-        let wanted = name(item);
-        let here = to.get(index).is_some_and(|other| name(other) == wanted);
-        if here {
-            Some(index)
-        } else {
-            to.iter().position(|other| name(other) == wanted)
-        }
-    };
-    from.iter().enumerate().map(find).collect()
+    from.iter()
+        .enumerate()
+        .map(|(index, item)| {
+            let wanted = name(item);
+            if to.get(index).is_some_and(|other| name(other) == wanted) {
+                Some(index)
+            } else {
+                to.iter().position(|other| name(other) == wanted)
+            }
+        })
+        .collect()
 }

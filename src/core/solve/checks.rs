@@ -2,8 +2,10 @@
 
 use super::context::SAME_FIT;
 use super::covariance::{OverlayPoint, corners};
+use super::observation::landmark_observations;
 use super::{
-    CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning, WarningCode,
+    ClickResidual, CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning,
+    WarningCode,
 };
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec2, thousands};
@@ -84,23 +86,17 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
         });
     }
 
-    // Otherwise the click with the largest residual in its own σ is the suspect. One that has no
-    // image counts as infinitely far off.
-    let sigmas = |residual: &super::ClickResidual| {
-        residual.distance_px().map_or(f64::INFINITY, |distance| {
-            distance / (residual.sigma_px * usual)
-        })
-    };
-    let worst = solution
+    // Otherwise the click with the largest residual in its own σ is the suspect.
+    let (sigmas, worst) = solution
         .residuals
         .iter()
-        .max_by(|a, b| sigmas(a).total_cmp(&sigmas(b)))?;
+        .map(|residual| (residual_in_sigmas(residual, usual), residual))
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
     let number = worst.click + 1;
     let message = match worst.distance_px() {
         None => format!("Point {number} shows something behind the camera. Check its name."),
-        Some(distance) if sigmas(worst) > MAX_CLICK_SIGMAS => format!(
-            "Point {number} is {distance:.1} px off, {:.0} times what is usual. Check its name and place.",
-            sigmas(worst)
+        Some(distance) if sigmas > MAX_CLICK_SIGMAS => format!(
+            "Point {number} is {distance:.1} px off, {sigmas:.0} times what is usual. Check its name and place."
         ),
         Some(_) => return None,
     };
@@ -108,6 +104,14 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
         code: WarningCode::Contradiction,
         message,
         clicks: vec![worst.click],
+    })
+}
+
+/// A click's residual in multiples of its own σ, scaled by `usual`; infinite where its landmark or
+/// line has no image.
+fn residual_in_sigmas(residual: &ClickResidual, usual: f64) -> f64 {
+    residual.distance_px().map_or(f64::INFINITY, |distance| {
+        distance / (residual.sigma_px * usual)
     })
 }
 
@@ -219,11 +223,7 @@ fn uncertain_corner(
     }
     let separation_px = solution.separation_px?;
     let one_more = OneMoreClick::new(camera, solution, context.image_size);
-    let landmarks = || {
-        used.iter()
-            .filter(|observation| observation.shape.point().is_some())
-    };
-    let gains = |better_px: &f64| *better_px < WORTHWHILE * corner_px;
+    let worthwhile_px = WORTHWHILE * corner_px;
 
     // Case 2, points close together: they leave the focal length uncertain. Try a further point at
     // a good distance from their centre, in the best direction inside the frame.
@@ -233,21 +233,24 @@ fn uncertain_corner(
             "Points {separation_px:.0} px apart: focal ±{focal_percent:.1} %, worst corner ±{} px.",
             short(corner_px)
         );
-        let sum = landmarks().fold(Vec2::zeros(), |sum, click| {
+        let sum = landmark_observations(used).fold(Vec2::zeros(), |sum, click| {
             sum + click.image.offset_from(ImagePoint::default())
         });
-        let middle = ImagePoint::default().translate(sum / landmarks().count() as f64);
+        let count = landmark_observations(used).count();
+        let middle = ImagePoint::default().translate(sum / count as f64);
         let distance_px = GOOD_SEPARATION_PX * scale;
         let better = one_more
             .best_corner_at_distance(middle, distance_px)
-            .filter(gains);
+            .filter(|better_px| *better_px < worthwhile_px);
         let way_out = better.map_or_else(String::new, |better| {
             format!(
                 " A point at {distance_px:.0} px would give ±{}.",
                 short(better)
             )
         });
-        let clicks = landmarks().map(|observation| observation.click).collect();
+        let clicks = landmark_observations(used)
+            .map(|observation| observation.click)
+            .collect();
         return Some(Warning {
             code: WarningCode::Separation,
             message: cost + &way_out,
@@ -267,7 +270,9 @@ fn uncertain_corner(
     let inwards = worst
         .corner
         .translate((camera.base().principal_point.offset_from(worst.corner)) * TOWARDS_MIDDLE);
-    let better = one_more.corner_with_click_at(inwards).filter(gains);
+    let better = one_more
+        .corner_with_click_at(inwards)
+        .filter(|better_px| *better_px < worthwhile_px);
     let way_out = better.map_or_else(String::new, |better| {
         format!(" A point near that corner would give ±{}.", short(better))
     });

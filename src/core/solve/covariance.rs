@@ -153,13 +153,18 @@ impl Uncertainty {
         if self.base_root.iter().all(|entry| *entry == 0.0) {
             return 0.0;
         }
-        let share = |observation: &Observation| {
-            let here = observation.shape.jacobian(camera, observation.image)?;
-            let squares = ((here.by_shared(camera) - here.by_ptz * self.by_base) * self.base_root)
-                .norm_squared();
-            Some(squares / (observation.sigma_px * observation.sigma_px))
-        };
-        observations.iter().filter_map(share).sum()
+        observations
+            .iter()
+            .filter_map(|observation| self.base_misfit_of(camera, observation))
+            .sum()
+    }
+
+    /// The part of one observation in [`Self::base_misfit`]; none where its shape has no image.
+    fn base_misfit_of(&self, camera: &PtzCamera, observation: &Observation) -> Option<f64> {
+        let here = observation.shape.jacobian(camera, observation.image)?;
+        let squares =
+            ((here.by_shared(camera) - here.by_ptz * self.by_base) * self.base_root).norm_squared();
+        Some(squares / (observation.sigma_px * observation.sigma_px))
     }
 
     /// Covariance (px²) of the overlay at a world point; none where the point has no image.
@@ -197,22 +202,23 @@ impl Uncertainty {
     /// Where the 1-σ at the frame's worst corner comes from.
     #[must_use]
     pub fn worst_corner(&self, camera: &PtzCamera, image_size: ImageSize) -> Option<CornerSigma> {
-        let at_corner = |(corner, point): (ImagePoint, Option<OverlayPoint>)| {
-            let point = point?;
-            let by_clicks = point.by_ptz * self.clicks * point.by_ptz.transpose();
-            let by_base = self.by_base_in_sigmas(&point);
-            Some(CornerSigma {
-                corner,
-                clicks_px: by_clicks.trace().max(0.0).sqrt(),
-                base_px: by_base.norm(),
-            })
-        };
         let corners = image_size
             .corners()
             .into_iter()
             .zip(corners(camera, image_size))
-            .filter_map(at_corner);
+            .filter_map(|(corner, point)| Some(self.corner_sigma(corner, &point?)));
         corners.max_by(|a, b| a.sigma_px().total_cmp(&b.sigma_px()))
+    }
+
+    /// The 1-σ at a corner, px, split by cause; `point` is the overlay point there.
+    fn corner_sigma(&self, corner: ImagePoint, point: &OverlayPoint) -> CornerSigma {
+        let by_clicks = point.by_ptz * self.clicks * point.by_ptz.transpose();
+        let by_base = self.by_base_in_sigmas(point);
+        CornerSigma {
+            corner,
+            clicks_px: by_clicks.trace().max(0.0).sqrt(),
+            base_px: by_base.norm(),
+        }
     }
 
     /// The largest 1-σ of the overlay at some points, px.
@@ -406,21 +412,16 @@ fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
     const FIELD_M: f64 = 200.0;
     const COLUMNS: u32 = 5;
     const ROWS: u32 = 4;
-    let middle_of = |step: u32, steps: u32, length: u32| {
-        (f64::from(step) + 0.5) / f64::from(steps) * f64::from(length)
-    };
     let grid = (0..COLUMNS).flat_map(|column| (0..ROWS).map(move |row| (column, row)));
     let shown: Vec<Vec3> = grid
         .filter_map(|(column, row)| {
-            let (x, y) = (
-                middle_of(column, COLUMNS, image_size.width),
-                middle_of(row, ROWS, image_size.height),
-            );
-            world_point_from_image(camera, ImagePoint::new(x, y))
+            let pixel = image_size.cell_centre([column, row], [COLUMNS, ROWS]);
+            world_point_from_image(camera, pixel)
         })
         .collect();
-    let is_near = |at: &&Vec3| (*at - camera.base().position_m).norm() <= FIELD_M;
-    let near = shown.iter().filter(is_near);
+    let near = shown
+        .iter()
+        .filter(|at| (*at - camera.base().position_m).norm() <= FIELD_M);
     let some = if near.clone().nth(3).is_some() {
         near.collect::<Vec<_>>()
     } else {

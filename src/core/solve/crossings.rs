@@ -43,14 +43,7 @@ const MEETS_M: f64 = 1e-3;
 /// The landmarks that were clicked, and the crossings of the straight lines; the most certain
 /// first.
 pub(super) fn find_crossings(lines: &[DrawnLine], observations: &[Observation]) -> Vec<Crossing> {
-    let landmark = |observation: &Observation| {
-        Some(Crossing {
-            in_world: observation.shape.point()?,
-            image: observation.image,
-            sigmas: 1.0,
-        })
-    };
-    let mut found: Vec<Crossing> = observations.iter().filter_map(landmark).collect();
+    let mut found: Vec<Crossing> = observations.iter().filter_map(clicked_landmark).collect();
     let straight = straight_lines(lines);
     for (index, (line, fit)) in straight.iter().enumerate() {
         for (other, other_fit) in &straight[index + 1..] {
@@ -59,6 +52,15 @@ pub(super) fn find_crossings(lines: &[DrawnLine], observations: &[Observation]) 
     }
     found.sort_by(|a, b| a.sigmas.total_cmp(&b.sigmas));
     found
+}
+
+/// A landmark that was clicked, as certain as one drawn point; none for a click on a line.
+fn clicked_landmark(observation: &Observation) -> Option<Crossing> {
+    Some(Crossing {
+        in_world: observation.shape.point()?,
+        image: observation.image,
+        sigmas: 1.0,
+    })
 }
 
 /// The straight lines with what was fitted to their points.

@@ -82,9 +82,9 @@ impl DrawnLine {
         self.segment()?;
         let first = *self.points.first()?;
         let count = self.points.len() as f64;
-        let offsets = || self.points.iter().map(|point| point.offset_from(first));
-        let mean = offsets().sum::<Vec2>() / count;
-        let scatter: Matrix2<f64> = offsets()
+        let mean = self.offsets_from(first).sum::<Vec2>() / count;
+        let scatter: Matrix2<f64> = self
+            .offsets_from(first)
             .map(|offset| (offset - mean) * (offset - mean).transpose())
             .sum();
         let eigen = scatter.symmetric_eigen();
@@ -97,20 +97,31 @@ impl DrawnLine {
             first.translate(mean),
             eigen.eigenvectors.column(most).into_owned(),
         );
-        let share = |point: &&ImagePoint| point.offset_from(middle).dot(&along);
-        let outermost = |a: &&ImagePoint, b: &&ImagePoint| share(a).total_cmp(&share(b));
-        let ends = [
-            *self.points.iter().min_by(outermost)?,
-            *self.points.iter().max_by(outermost)?,
-        ];
         Some(StraightLine {
             middle,
             along,
-            ends,
+            ends: outermost(&self.points, middle, along)?,
             spread,
             count,
         })
     }
+
+    /// From a point to each of the drawn ones, px.
+    fn offsets_from(&self, origin: ImagePoint) -> impl Iterator<Item = Vec2> {
+        self.points
+            .iter()
+            .map(move |point| point.offset_from(origin))
+    }
+}
+
+/// The first and the last of some points along a direction; none without points.
+fn outermost(points: &[ImagePoint], middle: ImagePoint, along: Vec2) -> Option<[ImagePoint; 2]> {
+    let shares = points
+        .iter()
+        .map(|point| (point.offset_from(middle).dot(&along), *point));
+    let (_, first) = shares.clone().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (_, last) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some([first, last])
 }
 
 impl StraightLine {

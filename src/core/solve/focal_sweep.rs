@@ -123,21 +123,23 @@ fn sweep(
         .filter(is_upright)
         .map(|ptz| rank(base, ptz, observations))
         .collect();
-    let is_minimum = |&index: &usize| {
-        // The ends of the range count as minima if the cost falls towards them.
-        let cost = swept[index].cost;
-        let falls_to = index == 0 || swept[index - 1].cost >= cost;
-        let rises_from = swept.get(index + 1).is_none_or(|next| next.cost >= cost);
-        falls_to && rises_from
-    };
     (0..swept.len())
-        .filter(is_minimum)
+        .filter(|&index| is_local_minimum(&swept, index))
         .map(|index| swept[index])
         .collect()
 }
 
+/// Whether neither neighbour has a lower cost. The ends of the range count as minima if the cost
+/// falls towards them.
+fn is_local_minimum(swept: &[RankedStart], index: usize) -> bool {
+    let cost = swept[index].cost;
+    let falls_to = index == 0 || swept[index - 1].cost >= cost;
+    let rises_from = swept.get(index + 1).is_none_or(|next| next.cost >= cost);
+    falls_to && rises_from
+}
+
 /// Whether a camera is finite and not upside down.
-fn is_upright(ptz: &Ptz) -> bool {
+pub(super) fn is_upright(ptz: &Ptz) -> bool {
     ptz.is_finite() && ptz.tilt.abs().degrees() <= 90.0
 }
 

@@ -1,6 +1,8 @@
 //! One frame: its clicks and a known base give pan, tilt and focal length.
 
 use super::context::SAME_FIT;
+use super::focal_sweep::is_upright;
+use super::observation::landmark_observations;
 use super::refine::{refine, squared_sigmas};
 use super::shape::ShapeJacobian;
 use super::starts::{camera_distance, find_starts, scan_starts};
@@ -12,6 +14,7 @@ use super::{
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
 use nalgebra::{Matrix2, SMatrix};
+use std::cmp::Ordering;
 
 /// Candidates nearer to each other than this (see [`camera_distance`]) are merged.
 const SAME_CAMERA: f64 = 1e-4;
@@ -139,8 +142,7 @@ pub(super) fn fit_from(
     used: &[Observation],
     context: &SolveContext,
 ) -> Option<Candidate> {
-    let refined = refine(base, start, used, context.loss, context.prior.as_ref());
-    Some(fit(base, refined.ptz, refined.cost, used, context)?.candidate)
+    Some(refine_start(base, start, used, context)?.candidate)
 }
 
 /// Checks the input: finite values, clicks inside the frame, landmarks away from and in front of
@@ -218,11 +220,10 @@ fn candidates(
     context: &SolveContext,
 ) -> Result<Vec<Fit>, SolveError> {
     let starts = find_starts(base, used, context)?;
-    let refined = |start: Ptz| {
-        let refined = refine(base, start, used, context.loss, context.prior.as_ref());
-        fit(base, refined.ptz, refined.cost, used, context)
-    };
-    let mut found: Vec<Fit> = starts.iter().filter_map(|start| refined(*start)).collect();
+    let mut found: Vec<Fit> = starts
+        .iter()
+        .filter_map(|start| refine_start(base, *start, used, context))
+        .collect();
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     // Near the fold of the lens a pair may have a camera that cannot be reached from a pinhole
     // root.
@@ -230,7 +231,11 @@ fn candidates(
         && used.len() == 2
         && context.prior.is_none()
     {
-        found.extend(scan_starts(base, used).into_iter().filter_map(refined));
+        found.extend(
+            scan_starts(base, used)
+                .into_iter()
+                .filter_map(|start| refine_start(base, start, used, context)),
+        );
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     }
     found.dedup_by(|worse, better| {
@@ -250,6 +255,17 @@ fn candidates(
         }
     }
     Ok(found)
+}
+
+/// The fit that refinement reaches from a start; none if it is upside down or not finite.
+fn refine_start(
+    base: &CameraBase,
+    start: Ptz,
+    used: &[Observation],
+    context: &SolveContext,
+) -> Option<Fit> {
+    let refined = refine(base, start, used, context.loss, context.prior.as_ref());
+    fit(base, refined.ptz, refined.cost, used, context)
 }
 
 /// A prior that fixes the focal length and leaves pan and tilt free.
@@ -272,7 +288,7 @@ fn fit(
     used: &[Observation],
     context: &SolveContext,
 ) -> Option<Fit> {
-    if !ptz.is_finite() || ptz.tilt.abs().degrees() > 90.0 {
+    if !is_upright(&ptz) {
         return None;
     }
     let camera = PtzCamera::new(*base, ptz);
@@ -307,44 +323,55 @@ fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<
         .iter()
         .take_while(|fit| fit.candidate.plausible == plausible && fit.cost <= best_cost + SAME_FIT)
         .count();
-    let expected = context.expected_ptz();
-    let surprise = |fit: &Fit| match context.start {
-        Some(_) => 0.0,
-        None => context.motion.surprise(&fit.candidate.ptz, &PtzStep::ZERO),
-    };
-    let distance = |fit: &Fit| {
-        expected.map_or(0.0, |expected| {
-            camera_distance(&fit.candidate.ptz, &expected)
-        })
-    };
     // The first of equals is the best fit.
-    let by_what_is_known = |a: &Fit, b: &Fit| {
-        surprise(a)
-            .total_cmp(&surprise(b))
-            .then_with(|| distance(a).total_cmp(&distance(b)))
-    };
+    let deviations: Vec<Deviation> = fits[..as_good]
+        .iter()
+        .map(|fit| Deviation::new(&fit.candidate.ptz, context))
+        .collect();
     let chosen = (0..as_good)
-        .min_by(|&a, &b| by_what_is_known(&fits[a], &fits[b]))
+        .min_by(|&a, &b| deviations[a].total_cmp(&deviations[b]))
         .unwrap_or(0);
     let chosen = fits.remove(chosen).candidate;
     Some((chosen, fits.into_iter().map(|fit| fit.candidate).collect()))
+}
+
+/// How far a camera is from what is known beside the clicks.
+struct Deviation {
+    /// χ² under the motion prior; 0 where a start is known.
+    surprise: f64,
+    /// The distance from the expected camera ([`camera_distance`]); 0 where none is expected.
+    distance: f64,
+}
+
+impl Deviation {
+    fn new(ptz: &Ptz, context: &SolveContext) -> Self {
+        let surprise = match context.start {
+            Some(_) => 0.0,
+            None => context.motion.surprise(ptz, &PtzStep::ZERO),
+        };
+        let distance = context
+            .expected_ptz()
+            .map_or(0.0, |expected| camera_distance(ptz, &expected));
+        Self { surprise, distance }
+    }
+
+    /// The order by surprise, then by distance.
+    fn total_cmp(&self, other: &Self) -> Ordering {
+        self.surprise
+            .total_cmp(&other.surprise)
+            .then_with(|| self.distance.total_cmp(&other.distance))
+    }
 }
 
 /// The error of a held-out click, and its Mahalanobis distance under the sum of click noise and the
 /// overlay's covariance at the nearest point of its shape.
 fn check(camera: &PtzCamera, uncertainty: &Uncertainty, observation: &Observation) -> CheckResult {
     let here = observation.shape.jacobian(camera, observation.image);
-    let z_score = |here: &ShapeJacobian| {
+    let found = here.and_then(|here| {
         let overlay = uncertainty.overlay_at_world(camera, here.nearest_in_world)?;
-        let noise = Matrix2::identity() * (observation.sigma_px * observation.sigma_px);
-        let covariance = here.by_image * overlay * here.by_image.transpose() + noise;
-        Some(
-            here.value_px
-                .dot(&(covariance.try_inverse()? * here.value_px))
-                .sqrt(),
-        )
-    };
-    let found = here.and_then(|here| Some((here.value_px.norm(), z_score(&here)?)));
+        let z_score = z_score(&here, &overlay, observation.sigma_px)?;
+        Some((here.value_px.norm(), z_score))
+    });
     let (error_px, z_score) = found.unzip();
     CheckResult {
         click: observation.click,
@@ -353,16 +380,26 @@ fn check(camera: &PtzCamera, uncertainty: &Uncertainty, observation: &Observatio
     }
 }
 
+/// The Mahalanobis distance of a click from its shape, given the covariance of the overlay (px²)
+/// and the 1-σ of the click; none if the sum of both is singular.
+fn z_score(here: &ShapeJacobian, overlay: &Matrix2<f64>, sigma_px: f64) -> Option<f64> {
+    let noise = Matrix2::identity() * (sigma_px * sigma_px);
+    let covariance = here.by_image * overlay * here.by_image.transpose() + noise;
+    Some(
+        here.value_px
+            .dot(&(covariance.try_inverse()? * here.value_px))
+            .sqrt(),
+    )
+}
+
 /// The largest distance between two landmark clicks, px.
 fn separation_px(used: &[Observation]) -> Option<f64> {
-    let landmarks = || {
-        used.iter()
-            .filter(|observation| observation.shape.point().is_some())
-    };
-    let pairs = landmarks().enumerate().flat_map(|(i, one)| {
-        landmarks()
-            .skip(i + 1)
-            .map(move |two| one.image.distance_px(two.image))
-    });
+    let pairs = landmark_observations(used)
+        .enumerate()
+        .flat_map(|(i, one)| {
+            landmark_observations(used)
+                .skip(i + 1)
+                .map(move |two| one.image.distance_px(two.image))
+        });
     pairs.max_by(f64::total_cmp)
 }

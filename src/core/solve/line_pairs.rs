@@ -8,6 +8,7 @@
 use super::Observation;
 use super::crossings::Crossing;
 use super::drawn_line::DrawnLine;
+use super::observation::landmark_observations;
 use super::two_point::{OneOrTwo, solve_two_points};
 use crate::camera::{CameraBase, Ptz};
 use crate::field::Curve;
@@ -36,12 +37,14 @@ fn best_pairs(crossings: &[Crossing]) -> Vec<[Crossing; 2]> {
     for (index, one) in certain.iter().enumerate() {
         pairs.extend(certain[index + 1..].iter().map(|two| [*one, *two]));
     }
-    let worth = |[one, two]: &[Crossing; 2]| {
-        one.image.distance_px(two.image) / one.sigmas.hypot(two.sigmas)
-    };
-    pairs.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    pairs.sort_by(|a, b| separation_in_sigmas(b).total_cmp(&separation_in_sigmas(a)));
     pairs.truncate(MAX_PAIRS);
     pairs
+}
+
+/// The distance of two crossings in the picture, px, over the σ of both together.
+fn separation_in_sigmas([one, two]: &[Crossing; 2]) -> f64 {
+    one.image.distance_px(two.image) / one.sigmas.hypot(two.sigmas)
 }
 
 /// Pairs of a drawn point of one line with one of another, each at several points of its line of
@@ -90,12 +93,12 @@ pub(super) fn solve_pair(base: &CameraBase, [one, two]: &[Crossing; 2]) -> Optio
 /// A few observations of each line, evenly spread over its points: what ranks starts.
 pub(super) fn few_per_line(lines: &[DrawnLine], observations: &[Observation]) -> Vec<Observation> {
     const MOST: usize = 4;
-    let landmarks = observations
-        .iter()
-        .filter(|observation| observation.shape.point().is_some());
     let on_lines = lines
         .iter()
         .flat_map(|line| subsample(&line.indices, MOST))
         .map(|&index| &observations[index]);
-    landmarks.chain(on_lines).copied().collect()
+    landmark_observations(observations)
+        .chain(on_lines)
+        .copied()
+        .collect()
 }

@@ -109,11 +109,12 @@ impl MotionPrior {
             PtzStep::between(&motion.from, ptz).values(),
             motion.usual.values(),
         );
-        let limit =
-            |which: usize| (JUMP * usual[which]).max(NO_JUMP[which]) + slack.values()[which];
-        largest((0..3).map(|which| Odd {
-            which,
-            excess: moved[which] / limit(which) - 1.0,
+        largest((0..3).map(|which| {
+            let limit = (JUMP * usual[which]).max(NO_JUMP[which]) + slack.values()[which];
+            Odd {
+                which,
+                excess: moved[which] / limit - 1.0,
+            }
         }))
     }
 
@@ -121,14 +122,13 @@ impl MotionPrior {
     fn elsewhere(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
         let (seen, slack) = (self.seen.as_ref()?, slack.values());
         let (widths, distances) = (seen.widths(), seen.distances(ptz));
-        let outside = |which: usize| {
+        largest((0..3).map(|which| {
             let margin = MARGIN[which].max(MARGIN_SHARE * widths[which]) + slack[which];
             Odd {
                 which,
                 excess: distances[which] / margin - 1.0,
             }
-        };
-        largest((0..3).map(outside))
+        }))
     }
 
     /// The warning for the user about an unusual camera.
@@ -200,18 +200,21 @@ impl PtzRanges {
 
     /// The distance of a camera from each range, in degrees, degrees and log f; 0 within.
     fn distances(&self, ptz: &Ptz) -> [f64; 3] {
-        let outside = |from: f64, at: f64, upto: f64| (from - at).max(at - upto).max(0.0);
         let (tilts, focals) = (&self.tilt, &self.focal_px);
         [
             self.pan.distance(ptz.pan).degrees(),
-            outside(
-                tilts.start().degrees(),
+            distance_from_range(
                 ptz.tilt.degrees(),
-                tilts.end().degrees(),
+                [tilts.start().degrees(), tilts.end().degrees()],
             ),
-            outside(focals.start().ln(), ptz.focal_px.ln(), focals.end().ln()),
+            distance_from_range(ptz.focal_px.ln(), [focals.start().ln(), focals.end().ln()]),
         ]
     }
+}
+
+/// How far a number is outside a range; 0 within.
+fn distance_from_range(at: f64, [from, upto]: [f64; 2]) -> f64 {
+    (from - at).max(at - upto).max(0.0)
 }
 
 /// The largest excess, if one is over the limit.

@@ -51,20 +51,15 @@ impl Observation {
         image_size: ImageSize,
         click: usize,
     ) -> Result<Self, ObservationError> {
-        let unknown = || ObservationError::UnknownLandmark {
+        let landmark = field.landmark(name).zip(field.landmark_element(name));
+        let observation = landmark.and_then(|(landmark, element)| {
+            let sigma_px = landmark.click_sigma_px * image_size.scale_from_1920();
+            Self::from_point(Vec3::zeros(), image, sigma_px, click).with_element(field, element)
+        });
+        observation.ok_or_else(|| ObservationError::UnknownLandmark {
             name: name.to_owned(),
             template: field.template.clone(),
-        };
-        let landmark = field.landmark(name).ok_or_else(unknown)?;
-        let element = field.landmark_element(name).ok_or_else(unknown)?;
-        Self::from_point(
-            Vec3::zeros(),
-            image,
-            landmark.click_sigma_px * image_size.scale_from_1920(),
-            click,
-        )
-        .with_element(field, element)
-        .ok_or_else(unknown)
+        })
     }
 
     /// A click on a line of the field.
@@ -78,19 +73,14 @@ impl Observation {
         image_size: ImageSize,
         click: usize,
     ) -> Result<Self, ObservationError> {
-        let unknown = || ObservationError::UnknownLine {
+        let observation = field.line_element(name).and_then(|element| {
+            let sigma_px = field.line_click_sigma_px * image_size.scale_from_1920();
+            Self::from_point(Vec3::zeros(), image, sigma_px, click).with_element(field, element)
+        });
+        observation.ok_or_else(|| ObservationError::UnknownLine {
             name: name.to_owned(),
             template: field.template.clone(),
-        };
-        let element = field.line_element(name).ok_or_else(unknown)?;
-        Self::from_point(
-            Vec3::zeros(),
-            image,
-            field.line_click_sigma_px * image_size.scale_from_1920(),
-            click,
-        )
-        .with_element(field, element)
-        .ok_or_else(unknown)
+        })
     }
 
     /// A pixel at which the middle of a line's paint was measured; `place` is its index. None if
@@ -155,6 +145,15 @@ impl Observation {
             .residual_px(camera, self.image)
             .map(|residual| residual.norm())
     }
+}
+
+/// The observations of landmarks among others, in their order.
+pub(super) fn landmark_observations(
+    observations: &[Observation],
+) -> impl Iterator<Item = &Observation> {
+    observations
+        .iter()
+        .filter(|observation| observation.shape.point().is_some())
 }
 
 /// A click in a frame of a known base.

@@ -68,15 +68,14 @@ pub(super) fn pan_tilts_from_directions(in_base: Vec3, in_cam: Vec3) -> [(Angle,
     // The tilt is the angle from the direction (y, z) = (`b_y`, ±√(h² − `u_x`²)) to the pixel's.
     // The product form of h² − u² does not cancel for u near h.
     let ahead = ((horizontal - u.x) * (horizontal + u.x)).sqrt();
-    let turn = |to_column: f64, ahead: f64| {
+    [(to_column, ahead), (PI - to_column, -ahead)].map(|(to_column, ahead)| {
         let pan = b.x.atan2(b.z) - to_column;
         let tilt = u.y.atan2(u.z) - b.y.atan2(ahead);
         (
             Angle::from_radians(pan).wrap(),
             Angle::from_radians(tilt).wrap(),
         )
-    };
-    [turn(to_column, ahead), turn(PI - to_column, -ahead)]
+    })
 }
 
 /// Pan and tilt that bring a world point to a pixel at a given focal length, distortion included.

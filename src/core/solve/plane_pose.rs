@@ -55,12 +55,12 @@ impl PlanePose {
     /// the start.
     #[must_use]
     pub fn refine(self, points: &[(Vec2, ImagePoint)], principal_point: ImagePoint) -> Self {
-        let shown = |(ground, image): &(Vec2, ImagePoint)| ShownGround {
+        let points = points.iter().map(|(ground, image)| ShownGround {
             ground_m: Vec3::new(ground.x, ground.y, 0.0),
             offset_px: image.offset_from(principal_point),
-        };
+        });
         let problem = NearestPose {
-            points: points.iter().map(shown).collect(),
+            points: points.collect(),
         };
         let until = Stopping {
             max_iterations: MAX_ITERATIONS,

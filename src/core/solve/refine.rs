@@ -122,12 +122,13 @@ pub(super) fn apply_step(ptz: &Ptz, step: &Vec3) -> Ptz {
 
 /// The cost of a camera without refining it.
 pub(super) fn cost(camera: &PtzCamera, observations: &[Observation], loss: Loss) -> f64 {
-    let of = |observation: &Observation| {
-        squared_sigmas(observation.distance_px(camera), observation.sigma_px)
-    };
     observations
         .iter()
-        .map(|observation| loss.evaluate(of(observation)).0)
+        .map(|observation| {
+            let distance_px = observation.distance_px(camera);
+            loss.evaluate(squared_sigmas(distance_px, observation.sigma_px))
+                .0
+        })
         .sum()
 }
 

@@ -154,16 +154,10 @@ impl FrameSolution {
     /// The clicks that the others, or the camera, contradict, in order.
     #[must_use]
     pub fn disputed_clicks(&self) -> Vec<usize> {
-        let of = |warning: &&Warning| match warning.code {
-            WarningCode::Swapped | WarningCode::WrongLine | WarningCode::CheckFailed => true,
-            // Two clicks that contradict the base do not show which of them is wrong.
-            WarningCode::Contradiction => warning.clicks.len() < self.residuals.len().max(2),
-            _ => false,
-        };
         let mut clicks: Vec<usize> = self
             .warnings
             .iter()
-            .filter(of)
+            .filter(|warning| self.disputes_clicks(warning))
             .flat_map(|warning| &warning.clicks)
             .copied()
             .collect();
@@ -172,14 +166,22 @@ impl FrameSolution {
         clicks
     }
 
+    /// Whether a warning says that its clicks are wrong.
+    fn disputes_clicks(&self, warning: &Warning) -> bool {
+        match warning.code {
+            WarningCode::Swapped | WarningCode::WrongLine | WarningCode::CheckFailed => true,
+            // Two clicks that contradict the base do not show which of them is wrong.
+            WarningCode::Contradiction => warning.clicks.len() < self.residuals.len().max(2),
+            _ => false,
+        }
+    }
+
     /// The uncertainty of the result due to click noise and the base: three sigmas.
     pub(super) fn slack(&self) -> PtzStep {
-        let angle = |sigma: Angle| Angle::from_radians(3.0 * sigma.radians());
-        let log_focal = 3.0 * self.sigma_focal_px() / self.ptz.focal_px;
         PtzStep {
-            pan: angle(self.sigma_pan()),
-            tilt: angle(self.sigma_tilt()),
-            log_focal,
+            pan: self.sigma_pan() * 3.0,
+            tilt: self.sigma_tilt() * 3.0,
+            log_focal: 3.0 * self.sigma_focal_px() / self.ptz.focal_px,
         }
     }
 

@@ -97,15 +97,16 @@ pub(super) fn find_starts(
 }
 
 fn landmark_clicks(observations: &[Observation]) -> Vec<LandmarkClick> {
-    let landmark_click = |observation: &Observation| {
-        let Observation { image, click, .. } = *observation;
-        Some(LandmarkClick {
-            point_in_world: observation.shape.point()?,
-            image,
-            click,
+    observations
+        .iter()
+        .filter_map(|observation| {
+            Some(LandmarkClick {
+                point_in_world: observation.shape.point()?,
+                image: observation.image,
+                click: observation.click,
+            })
         })
-    };
-    observations.iter().filter_map(landmark_click).collect()
+        .collect()
 }
 
 /// Cameras known without the clicks: from a prior, the previous solution, or neighbouring frames.
@@ -239,13 +240,12 @@ fn refine_best(
 
 /// The straight lines that are longest in the picture, at most this many.
 fn longest(lines: &[DrawnLine], most: usize) -> Vec<&DrawnLine> {
-    let length_px = |line: &DrawnLine| {
-        let ends = line.straight()?.ends;
-        Some(ends[0].distance_px(ends[1]))
-    };
     let mut straight: Vec<(f64, &DrawnLine)> = lines
         .iter()
-        .filter_map(|line| Some((length_px(line)?, line)))
+        .filter_map(|line| {
+            let [from, to] = line.straight()?.ends;
+            Some((from.distance_px(to), line))
+        })
         .collect();
     straight.sort_by(|a, b| b.0.total_cmp(&a.0));
     straight

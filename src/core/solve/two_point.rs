@@ -219,9 +219,11 @@ pub fn focal_from_two_rays(
 
     // Squaring Eq. 3 has added the roots that belong to −cos α: the numerator x₁·x₂ + s must have
     // the sign of cos α.
-    let focal_from_root = |s: f64| (s > 0.0 && (x1.dot(&x2) + s) * cosine >= 0.0).then(|| s.sqrt());
-    roots
-        .and_then(|roots| OneOrTwo::from_pair(roots.map(focal_from_root)))
+    let focals = roots.map(|roots| {
+        roots.map(|s| (s > 0.0 && (x1.dot(&x2) + s) * cosine >= 0.0).then(|| s.sqrt()))
+    });
+    focals
+        .and_then(OneOrTwo::from_pair)
         .ok_or(TwoPointError::NoRealRoot {
             separation_px,
             angle_deg,
@@ -350,13 +352,12 @@ impl<'a> PointPair<'a> {
                 .ideal_in_cam
                 .map(|point| point * focal_px);
             let focals = focal_from_two_rays(ideal_px, self.rays_in_base).ok()?;
-            let log_change = |next: f64| (next / focal_px).ln().abs();
-            let next = focals
+            let (log_change, next) = focals
                 .iter()
-                .min_by(|a, b| log_change(*a).total_cmp(&log_change(*b)))?;
-            let has_converged = log_change(next) < CONVERGED_LOG_FOCAL;
+                .map(|next| ((next / focal_px).ln().abs(), next))
+                .min_by(|a, b| a.0.total_cmp(&b.0))?;
             focal_px = next;
-            if has_converged {
+            if log_change < CONVERGED_LOG_FOCAL {
                 break;
             }
         }

@@ -1,6 +1,6 @@
 //! The verdict on a solved frame, with its reason.
 
-use super::{Evidence, FrameSolution, Warning, WarningCode};
+use super::{Evidence, FrameSolution, WarningCode};
 use crate::geometry::ImageSize;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -46,11 +46,16 @@ pub struct Judgement {
     pub reason: String,
 }
 
+impl Judgement {
+    const fn new(verdict: Verdict, reason: String) -> Self {
+        Self { verdict, reason }
+    }
+}
+
 /// The verdict on a solved frame, by its check clicks, its names, the contradiction among its
 /// clicks, its warnings and its worst corner, in this order.
 #[must_use]
 pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
-    let judgement = |verdict, reason| Judgement { verdict, reason };
     let corner = format!("worst corner ±{:.1} px", solution.worst_corner_sigma_px);
     // If other names fit better, the frame is wrong. If they fit as well and are only favoured by
     // the motion prior, the user should check.
@@ -58,20 +63,12 @@ pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
         .identity
         .as_ref()
         .is_some_and(|found| found.evidence == Evidence::Clicks);
-    let tells_of_names = |code| {
-        matches!(
-            code,
-            WarningCode::Swapped | WarningCode::WrongLine | WarningCode::Mirrored
-        )
-    };
-    let wrong = |warning: &&Warning| {
-        matches!(
-            warning.code,
-            WarningCode::CheckFailed | WarningCode::OtherCamera
-        ) || (contradicted && tells_of_names(warning.code))
-    };
-    if let Some(warning) = solution.warnings.iter().find(wrong) {
-        return judgement(Verdict::Wrong, warning.message.clone());
+    let wrong = solution
+        .warnings
+        .iter()
+        .find(|warning| is_wrong(warning.code, contradicted));
+    if let Some(warning) = wrong {
+        return Judgement::new(Verdict::Wrong, warning.message.clone());
     }
     // The misfit of a single surplus equation is large by chance more often than the mean of many:
     // add 1 / redundancy to the thresholds.
@@ -89,25 +86,35 @@ pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
             .warnings
             .iter()
             .find(|warning| warning.code == WarningCode::Contradiction);
-        let on_average = || {
-            format!(
+        let reason = match contradicting {
+            Some(warning) => warning.message.clone(),
+            None => format!(
                 "points are up to {:.1} px off, {misfit:.1} times what is usual",
                 solution.farthest_px()
-            )
+            ),
         };
-        let reason = contradicting.map_or_else(on_average, |warning| warning.message.clone());
-        return judgement(verdict, reason);
+        return Judgement::new(verdict, reason);
     }
     if let Some(warning) = solution.warnings.first() {
-        return judgement(Verdict::Check, warning.message.clone());
+        return Judgement::new(Verdict::Check, warning.message.clone());
     }
     if !(solution.worst_corner_sigma_px <= GOOD_CORNER_SIGMA_PX * image_size.scale_from_1920()) {
-        return judgement(Verdict::Check, corner);
+        return Judgement::new(Verdict::Check, corner);
     }
     let evidence = if solution.residuals_are_evidence() {
         format!("clicks fit to {:.1} px", solution.rms_px)
     } else {
         "no evidence beyond two clicks".to_owned()
     };
-    judgement(Verdict::Good, format!("{corner}; {evidence}"))
+    Judgement::new(Verdict::Good, format!("{corner}; {evidence}"))
+}
+
+/// Whether a warning alone makes a frame wrong. One about names does where the clicks contradict
+/// each other as named.
+const fn is_wrong(code: WarningCode, contradicted: bool) -> bool {
+    match code {
+        WarningCode::CheckFailed | WarningCode::OtherCamera => true,
+        WarningCode::Swapped | WarningCode::WrongLine | WarningCode::Mirrored => contradicted,
+        _ => false,
+    }
 }

@@ -37,34 +37,43 @@ impl Frame {
     /// updated.
     pub fn retain_clicks(&mut self, stays: impl Fn(usize, &Click) -> bool) {
         let mut kept = 0;
-        let new_place = |(place, click): (usize, &Click)| {
-            stays(place, click).then(|| {
-                kept += 1;
-                kept - 1
+        let new_indices: Vec<Option<usize>> = self
+            .clicks
+            .iter()
+            .enumerate()
+            .map(|(index, click)| {
+                stays(index, click).then(|| {
+                    kept += 1;
+                    kept - 1
+                })
             })
-        };
-        let new_index: Vec<Option<usize>> = self.clicks.iter().enumerate().map(new_place).collect();
-        let mut places = new_index.iter();
+            .collect();
+        let mut new_index = new_indices.iter();
         self.clicks
-            .retain(|_| places.next().is_some_and(Option::is_some));
-        let renumber = |indices: &mut Vec<usize>| {
-            *indices = indices
-                .iter()
-                .filter_map(|&index| new_index.get(index).copied().flatten())
-                .collect();
-        };
+            .retain(|_| new_index.next().is_some_and(Option::is_some));
         if let Some(solution) = &mut self.solution {
-            renumber(&mut solution.disputed);
+            solution
+                .disputed
+                .retain_mut(|click| renumber(click, &new_indices));
             for warning in &mut solution.warnings {
-                renumber(&mut warning.clicks);
-                warning.renames.retain_mut(|rename| {
-                    let kept = new_index.get(rename.click).copied().flatten();
-                    rename.click = kept.unwrap_or(rename.click);
-                    kept.is_some()
-                });
+                warning
+                    .clicks
+                    .retain_mut(|click| renumber(click, &new_indices));
+                warning
+                    .renames
+                    .retain_mut(|rename| renumber(&mut rename.click, &new_indices));
             }
         }
     }
+}
+
+/// Replaces the index of a click by its new one. False if that click was removed.
+fn renumber(click: &mut usize, new_indices: &[Option<usize>]) -> bool {
+    let Some(new_index) = new_indices.get(*click).copied().flatten() else {
+        return false;
+    };
+    *click = new_index;
+    true
 }
 
 #[cfg(test)]

@@ -108,14 +108,9 @@ impl Edit {
         if before.cameras != after.cameras {
             changes.push(Change::Cameras(after.cameras.clone()));
         }
-        let rest = |document: &Document| Change::Rest {
-            conventions: document.conventions.clone(),
-            click_noise: document.click_noise.clone(),
-            shots: document.shots.clone(),
-            extra: document.extra.clone(),
-        };
-        if rest(before) != rest(after) {
-            changes.push(rest(after));
+        let rest = Change::rest(after);
+        if Change::rest(before) != rest {
+            changes.push(rest);
         }
         frame_changes(&before.frames, &after.frames, &mut changes);
         Self {
@@ -160,6 +155,25 @@ pub(super) fn apply_all(changes: Vec<Change>, document: &mut Document) -> Result
 }
 
 impl Change {
+    /// The contents of a document other than its frames, cameras and field.
+    fn rest(document: &Document) -> Self {
+        Self::Rest {
+            conventions: document.conventions.clone(),
+            click_noise: document.click_noise.clone(),
+            shots: document.shots.clone(),
+            extra: document.extra.clone(),
+        }
+    }
+
+    /// A frame that differs from its known state.
+    fn between_frames(known: &Frame, frame: &Shared<Frame>) -> Self {
+        Self::Frame {
+            id: known.id.clone(),
+            revision: known.revision,
+            frame: frame.clone(),
+        }
+    }
+
     fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
         match self {
             Self::Frame {
@@ -289,11 +303,6 @@ impl Document {
 /// order differs, the new order of all.
 fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
     let differ = after.differences(before);
-    let changed = |known: &Frame, frame: &Shared<Frame>| Change::Frame {
-        id: known.id.clone(),
-        revision: known.revision,
-        frame: frame.clone(),
-    };
     // The usual case: frames changed in place.
     if before.len() == after.len()
         && differ
@@ -303,7 +312,7 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         changes.extend(
             differ
                 .into_iter()
-                .map(|position| changed(&before[position], &after[position])),
+                .map(|position| Change::between_frames(&before[position], &after[position])),
         );
         return;
     }
@@ -319,7 +328,7 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         .collect();
     for frame in after {
         if let Some(known) = known.get(&frame.id).filter(|known| **known != frame) {
-            changes.push(changed(known, frame));
+            changes.push(Change::between_frames(known, frame));
         }
     }
     let gone: Vec<FrameId> = before
@@ -331,15 +340,7 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
     if !gone.is_empty() {
         changes.push(Change::Remove(gone));
     }
-    let order = |frames: &Frames| -> Vec<FrameId> {
-        frames
-            .iter()
-            .map(|frame| &frame.id)
-            .filter(|id| kept.contains(id))
-            .cloned()
-            .collect()
-    };
-    let is_moved = order(before) != order(after);
+    let is_moved = kept_order(before, &kept) != kept_order(after, &kept);
     let mut last: Option<&FrameId> = None;
     let mut coming: Option<(Option<FrameId>, Vec<Shared<Frame>>)> = None;
     for frame in after {
@@ -363,6 +364,15 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
             after.iter().map(|frame| frame.id.clone()).collect(),
         ));
     }
+}
+
+/// The ids of the kept frames in their order.
+fn kept_order<'a>(frames: &'a Frames, kept: &BTreeSet<&FrameId>) -> Vec<&'a FrameId> {
+    frames
+        .iter()
+        .map(|frame| &frame.id)
+        .filter(|id| kept.contains(id))
+        .collect()
 }
 
 #[cfg(test)]

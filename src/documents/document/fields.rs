@@ -1,6 +1,6 @@
 //! The fields of a document, because its cameras may be at different venues.
 
-use super::{Camera, Document, DocumentAt, FieldSpec, Frame};
+use super::{Document, DocumentAt, FieldSpec, Frame};
 use std::sync::Arc;
 use touchline_core::field::{FieldError, FieldModel};
 
@@ -65,12 +65,11 @@ impl Fields {
     /// The field of each camera, in the document's order.
     #[must_use]
     pub fn per_camera(&self, document: &Document) -> Vec<Arc<FieldModel>> {
-        let of_camera =
-            |camera: &Camera| self.for_spec(camera.field.as_ref().unwrap_or(&document.field));
         document
             .cameras
             .iter()
-            .map(|camera| Arc::clone(of_camera(camera)))
+            .map(|camera| camera.field.as_ref().unwrap_or(&document.field))
+            .map(|spec| Arc::clone(self.for_spec(spec)))
             .collect()
     }
 

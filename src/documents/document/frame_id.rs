@@ -54,20 +54,19 @@ impl FrameId {
         if !is_taken(&self) {
             return self;
         }
-        let is_free = |number: u64| !is_taken(&self.with_number(number));
         let (mut taken, mut step) = (1, 1);
-        while !is_free(taken + step) {
+        while is_taken(&self.with_number(taken + step)) {
             taken += step;
             step *= 2;
         }
         let mut free = taken + step;
         while free - taken > 1 {
             let between = taken.midpoint(free);
-            *(if is_free(between) {
-                &mut free
+            if is_taken(&self.with_number(between)) {
+                taken = between;
             } else {
-                &mut taken
-            }) = between;
+                free = between;
+            }
         }
         self.with_number(free)
     }

@@ -46,12 +46,11 @@ impl FrameLens {
     /// A lens by its numbers.
     #[must_use]
     pub fn new(focal_px: f64, principal_point: ImagePoint, radial: Radial) -> Self {
-        let number = |value: f64| Some(value).filter(|value| *value != 0.0);
         Self {
             focal_px,
             principal_point,
-            k1: number(radial.k1),
-            k2: number(radial.k2),
+            k1: nonzero(radial.k1),
+            k2: nonzero(radial.k2),
             extra: Extra::new(),
         }
     }
@@ -75,6 +74,11 @@ impl FrameLens {
             ..*base
         }
     }
+}
+
+/// A number; none if it is zero.
+fn nonzero(value: f64) -> Option<f64> {
+    Some(value).filter(|value| *value != 0.0)
 }
 
 #[cfg(test)]

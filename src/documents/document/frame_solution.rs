@@ -2,7 +2,7 @@
 //! it.
 
 use super::{
-    BetterName, Click, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target,
+    BetterName, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target,
 };
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::solve::{FrameSolution, judge};
@@ -22,9 +22,9 @@ impl Frame {
     /// Whether its named clicks determine a camera by themselves: a landmark gives two equations, a
     /// line one.
     fn clicks_decide(&self) -> bool {
-        let equations = |click: &Click| click.target.as_ref().map_or(0, Target::equations);
         let used = self.clicks.iter().filter(|click| !click.check);
-        used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
+        let targets = used.filter_map(|click| click.target.as_ref());
+        targets.map(Target::equations).sum::<usize>() >= ENOUGH_EQUATIONS
     }
 
     /// Sets pan, tilt, focal length and the lens at this focal length. Other keys of the document

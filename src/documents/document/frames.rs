@@ -158,8 +158,11 @@ impl Frames {
     /// The position of the frame with an id.
     #[must_use]
     pub fn position_of(&self, id: &FrameId) -> Option<usize> {
-        let is_it = |position: &usize| self.get(*position).is_some_and(|frame| frame.id == *id);
-        let known = self.positions.get(id).copied().filter(is_it);
+        let known = self
+            .positions
+            .get(id)
+            .copied()
+            .filter(|position| self.get(*position).is_some_and(|frame| frame.id == *id));
         // A frame that was assigned over another one is not among the known positions.
         known.or_else(|| {
             if self.are_known() {
@@ -170,14 +173,13 @@ impl Frames {
         })
     }
 
+    /// Whether each frame is at the position that is known for its id.
     fn are_known(&self) -> bool {
-        let stands = |(position, frame): (usize, &Shared<Frame>)| {
-            self.positions.get(&frame.id) == Some(&position)
-        };
-        *self
-            .state
-            .are_known
-            .get_or_init(|| self.iter().enumerate().all(stands))
+        *self.state.are_known.get_or_init(|| {
+            self.iter()
+                .enumerate()
+                .all(|(position, frame)| self.positions.get(&frame.id) == Some(&position))
+        })
     }
 
     /// The frame of an id.
@@ -303,8 +305,11 @@ impl Frames {
             return differ;
         }
         if let Some(changed) = self.state.possible_differences(&other.state) {
-            let has_changed = |position: &usize| self.get(*position) != other.get(*position);
-            differ.extend(changed.into_iter().filter(has_changed));
+            differ.extend(
+                changed
+                    .into_iter()
+                    .filter(|position| self.get(*position) != other.get(*position)),
+            );
             return differ;
         }
 

@@ -20,13 +20,13 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     for held in last_frames(edits) {
         let frame = held.without_suggestion();
         // The frame with the same id, else one with the same picture.
-        let same_picture = || {
+        let same_id = document.frames.position_of(&frame.id);
+        let place = same_id.or_else(|| {
             document
                 .frames
                 .iter()
                 .position(|known| known.name() == frame.name())
-        };
-        let place = document.frames.position_of(&frame.id).or_else(same_picture);
+        });
         let Some(known) = place.and_then(|place| document.frames.get_mut(place)) else {
             document.frames.push(frame.into());
             continue;
@@ -89,13 +89,7 @@ fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
 /// Adds the cameras that the document lacks, because new frames may refer to them. Returns the
 /// names of cameras that differ, and of the field if it differs.
 fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
-    let changes = || {
-        edits
-            .iter()
-            .rev()
-            .flat_map(|edit| edit.changes.iter().rev())
-    };
-    let cameras: &[Shared<Camera>] = changes()
+    let cameras: &[Shared<Camera>] = changes_from_last(edits)
         .find_map(|change| {
             if let Change::Cameras(cameras) = change {
                 Some(&cameras[..])
@@ -112,7 +106,7 @@ fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
             Some(_) => differing.push(format!("camera {}", camera.id)),
         }
     }
-    let field = changes().find_map(|change| {
+    let field = changes_from_last(edits).find_map(|change| {
         if let Change::Field(field) = change {
             Some(field)
         } else {
@@ -123,6 +117,14 @@ fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
         differing.push("the field".to_owned());
     }
     differing
+}
+
+/// The changes of the edits, the last one first.
+fn changes_from_last(edits: &[Edit]) -> impl Iterator<Item = &Change> {
+    edits
+        .iter()
+        .rev()
+        .flat_map(|edit| edit.changes.iter().rev())
 }
 
 /// Whether the user clicked in a frame, gave it a camera or decided on it.

@@ -4,7 +4,7 @@
 //! Only the users' work is merged. The program's suggestions are removed first and added to the
 //! result in untouched frames, so that a suggestion never conflicts with a label.
 
-use super::{Camera, Document, Frame, FrameId, Shared, Suggestion};
+use super::{Camera, CameraId, Document, Frame, FrameId, Shared, Suggestion};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -30,67 +30,52 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
 /// Merges documents without suggestions.
 fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let mut conflicts = Vec::new();
-    let frames = |document: &Document| -> Keyed<_, _> {
-        document
-            .frames
-            .iter()
-            .map(|frame| (frame.id.clone(), frame.clone()))
-            .collect()
-    };
-    let is_same_frame = |one: &Shared<Frame>, other: &Shared<Frame>| one.has_content_of(other);
     let frames = join(
-        [&frames(base), &frames(ours), &frames(theirs)],
-        is_same_frame,
+        [
+            &frames_by_id(base),
+            &frames_by_id(ours),
+            &frames_by_id(theirs),
+        ],
+        |one, other| one.has_content_of(other),
         |frame| conflicts.push(frame.name()),
     );
-    let cameras = |document: &Document| -> Keyed<_, _> {
-        document
-            .cameras
-            .iter()
-            .map(|camera| (camera.id.clone(), camera.clone()))
-            .collect()
-    };
     let cameras = join(
-        [&cameras(base), &cameras(ours), &cameras(theirs)],
+        [
+            &cameras_by_id(base),
+            &cameras_by_id(ours),
+            &cameras_by_id(theirs),
+        ],
         PartialEq::eq,
         |camera| {
             conflicts.push(format!("camera {}", camera.id));
         },
     );
-    let mut whole = |what: &str, choice: Choice| -> bool {
-        if matches!(choice, Choice::Conflict) {
-            conflicts.push(what.to_owned());
-        }
-        matches!(choice, Choice::Theirs)
-    };
-    let field = whole(
+    let field = choose_whole(
         "the field",
-        choose(
-            [&base.field, &ours.field, &theirs.field].map(Some),
-            PartialEq::eq,
-        ),
+        [&base.field, &ours.field, &theirs.field],
+        &mut conflicts,
     );
-    let noise = [&base.click_noise, &ours.click_noise, &theirs.click_noise].map(Some);
-    let noise = whole("the click noise", choose(noise, PartialEq::eq));
-    let shots = whole(
+    let click_noise = choose_whole(
+        "the click noise",
+        [&base.click_noise, &ours.click_noise, &theirs.click_noise],
+        &mut conflicts,
+    );
+    let shots = choose_whole(
         "the shots",
-        choose(
-            [&base.shots, &ours.shots, &theirs.shots].map(Some),
-            PartialEq::eq,
-        ),
+        [&base.shots, &ours.shots, &theirs.shots],
+        &mut conflicts,
     );
-    let of = |is_theirs: bool| if is_theirs { theirs } else { ours };
     let mut document = Document {
         generator: theirs.generator.clone(),
         conventions: join_maps(
             [&base.conventions, &ours.conventions, &theirs.conventions],
             &mut conflicts,
         ),
-        field: of(field).field.clone(),
+        field: field.clone(),
         cameras,
         frames: frames.into_iter().collect(),
-        click_noise: of(noise).click_noise.clone(),
-        shots: of(shots).shots.clone(),
+        click_noise: click_noise.clone(),
+        shots: shots.clone(),
         extra: join_maps([&base.extra, &ours.extra, &theirs.extra], &mut conflicts).into(),
     };
     raise_revisions(&mut document, [ours, theirs]);
@@ -148,6 +133,24 @@ fn shown_suggestion(document: &Document, id: &FrameId) -> Option<Suggestion> {
 /// Values in their order, each with its key.
 type Keyed<K, V> = Vec<(K, V)>;
 
+/// The frames of a document by their ids.
+fn frames_by_id(document: &Document) -> Keyed<FrameId, Shared<Frame>> {
+    document
+        .frames
+        .iter()
+        .map(|frame| (frame.id.clone(), frame.clone()))
+        .collect()
+}
+
+/// The cameras of a document by their ids.
+fn cameras_by_id(document: &Document) -> Keyed<CameraId, Shared<Camera>> {
+    document
+        .cameras
+        .iter()
+        .map(|camera| (camera.id.clone(), camera.clone()))
+        .collect()
+}
+
 /// Which side's value is taken.
 enum Choice {
     /// Theirs; also if both are equal or only they changed it.
@@ -173,6 +176,23 @@ fn choose<V>([base, ours, theirs]: [Option<&V>; 3], is_same: fn(&V, &V) -> bool)
     }
 }
 
+/// The value of the chosen side, for a part of a document that is not merged within. Adds its name
+/// to the conflicts if theirs is lost.
+fn choose_whole<'a, V: PartialEq>(
+    name: &str,
+    [base, ours, theirs]: [&'a V; 3],
+    conflicts: &mut Vec<String>,
+) -> &'a V {
+    match choose([base, ours, theirs].map(Some), PartialEq::eq) {
+        Choice::Theirs => theirs,
+        Choice::Ours => ours,
+        Choice::Conflict => {
+            conflicts.push(name.to_owned());
+            ours
+        }
+    }
+}
+
 fn are_same<V>(one: Option<&V>, other: Option<&V>, is_same: fn(&V, &V) -> bool) -> bool {
     match (one, other) {
         (Some(one), Some(other)) => is_same(one, other),
@@ -186,8 +206,8 @@ fn join<K: Ord + Clone, V: Clone>(
     is_same: fn(&V, &V) -> bool,
     mut conflict: impl FnMut(&V),
 ) -> Vec<V> {
-    let table = |values: &Keyed<K, V>| values.iter().cloned().collect::<BTreeMap<_, _>>();
-    let (in_base, in_ours, in_theirs) = (table(base), table(ours), table(theirs));
+    let [in_base, in_ours, in_theirs]: [BTreeMap<K, V>; 3] =
+        [base, ours, theirs].map(|values| values.iter().cloned().collect());
     let mut take = |key: &K| {
         let (base, ours, theirs) = (in_base.get(key), in_ours.get(key), in_theirs.get(key));
         match choose([base, ours, theirs], is_same) {
@@ -228,18 +248,21 @@ fn join<K: Ord + Clone, V: Clone>(
 
 type Keys = Map<String, Value>;
 
+/// Three-way merge of the entries of JSON objects.
 fn join_maps(sides: [&Keys; 3], conflicts: &mut Vec<String>) -> Keys {
-    let entries = |map: &Keys| -> Keyed<String, (String, Value)> {
-        map.iter()
-            .map(|(key, value)| (key.clone(), (key.clone(), value.clone())))
-            .collect()
-    };
-    let [base, ours, theirs] = sides.map(entries);
+    let [base, ours, theirs] = sides.map(entries_by_key);
     join([&base, &ours, &theirs], PartialEq::eq, |(key, _)| {
         conflicts.push(key.clone());
     })
     .into_iter()
     .collect()
+}
+
+/// The entries of a JSON object. Each value has its key beside it, to name it in a conflict.
+fn entries_by_key(map: &Keys) -> Keyed<String, (String, Value)> {
+    map.iter()
+        .map(|(key, value)| (key.clone(), (key.clone(), value.clone())))
+        .collect()
 }
 
 #[cfg(test)]

@@ -39,24 +39,27 @@ fn take_package(document: &Document, ids: &BTreeSet<FrameId>) -> Document {
 
 /// The shots of a document whose ends still have the same meaning with some of its frames.
 fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
-    let first_video = |frames: &Frames| -> Option<String> {
-        frames
-            .iter()
-            .find_map(|frame| frame.video.as_ref())
-            .map(|video| video.path.clone())
-    };
     // A plain number refers to the first video of the document.
     let keeps_numbers = first_video(frames) == first_video(&document.frames);
-    let is_there = |end: &ShotEnd| match end {
-        ShotEnd::Frame(id) => frames.by_id(id).is_some(),
-        ShotEnd::VideoFrame(_) => keeps_numbers,
-    };
     document
         .shots
         .iter()
-        .filter(|shot| is_there(&shot.from) && is_there(&shot.to))
+        .filter(|shot| {
+            [&shot.from, &shot.to].into_iter().all(|end| match end {
+                ShotEnd::Frame(id) => frames.by_id(id).is_some(),
+                ShotEnd::VideoFrame(_) => keeps_numbers,
+            })
+        })
         .cloned()
         .collect()
+}
+
+/// The path of the first video that a frame is of.
+fn first_video(frames: &Frames) -> Option<&str> {
+    frames
+        .iter()
+        .find_map(|frame| frame.video.as_ref())
+        .map(|video| video.path.as_str())
 }
 
 /// The initial frames of a package; none for a document that is not a package.

@@ -13,10 +13,15 @@ impl Document {
         if from_folder == to_folder {
             return self;
         }
-        let relocate = |path: &str| relocate(path, from_folder, to_folder);
         for frame in &mut self.frames {
-            let image = frame.image.as_deref().and_then(relocate);
-            let video = frame.video.as_ref().and_then(|video| relocate(&video.path));
+            let image = frame
+                .image
+                .as_deref()
+                .and_then(|image| relocate(image, from_folder, to_folder));
+            let video = frame
+                .video
+                .as_ref()
+                .and_then(|video| relocate(&video.path, from_folder, to_folder));
             if image.is_some() {
                 frame.image = image;
             }
@@ -35,7 +40,7 @@ impl Document {
             .chain([&mut self.field]);
         for field in fields {
             if field.is_file()
-                && let Some(path) = relocate(&field.template)
+                && let Some(path) = relocate(&field.template, from_folder, to_folder)
             {
                 field.template = path;
             }

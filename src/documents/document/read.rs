@@ -274,8 +274,8 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
             };
         }
     };
-    let key = |name: &str| value.get(name).unwrap_or(&Value::Null);
-    if let Err(header) = check_header(key("format"), key("version")) {
+    // A key that is missing is null.
+    if let Err(header) = check_header(&value["format"], &value["version"]) {
         return header;
     }
     let (place, message) =
@@ -373,17 +373,11 @@ fn descend(
         around,
     } = part;
     let message = fails(value)?;
-    // Whether this many more values may be inspected.
-    let mut may_look = |values: usize| {
-        let left = looks.checked_sub(around + values);
-        *looks = left.unwrap_or(0);
-        left.is_some()
-    };
     match value {
         Value::Object(map) => {
             let size = count(value);
             for (index, (key, inner)) in map.iter().enumerate() {
-                if !may_look(size) {
+                if !may_inspect(around + size, looks) {
                     break;
                 }
                 // The key is at fault if the error changes when it is removed.
@@ -410,7 +404,7 @@ fn descend(
         Value::Array(items) if items.iter().all(Value::is_object) => {
             let alone = |inner: &Value| fails(&Value::Array(vec![inner.clone()]));
             for (index, inner) in items.iter().enumerate() {
-                if !may_look(count(inner)) {
+                if !may_inspect(around + count(inner), looks) {
                     break;
                 }
                 if alone(inner).is_some() {
@@ -430,6 +424,13 @@ fn descend(
         _ => {}
     }
     Some((place.to_owned(), message))
+}
+
+/// Whether this many more values may be inspected. They are subtracted from those left.
+fn may_inspect(values: usize, looks: &mut usize) -> bool {
+    let left = looks.checked_sub(values);
+    *looks = left.unwrap_or(0);
+    left.is_some()
 }
 
 /// The number of values in a value, itself included.

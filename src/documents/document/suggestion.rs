@@ -29,13 +29,12 @@ impl Suggestion {
             solution,
             ..
         } = frame;
-        let suggestion = || Self {
+        frame.shows_suggestion().then(|| Self {
             revision: *revision,
             base: base.copied(),
             ptz: ptz.clone(),
             solution: solution.clone(),
-        };
-        frame.shows_suggestion().then(suggestion)
+        })
     }
 
     /// Stores it in its frame as in a file: with a camera the frame is `suggested`, without one it
@@ -133,10 +132,12 @@ impl Document {
             }
             frames
         } else {
-            let known = |frame: &Frame| edited_before.frames.by_id(&frame.id);
             self.frames
                 .iter()
-                .map(|frame| share_without_suggestion(frame, known(frame)))
+                .map(|frame| {
+                    let known = edited_before.frames.by_id(&frame.id);
+                    share_without_suggestion(frame, known)
+                })
                 .collect()
         };
         Self {

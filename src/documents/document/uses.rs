@@ -1,6 +1,6 @@
 //! The uses of a frame: training of the forest, and estimation of its camera's base.
 
-use super::{Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, Target};
+use super::{Frame, FrameStatus, PaintEvidence, SolutionSource, Target};
 use std::collections::BTreeMap;
 use touchline_core::markings::LineVerdict;
 use touchline_core::solve::Verdict;
@@ -135,17 +135,19 @@ impl Frame {
     /// Whether its camera was aligned to the painted lines and not corrected by a click since.
     #[must_use]
     pub fn is_snapped(&self) -> bool {
-        let by_paint = |solution: &Solution| solution.source == Some(SolutionSource::Markings);
-        self.solution
-            .as_ref()
-            .is_some_and(|solution| by_paint(solution) && solution.proposed.is_none())
+        self.solution.as_ref().is_some_and(|solution| {
+            solution.source == Some(SolutionSource::Markings) && solution.proposed.is_none()
+        })
     }
 
     /// Whether its camera is the forest's, aligned to the painted lines before the user saw it.
     #[must_use]
     pub fn is_snapped_proposal(&self) -> bool {
-        let on_paint = |solution: &Solution| solution.samples.is_some();
-        self.is_suggestion() && self.solution.as_ref().is_some_and(on_paint)
+        self.is_suggestion()
+            && self
+                .solution
+                .as_ref()
+                .is_some_and(|solution| solution.samples.is_some())
     }
 
     /// Whether its camera came from another program and is neither mended nor decided on.
@@ -206,10 +208,9 @@ impl Frame {
     /// The number of clicks that name a landmark and are not check points.
     #[must_use]
     pub fn landmark_clicks(&self) -> usize {
-        let landmarks = |target: &Option<Target>| matches!(target, Some(Target::Landmark(_)));
         self.clicks
             .iter()
-            .filter(|click| !click.check && landmarks(&click.target))
+            .filter(|click| !click.check && matches!(click.target, Some(Target::Landmark(_))))
             .count()
     }
 

@@ -253,15 +253,16 @@ impl VideoShots {
                 .starts
                 .get(at + 1)
                 .map_or(self.last, |next| next.from - 1);
-            let place = |number: u64| numbers.partition_point(|(known, _)| *known < number);
-            let inside = &numbers[place(start.from)..place(to.saturating_add(1))];
-            let id = |frame: Option<&(u64, usize)>| {
-                frame.map(|(_, position)| ShotEnd::Frame(document.frames[*position].id.clone()))
-            };
+            let begin = first_from(start.from, &numbers);
+            let behind = first_from(to.saturating_add(1), &numbers);
+            let inside = &numbers[begin..behind];
             let ends = if is_only_video {
                 Some((ShotEnd::VideoFrame(start.from), ShotEnd::VideoFrame(to)))
             } else {
-                id(inside.first()).zip(id(inside.last()))
+                let ends = inside.first().zip(inside.last());
+                ends.map(|((_, from), (_, to))| {
+                    (frame_end(document, *from), frame_end(document, *to))
+                })
             };
             shots.extend(ends.map(|(from, to)| Shot {
                 from,
@@ -307,6 +308,16 @@ fn numbers(document: &Document, video: &str) -> Vec<(u64, usize)> {
         .collect();
     numbers.sort_unstable();
     numbers
+}
+
+/// A frame of a document as the end of a shot.
+fn frame_end(document: &Document, position: usize) -> ShotEnd {
+    ShotEnd::Frame(document.frames[position].id.clone())
+}
+
+/// The index of the first frame with at least this number in the video.
+fn first_from(number: u64, numbers: &[(u64, usize)]) -> usize {
+    numbers.partition_point(|(known, _)| *known < number)
 }
 
 /// The number of a shot's end in a video; none if it belongs to another video. A plain number

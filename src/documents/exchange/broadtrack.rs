@@ -66,7 +66,6 @@ fn to_json(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> Value {
 
 fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     let camera = node.key("cp")?;
-    let number = |key: &str| camera.key(key)?.number();
     let size = ImageSize::new(
         camera.key("sensorResolutionWidthPixels")?.side_px()?,
         camera.key("sensorResolutionHeightPixels")?.side_px()?,
@@ -81,15 +80,16 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
         });
     }
     let angles = [
-        number("panDegrees")?,
-        number("tiltDegrees")?,
-        number("rollDegrees")?,
+        camera.key("panDegrees")?.number()?,
+        camera.key("tiltDegrees")?.number()?,
+        camera.key("rollDegrees")?.number()?,
     ];
     let position = Vec3::new(
-        number("positionXMeters")?,
-        number("positionYMeters")?,
-        number("positionZMeters")?,
+        camera.key("positionXMeters")?.number()?,
+        camera.key("positionYMeters")?.number()?,
+        camera.key("positionZMeters")?.number()?,
     );
+    // The field of view spans the width, symmetrically: f = (width / 2) / tan(view / 2).
     let mut pinhole = Pinhole {
         cam_from_world: flip_rotation(&rotation_of(angles)),
         position_m: flip_point(position),
@@ -110,12 +110,10 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
         });
     }
     // The unit of the coefficients depends on the focal length, which is known only now.
-    let (unit, term) = (unit(&pinhole, size), |index: usize| {
-        terms.get(index).copied().unwrap_or(0.0)
-    });
+    let unit = unit(&pinhole, size);
     pinhole.lens = Radial {
-        k1: term(0) / unit,
-        k2: term(1) / (unit * unit),
+        k1: terms.first().copied().unwrap_or(0.0) / unit,
+        k2: terms.get(1).copied().unwrap_or(0.0) / (unit * unit),
     };
     let score = node.key("score")?.number()?;
     let mut frame = FrameCamera::new(

@@ -136,24 +136,26 @@ pub fn stem_of(frame: &FrameCamera) -> String {
     if let Some(name) = &frame.labels_name {
         return name.clone();
     }
-    let stem = |name: &str| {
-        Path::new(name)
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
-    };
     match (&frame.image, frame.frame_index) {
-        (Some(image), _) => stem(image),
+        (Some(image), _) => file_stem(image),
         (None, Some(index)) => {
             let name = frame
                 .name
                 .rsplit_once('#')
                 .map_or(frame.name.as_str(), |(video, _)| video);
-            format!("{}_{index:06}", stem(name))
+            format!("{}_{index:06}", file_stem(name))
         }
-        (None, None) => stem(&frame.name),
+        (None, None) => file_stem(&frame.name),
     }
+}
+
+/// The file name of a path of this system, without its ending.
+fn file_stem(path: &str) -> String {
+    Path::new(path)
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// The file name of a frame's picture.

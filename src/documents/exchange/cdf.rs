@@ -30,6 +30,15 @@ fn missing_option(what: &'static str, option: &'static str) -> ExchangeError {
     }
 }
 
+/// The error that the sheet cannot represent a frame, which is named by its image.
+fn cannot_hold(frame: &FrameCamera, why: String) -> ExchangeError {
+    ExchangeError::CannotHold {
+        frame: frame.image.clone().unwrap_or_else(|| frame.name.clone()),
+        format: Format::Cdf,
+        why,
+    }
+}
+
 impl CameraFormat for Cdf {
     fn hold(
         &self,
@@ -54,14 +63,6 @@ impl CameraFormat for Cdf {
         held: &[FrameCamera],
         context: &WriteContext<'_>,
     ) -> Result<Files, ExchangeError> {
-        let cannot = |frame: &FrameCamera, why: String| {
-            let frame = frame.image.clone().unwrap_or_else(|| frame.name.clone());
-            ExchangeError::CannotHold {
-                frame,
-                format: Format::Cdf,
-                why,
-            }
-        };
         let recording = &context.options.recording;
         let match_id = recording
             .match_id
@@ -81,12 +82,12 @@ impl CameraFormat for Cdf {
         let Some(first) = frames.next() else {
             return Ok(Files::default());
         };
-        let (pinhole, size) = parts(first).map_err(|why| cannot(first, why))?;
+        let (pinhole, size) = parts(first).map_err(|why| cannot_hold(first, why))?;
         for frame in frames {
-            let (other, other_size) = parts(frame).map_err(|why| cannot(frame, why))?;
+            let (other, other_size) = parts(frame).map_err(|why| cannot_hold(frame, why))?;
             if other_size != size || (other.position_m - pinhole.position_m).amax() > SAME_PLACE_M {
                 let why = "a sheet describes one camera; choose one with --camera";
-                return Err(cannot(frame, why.to_owned()));
+                return Err(cannot_hold(frame, why.to_owned()));
             }
         }
         if rate.frames % rate.seconds != 0 {
@@ -94,7 +95,7 @@ impl CameraFormat for Cdf {
                 "its frame rates are whole numbers, and {:.2} frames per second is not",
                 rate.per_second()
             );
-            return Err(cannot(first, why));
+            return Err(cannot_hold(first, why));
         }
         let operation = if recording.is_automated {
             "automated"

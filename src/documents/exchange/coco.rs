@@ -24,12 +24,14 @@ const CENTRE: &str = "pixel centres";
 
 /// The clicks in the order of the keypoints; none for absent ones.
 pub(super) fn in_order<'a>(clicks: &'a [Click], names: &[String]) -> Vec<Option<&'a Click>> {
-    let of = |name: &String| {
-        clicks.iter().find(
-            |click| matches!(&click.target, Some(Target::Landmark(id)) if id.as_str() == name),
-        )
-    };
-    names.iter().map(of).collect()
+    names.iter().map(|name| find_click(clicks, name)).collect()
+}
+
+/// The first click on the landmark of this name.
+fn find_click<'a>(clicks: &'a [Click], name: &str) -> Option<&'a Click> {
+    clicks
+        .iter()
+        .find(|click| matches!(&click.target, Some(Target::Landmark(id)) if id.as_str() == name))
 }
 
 /// Whether a click is on one of the keypoints.
@@ -49,15 +51,8 @@ fn annotation(number: usize, frame: &ClickedFrame, names: &[String]) -> Option<V
         .iter()
         .map(|click| ImagePoint::new(click.image.x - shift, click.image.y - shift))
         .collect();
-    let range = |of: fn(&ImagePoint) -> f64| {
-        points
-            .iter()
-            .map(of)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
-                (low.min(at), high.max(at))
-            })
-    };
-    let ((left, right), (top, bottom)) = (range(|point| point.x), range(|point| point.y));
+    let (left, right) = extent_px(&points, |point| point.x);
+    let (top, bottom) = extent_px(&points, |point| point.y);
     if points.is_empty() {
         return None;
     }
@@ -84,6 +79,16 @@ fn annotation(number: usize, frame: &ClickedFrame, names: &[String]) -> Option<V
         "iscrowd": 0,
         "segmentation": [],
     }))
+}
+
+/// The smallest and the largest coordinate of points, px.
+fn extent_px(points: &[ImagePoint], coordinate_px: fn(&ImagePoint) -> f64) -> (f64, f64) {
+    points
+        .iter()
+        .map(coordinate_px)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+            (low.min(at), high.max(at))
+        })
 }
 
 /// The number of an image or category.
@@ -155,17 +160,13 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
         };
         let image = annotation.key("image_id")?;
         let id = id_of(&image)?;
-        let unknown = |what, id: i64| Problem::Unknown {
-            what,
-            name: id.to_string(),
-        };
         let frame = *at
             .get(&id)
-            .ok_or_else(|| unknown("the image of an annotation,", id))?;
+            .ok_or_else(|| unknown_id("the image of an annotation,", id))?;
         let category = id_of(&annotation.key("category_id")?)?;
         let of = names
             .get(&category)
-            .ok_or_else(|| unknown("the category of an annotation,", category))?;
+            .ok_or_else(|| unknown_id("the category of an annotation,", category))?;
         let values = points.all_numbers()?;
         if values.len() != 3 * of.len() {
             let what = format!("{} (numbers)", points.path());
@@ -185,6 +186,14 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
         }));
     }
     Ok(frames)
+}
+
+/// The error that an annotation refers to something that is not in the file.
+fn unknown_id(what: &'static str, id: i64) -> Problem {
+    Problem::Unknown {
+        what,
+        name: id.to_string(),
+    }
 }
 
 impl ClickFormat for Coco {

@@ -45,25 +45,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
         .iter()
         .map(|field| number("a parameter of the camera", field))
         .collect::<Result<_, _>>()?;
-    let side = |field: &str| {
-        let wrong = || {
-            let (what, wanted) = (
-                "the size of the picture".to_owned(),
-                "a whole number from 1 to 65535",
-            );
-            Problem::Kind {
-                what,
-                wanted,
-                found: format!("{:?}", shorten(field)),
-            }
-        };
-        field
-            .parse::<u32>()
-            .ok()
-            .filter(|side| ImageSize::is_side_px(f64::from(*side)))
-            .ok_or_else(wrong)
-    };
-    let size = ImageSize::new(side(width)?, side(height)?);
+    let size = ImageSize::new(side_px(width)?, side_px(height)?);
     let wanted = match *model {
         "SIMPLE_PINHOLE" => 3,
         "PINHOLE" | "SIMPLE_RADIAL" => 4,
@@ -119,6 +101,19 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
     ))
 }
 
+/// A side of a picture, px.
+fn side_px(field: &str) -> Result<u32, Problem> {
+    field
+        .parse::<u32>()
+        .ok()
+        .filter(|side| ImageSize::is_side_px(f64::from(*side)))
+        .ok_or_else(|| Problem::Kind {
+            what: "the size of the picture".to_owned(),
+            wanted: "a whole number from 1 to 65535",
+            found: format!("{:?}", shorten(field)),
+        })
+}
+
 /// Lines that are not comments, with their number from 1. Empty lines are included only if
 /// `keeps_empty`.
 fn lines(text: &str, keeps_empty: bool) -> impl Iterator<Item = (usize, &str)> {
@@ -170,15 +165,13 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
             wanted: "1",
         });
     }
-    let unknown = || Problem::Unknown {
-        what: "the camera",
-        name: shorten(camera),
-    };
-    let id: u64 = camera.parse().map_err(|_| unknown())?;
-    let (size, focal_px, principal_point, lens) = *cameras.get(&id).ok_or_else(unknown)?;
+    let id: u64 = camera.parse().map_err(|_| unknown_camera(camera))?;
+    let (size, focal_px, principal_point, lens) =
+        *cameras.get(&id).ok_or_else(|| unknown_camera(camera))?;
     let cam_from_world = *UnitQuaternion::from_quaternion(quaternion)
         .to_rotation_matrix()
         .matrix();
+    // t = −R C, so C = −Rᵀ t.
     let pinhole = Pinhole {
         cam_from_world,
         position_m: -(cam_from_world.transpose() * Vec3::new(tx, ty, tz)),
@@ -192,6 +185,14 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
         image: Some(name.clone()),
         ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole))
     })
+}
+
+/// The error that an image refers to a camera that is not in the file.
+fn unknown_camera(id: &str) -> Problem {
+    Problem::Unknown {
+        what: "the camera",
+        name: shorten(id),
+    }
 }
 
 fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameCamera>, Problem> {
@@ -365,14 +366,18 @@ impl CameraFormat for Colmap {
         files: &Files,
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let file = |name: &str| {
-            files
-                .get(name)
-                .ok_or_else(|| Problem::Missing("the file".to_owned()).within(name))
-        };
-        let cameras = read_cameras(file(CAMERAS)?).map_err(|problem| problem.within(CAMERAS))?;
-        read_images(file(IMAGES)?, &cameras).map_err(|problem| problem.within(IMAGES))
+        let cameras = read_cameras(required_file(files, CAMERAS)?)
+            .map_err(|problem| problem.within(CAMERAS))?;
+        read_images(required_file(files, IMAGES)?, &cameras)
+            .map_err(|problem| problem.within(IMAGES))
     }
+}
+
+/// The contents of a file that must be there.
+fn required_file<'a>(files: &'a Files, name: &str) -> Result<&'a [u8], ExchangeError> {
+    files
+        .get(name)
+        .ok_or_else(|| Problem::Missing("the file".to_owned()).within(name))
 }
 
 #[cfg(test)]

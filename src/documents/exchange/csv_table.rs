@@ -207,9 +207,6 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
     let pinhole = pinhole
         .validate("the camera")
         .map_err(|problem| problem.at_line(row.line()))?;
-    let side = |column: &str| -> Result<u32, Problem> {
-        side_px(column, row.number(column)?).map_err(|problem| problem.at_line(row.line()))
-    };
     let index = row.frame_index()?;
     let image = row
         .text("image")
@@ -217,16 +214,19 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
         .transpose()
         .map_err(|problem| problem.at_line(row.line()))?;
     let camera = row.text("camera").map(ToOwned::to_owned);
-    let missing = || Problem::Missing("both image and frame_index".to_owned()).at_line(row.line());
     let by_number = index.map(|index| name_by_number(index, camera.as_deref().unwrap_or_default()));
-    let name = image.clone().or(by_number).ok_or_else(missing)?;
-    let known = |name: &str| serde_json::from_value(serde_json::Value::from(name));
+    let name = image.clone().or(by_number).ok_or_else(|| {
+        Problem::Missing("both image and frame_index".to_owned()).at_line(row.line())
+    })?;
     Ok(FrameCamera {
         name,
         image,
         camera,
         video: None,
-        size: Some(ImageSize::new(side("width_px")?, side("height_px")?)),
+        size: Some(ImageSize::new(
+            side(row, "width_px")?,
+            side(row, "height_px")?,
+        )),
         shown: Shown::Camera(pinhole),
         frame_index: index,
         pts_s: row.find("pts_s")?,
@@ -235,7 +235,7 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
         record: Record {
             status: row
                 .text("status")
-                .and_then(|status| known(status).ok())
+                .and_then(|status| serde_json::from_value(status.into()).ok())
                 .unwrap_or(FrameStatus::Suggested),
             worst_corner_sigma_px: row.find("worst_corner_sigma_px")?,
             rms_px: row.find("rms_px")?,
@@ -244,6 +244,11 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
         },
         unreadable: None,
     })
+}
+
+/// A side of the picture in a column, px.
+fn side(row: Row<'_>, column: &str) -> Result<u32, Problem> {
+    side_px(column, row.number(column)?).map_err(|problem| problem.at_line(row.line()))
 }
 
 impl CameraFormat for Csv {

@@ -95,8 +95,9 @@ pub(super) type Element<'a> = roxmltree::Node<'a, 'a>;
 
 /// A required attribute.
 pub(super) fn attribute<'a>(element: Element<'a>, name: &str) -> Result<&'a str, Problem> {
-    let missing = || Problem::Missing(format!("{} of <{}>", name, element.tag_name().name()));
-    element.attribute(name).ok_or_else(missing)
+    element
+        .attribute(name)
+        .ok_or_else(|| Problem::Missing(format!("{} of <{}>", name, element.tag_name().name())))
 }
 
 fn side(element: Element<'_>, name: &str) -> Result<u32, Problem> {
@@ -121,12 +122,11 @@ fn points(shape: Element<'_>, label: &str, shift: f64) -> Result<Vec<Mark>, Prob
                 .map(|part| number("points", part))
                 .collect::<Result<Vec<_>, _>>()?;
             let found = coordinates.len();
-            let wrong = |_| Problem::Count {
+            let [x, y]: [f64; 2] = coordinates.try_into().map_err(|_| Problem::Count {
                 what: "coordinates of a point".to_owned(),
                 wanted: 2,
                 found,
-            };
-            let [x, y]: [f64; 2] = coordinates.try_into().map_err(wrong)?;
+            })?;
             Ok(Mark {
                 label: label.to_owned(),
                 image: ImagePoint::new(x + shift, y + shift),
@@ -188,13 +188,20 @@ fn task_size(root: Element<'_>) -> Result<Option<ImageSize>, Problem> {
     else {
         return Ok(None);
     };
-    let of = |name: &str| -> Result<u32, Problem> {
-        let child = size.children().find(|child| child.has_tag_name(name));
-        let missing = || Problem::Missing(format!("{name} of <original_size>"));
-        let text = child.and_then(|child| child.text()).ok_or_else(missing)?;
-        side_px(name, number(name, text)?)
-    };
-    Ok(Some(ImageSize::new(of("width")?, of("height")?)))
+    Ok(Some(ImageSize::new(
+        original_side_px(size, "width")?,
+        original_side_px(size, "height")?,
+    )))
+}
+
+/// A side of `<original_size>`, px: the text of a child of this name.
+fn original_side_px(size: Element<'_>, name: &str) -> Result<u32, Problem> {
+    let text = size
+        .children()
+        .find(|child| child.has_tag_name(name))
+        .and_then(|child| child.text())
+        .ok_or_else(|| Problem::Missing(format!("{name} of <original_size>")))?;
+    side_px(name, number(name, text)?)
 }
 
 /// The parsed text of CVAT's XML.

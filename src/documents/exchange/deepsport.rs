@@ -31,10 +31,7 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
         node.key("img_width")?.side_px()?,
         node.key("img_height")?.side_px()?,
     );
-    let matrix = |key: &str| -> Result<Mat3, Problem> {
-        Ok(Mat3::from_row_slice(&node.key(key)?.numbers::<9>()?))
-    };
-    let (k, rotation) = (matrix("KK")?, matrix("R")?);
+    let (k, rotation) = (matrix(&node, "KK")?, matrix(&node, "R")?);
     let translation = Vec3::from(node.key("T")?.numbers::<3>()?);
     let lens: [f64; 5] = node.key("kc")?.numbers()?;
     if are_oblong_pixels(k[(0, 0)], k[(1, 1)]) || k[(0, 1)] != 0.0 {
@@ -75,6 +72,11 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
         },
     };
     Ok((pinhole.validate("the camera")?, size))
+}
+
+/// The 3 × 3 matrix under a key, stored by rows.
+fn matrix(node: &Node<'_>, key: &str) -> Result<Mat3, Problem> {
+    Ok(Mat3::from_row_slice(&node.key(key)?.numbers::<9>()?))
 }
 
 impl CameraFormat for DeepSport {

@@ -48,11 +48,8 @@ fn export_to_format(
     options: &ExportOptions,
 ) -> Result<Exported, ExchangeError> {
     if let Some(camera_format) = camera_format(format) {
-        let export = |at: DocumentAt<'_>, options: &ExportOptions| {
-            export_cameras(at, format, camera_format, options)
-        };
         return match options.gaps {
-            Gaps::Keep => export(at, options),
+            Gaps::Keep => export_cameras(at, format, camera_format, options),
             Gaps::Interpolate(most) => {
                 let (filled, note) = interpolate_gaps(at.document, &options.frames, most);
                 // All of its frames were chosen, or interpolated between chosen ones.
@@ -60,11 +57,14 @@ fn export_to_format(
                     frames: FrameChoice::everything(),
                     ..options.clone()
                 };
-                let mut exported = export(filled.at(at.folder), &options)?;
+                let mut exported =
+                    export_cameras(filled.at(at.folder), format, camera_format, &options)?;
                 exported.notes.extend(note);
                 Ok(exported)
             }
-            Gaps::Takes => in_takes(at, &options.frames, &|at| export(at, options)),
+            Gaps::Takes => in_takes(at, &options.frames, &|at| {
+                export_cameras(at, format, camera_format, options)
+            }),
         };
     }
     match click_format(format) {
@@ -78,11 +78,10 @@ fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, Exch
     let mut dataset = at.document.clone().into_dataset();
     // Without a choice of frames it is complete, including rejected frames.
     let is_whole = options.frames == FrameChoice::default();
-    let is_left = |frame: &crate::document::Frame| is_whole || is_chosen(frame, &options.frames);
     let frames: Vec<_> = dataset
         .frames
         .iter()
-        .filter(|frame| is_left(frame))
+        .filter(|frame| is_whole || is_chosen(frame, &options.frames))
         .cloned()
         .collect();
     let count = frames.len();

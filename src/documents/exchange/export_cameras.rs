@@ -33,16 +33,6 @@ fn frame_camera(
     if size.is_some() {
         pinhole = pinhole.scale_by(scale);
     }
-    let on_landmark = |click: &Click| {
-        let target = click
-            .target
-            .as_ref()
-            .filter(|target| target.line().is_none() && !click.check)?;
-        Some((
-            target.as_str().to_owned(),
-            ImagePoint::new(click.image.x * scale, click.image.y * scale),
-        ))
-    };
     let solution = frame.solution.as_ref();
     let variances = solution
         .and_then(|solution| solution.covariance)
@@ -72,29 +62,44 @@ fn frame_camera(
             worst_corner_sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
             rms_px: solution.and_then(|solution| solution.rms_px),
             confidence: solution.and_then(|solution| solution.confidence),
-            clicks: frame.clicks.iter().filter_map(on_landmark).collect(),
+            clicks: frame
+                .clicks
+                .iter()
+                .filter_map(|click| landmark_click(click, scale))
+                .collect(),
         },
         unreadable: None,
     })
+}
+
+/// The name and the place (px of the scaled picture) of a click on a landmark. None for a click on
+/// a line, and for one that the solve does not use.
+fn landmark_click(click: &Click, scale: f64) -> Option<(String, ImagePoint)> {
+    let target = click
+        .target
+        .as_ref()
+        .filter(|target| target.line().is_none() && !click.check)?;
+    Some((
+        target.as_str().to_owned(),
+        ImagePoint::new(click.image.x * scale, click.image.y * scale),
+    ))
 }
 
 /// Stores the rate of its video in each frame. `videos` has the video of each frame.
 fn note_rates(frames: &mut [FrameCamera], videos: &[Option<&str>]) {
     let names: BTreeSet<&str> = videos.iter().flatten().copied().collect();
     for name in names {
-        let is_of_video = |index: usize| videos.get(index).copied().flatten() == Some(name);
-        let of_video = frames
+        let of_video: Vec<&FrameCamera> = frames
             .iter()
-            .enumerate()
-            .filter(|(index, _)| is_of_video(*index))
-            .map(|(_, frame)| frame);
-        let rate = rate_of(&of_video.collect::<Vec<_>>());
-        for (_, frame) in frames
-            .iter_mut()
-            .enumerate()
-            .filter(|(index, _)| is_of_video(*index))
-        {
-            frame.rate = rate;
+            .zip(videos)
+            .filter(|(_, video)| **video == Some(name))
+            .map(|(frame, _)| frame)
+            .collect();
+        let rate = rate_of(&of_video);
+        for (frame, video) in frames.iter_mut().zip(videos) {
+            if *video == Some(name) {
+                frame.rate = rate;
+            }
         }
     }
 }
@@ -110,17 +115,18 @@ fn common_rate(frames: &[FrameCamera]) -> Option<Rate> {
 
 /// The frame rate of a video, from the numbers and times of its frames, if it is a usual one.
 fn rate_of(frames: &[&FrameCamera]) -> Option<Rate> {
-    let timed = || {
-        frames
-            .iter()
-            .filter_map(|frame| Some((frame.frame_index?, frame.pts_s?)))
-    };
-    let seconds_at = |(index, pts_s): (u64, f64)| (index as f64, pts_s);
-    let first = seconds_at(timed().min_by_key(|at| at.0)?);
-    let last = seconds_at(timed().max_by_key(|at| at.0)?);
-    // A single frame gives the rate of a video that begins at time zero.
-    let first = if first.0 == last.0 { (0.0, 0.0) } else { first };
-    Rate::nearest((last.0 - first.0) / (last.1 - first.1))
+    let times: Vec<(u64, f64)> = frames
+        .iter()
+        .filter_map(|frame| Some((frame.frame_index?, frame.pts_s?)))
+        .collect();
+    let &(first_index, first_s) = times.iter().min_by_key(|(index, _)| *index)?;
+    let &(last_index, last_s) = times.iter().max_by_key(|(index, _)| *index)?;
+    let (first_index, last_index) = (first_index as f64, last_index as f64);
+    if first_index == last_index {
+        // A single frame gives the rate of a video that begins at time zero.
+        return Rate::nearest(last_index / last_s);
+    }
+    Rate::nearest((last_index - first_index) / (last_s - first_s))
 }
 
 /// The cameras of a document in a format, verified by reading them back.
@@ -251,8 +257,9 @@ fn common_value<T: PartialEq>(
     frames: &[FrameCamera],
     of: impl Fn(&Camera) -> Option<T>,
 ) -> Option<T> {
-    let stated = |frame: &FrameCamera| of(document.camera(&frame.camera.as_deref()?.into())?);
-    let mut stated = frames.iter().map(stated);
+    let mut stated = frames
+        .iter()
+        .map(|frame| of(document.camera(&frame.camera.as_deref()?.into())?));
     let first = stated.next()??;
     stated
         .all(|other| other.as_ref() == Some(&first))
@@ -337,7 +344,7 @@ impl Proof<'_> {
         held: &[FrameCamera],
         context: &WriteContext<'_>,
     ) -> Result<f64, ExchangeError> {
-        let Proof { format, of, stage } = *self;
+        let Proof { of, stage, .. } = *self;
         let reading = of.reading(held, context.options);
         let mut read = of.read(files, &reading)?;
         if let Some(stage) = stage {
@@ -349,39 +356,14 @@ impl Proof<'_> {
             .into_iter()
             .map(|frame| (frame.name.clone(), frame))
             .collect();
-        let otherwise = |kept: &FrameCamera| ExchangeError::ReadsBackOtherwise {
-            frame: kept.name.clone(),
-            format,
-        };
         let mut worst_px = 0.0_f64;
-        let mut compare = |kept: &FrameCamera, again: &FrameCamera| {
-            if let (Shown::Lens(before), lens) = (&kept.shown, again.shown)
-                && lens != Shown::Lens(*before)
-            {
-                return Err(otherwise(kept));
-            }
-            let (what, off_px) = farthest_landmark(kept, again, context.field);
-            let allowed_px = of.resolution_px(kept);
-            if !(off_px <= allowed_px) {
-                let frame = kept.name.clone();
-                return Err(ExchangeError::ReadsBackElsewhere {
-                    frame,
-                    format,
-                    what,
-                    off_px,
-                    allowed_px,
-                });
-            }
-            worst_px = worst_px.max(off_px);
-            Ok(())
-        };
         let mut views = Vec::with_capacity(held.len());
         for kept in held {
             let again = by_name
                 .remove(&kept.name)
                 .filter(|again| is_complete && again.unreadable.is_none())
-                .ok_or_else(|| otherwise(kept))?;
-            compare(kept, &again)?;
+                .ok_or_else(|| self.reads_back_otherwise(kept))?;
+            worst_px = worst_px.max(self.compare(kept, &again, context.field)?);
             if let (Some(size), Shown::Camera(_) | Shown::Lens(_)) = (kept.size, &again.shown)
                 && let Ok(view) = camera_of(&again, size)
             {
@@ -399,15 +381,47 @@ impl Proof<'_> {
             let camera = document
                 .ptz_camera(frame)
                 .map(|camera| Shown::Camera(Pinhole::from_ptz_camera(&camera)));
-            let shown = camera.ok_or_else(|| otherwise(kept))?;
-            compare(
-                kept,
-                &FrameCamera {
-                    shown,
-                    ..kept.clone()
-                },
-            )?;
+            let again = FrameCamera {
+                shown: camera.ok_or_else(|| self.reads_back_otherwise(kept))?,
+                ..kept.clone()
+            };
+            worst_px = worst_px.max(self.compare(kept, &again, context.field)?);
         }
         Ok(worst_px)
+    }
+
+    /// Compares a frame with what was read back of it. Returns the largest distance of a landmark,
+    /// px.
+    fn compare(
+        &self,
+        kept: &FrameCamera,
+        again: &FrameCamera,
+        field: &FieldModel,
+    ) -> Result<f64, ExchangeError> {
+        if let (Shown::Lens(before), lens) = (&kept.shown, again.shown)
+            && lens != Shown::Lens(*before)
+        {
+            return Err(self.reads_back_otherwise(kept));
+        }
+        let (what, off_px) = farthest_landmark(kept, again, field);
+        let allowed_px = self.of.resolution_px(kept);
+        if !(off_px <= allowed_px) {
+            return Err(ExchangeError::ReadsBackElsewhere {
+                frame: kept.name.clone(),
+                format: self.format,
+                what,
+                off_px,
+                allowed_px,
+            });
+        }
+        Ok(off_px)
+    }
+
+    /// The error that a frame is not what was written.
+    fn reads_back_otherwise(&self, kept: &FrameCamera) -> ExchangeError {
+        ExchangeError::ReadsBackOtherwise {
+            frame: kept.name.clone(),
+            format: self.format,
+        }
     }
 }

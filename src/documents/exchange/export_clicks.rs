@@ -127,18 +127,18 @@ fn file_of(frame: &Frame) -> String {
         .image
         .as_deref()
         .and_then(|image| Path::new(image).file_name());
-    let of_video = || {
-        let video = frame.video.as_ref();
-        let stem = video
-            .and_then(|video| Path::new(&video.path).file_stem())
-            .unwrap_or_default();
-        format!(
-            "{}_{:06}.jpg",
-            stem.to_string_lossy(),
-            video.map_or(0, |video| video.frame_index)
-        )
-    };
-    named.map_or_else(of_video, |name| name.to_string_lossy().into_owned())
+    if let Some(name) = named {
+        return name.to_string_lossy().into_owned();
+    }
+    let video = frame.video.as_ref();
+    let stem = video
+        .and_then(|video| Path::new(&video.path).file_stem())
+        .unwrap_or_default();
+    format!(
+        "{}_{:06}.jpg",
+        stem.to_string_lossy(),
+        video.map_or(0, |video| video.frame_index)
+    )
 }
 
 /// Landmarks and points of lines as a camera projects them.
@@ -227,13 +227,12 @@ fn prove(
     frames: &[ClickedFrame],
     context: &ClickContext<'_>,
 ) -> Result<f64, ExchangeError> {
-    let sizes = |name: &str| {
+    let read = click_format.read(files, &ImportOptions::default(), &|name| {
         frames
             .iter()
             .find(|frame| frame.name == name || frame.image == name)
             .map(|frame| frame.size)
-    };
-    let read = click_format.read(files, &ImportOptions::default(), &sizes)?;
+    })?;
     let by_name: BTreeMap<&str, &LabelledFrame> = read
         .iter()
         .map(|frame| (frame.name.as_str(), frame))
@@ -244,32 +243,27 @@ fn prove(
     };
     let mut worst_px = 0.0_f64;
     for frame in frames {
-        let otherwise = || ExchangeError::ReadsBackOtherwise {
-            frame: frame.image.clone(),
-            format,
-        };
-        let again = by_name.get(frame.name.as_str()).ok_or_else(otherwise)?;
+        let again = by_name
+            .get(frame.name.as_str())
+            .ok_or_else(|| reads_back_otherwise(frame, format))?;
         let mut left: Vec<(Target, ImagePoint)> = Vec::new();
         for mark in &again.marks {
             match labels.meaning(&mark.label, context.field)? {
                 Meaning::Target(target) => left.push((target, mark.image)),
-                Meaning::Nothing | Meaning::Unknown => return Err(otherwise()),
+                Meaning::Nothing | Meaning::Unknown => {
+                    return Err(reads_back_otherwise(frame, format));
+                }
             }
         }
         for click in &frame.clicks {
-            let off = |(target, point): &(Target, ImagePoint)| {
-                if Some(target) == click.target.as_ref() {
-                    point.distance_px(click.image)
-                } else {
-                    f64::INFINITY
-                }
-            };
             // A line has several clicks with one name, so each click is matched with the nearest
             // mark of its name.
             let nearest = (0..left.len())
-                .min_by(|a, b| off(&left[*a]).total_cmp(&off(&left[*b])))
-                .ok_or_else(otherwise)?;
-            let off_px = off(&left.swap_remove(nearest));
+                .min_by(|a, b| {
+                    distance_px(&left[*a], click).total_cmp(&distance_px(&left[*b], click))
+                })
+                .ok_or_else(|| reads_back_otherwise(frame, format))?;
+            let off_px = distance_px(&left.swap_remove(nearest), click);
             let allowed_px = click_format.resolution_px();
             if !(off_px <= allowed_px) {
                 let what = click
@@ -288,8 +282,25 @@ fn prove(
             worst_px = worst_px.max(off_px);
         }
         if !left.is_empty() {
-            return Err(otherwise());
+            return Err(reads_back_otherwise(frame, format));
         }
     }
     Ok(worst_px)
+}
+
+/// The error that the marks of a frame are not those that were written.
+fn reads_back_otherwise(frame: &ClickedFrame, format: Format) -> ExchangeError {
+    ExchangeError::ReadsBackOtherwise {
+        frame: frame.image.clone(),
+        format,
+    }
+}
+
+/// The distance of a mark from a click, px; infinite if it is on something else.
+fn distance_px((target, point): &(Target, ImagePoint), click: &Click) -> f64 {
+    if Some(target) == click.target.as_ref() {
+        point.distance_px(click.image)
+    } else {
+        f64::INFINITY
+    }
 }

@@ -104,12 +104,9 @@ impl Files {
         path: &Path,
         is_wanted: &dyn Fn(&str) -> bool,
     ) -> Result<Self, ExchangeError> {
-        let failed = |source| ExchangeError::Read {
-            path: path.to_path_buf(),
-            source,
-        };
         let mut files = Self::default();
-        if !fs::metadata(path).map_err(failed)?.is_dir() {
+        let metadata = fs::metadata(path).map_err(|source| cannot_read(path, source))?;
+        if !metadata.is_dir() {
             let name = path
                 .file_name()
                 .unwrap_or_default()
@@ -143,19 +140,19 @@ impl Files {
                 path: path.to_path_buf(),
             });
         }
-        let failed = |source| ExchangeError::Write {
-            path: path.to_path_buf(),
-            source,
-        };
-        let path = &follow_link(path);
+        // Errors name the path as it was given, not the target of a link.
+        let target = &follow_link(path);
         if is_folder {
-            let new = self.write_temporary_folder(path).map_err(failed)?;
-            return Ok(replace_folder(new, path, &|name, _| {
+            let new = self
+                .write_temporary_folder(target)
+                .map_err(|source| cannot_write(path, source))?;
+            return Ok(replace_folder(new, target, &|name, _| {
                 self.0.contains_key(name)
             })?);
         }
-        refuse_part_of_project(path)?;
-        self.write_file(path).map_err(failed)
+        refuse_part_of_project(target)?;
+        self.write_file(target)
+            .map_err(|source| cannot_write(path, source))
     }
 
     fn write_file(&self, path: &Path) -> io::Result<()> {
@@ -181,6 +178,22 @@ impl Files {
     }
 }
 
+/// The error that a file or folder cannot be read.
+fn cannot_read(path: &Path, source: io::Error) -> ExchangeError {
+    ExchangeError::Read {
+        path: path.to_path_buf(),
+        source,
+    }
+}
+
+/// The error that an export cannot be written to its path.
+fn cannot_write(path: &Path, source: io::Error) -> ExchangeError {
+    ExchangeError::Write {
+        path: path.to_path_buf(),
+        source,
+    }
+}
+
 /// An empty folder counts as absent.
 fn is_empty_folder(path: &Path) -> bool {
     fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
@@ -197,15 +210,14 @@ struct FolderReader<'a> {
 
 impl FolderReader<'_> {
     fn folder(&mut self, folder: &Path, prefix: &str, depth: usize) -> Result<(), ExchangeError> {
-        let failed = |source| ExchangeError::Read {
-            path: folder.to_path_buf(),
-            source,
-        };
         let mut entries: Vec<(String, PathBuf, fs::FileType)> = Vec::new();
-        for entry in fs::read_dir(folder).map_err(failed)? {
-            let entry = entry.map_err(failed)?;
+        for entry in fs::read_dir(folder).map_err(|source| cannot_read(folder, source))? {
+            let entry = entry.map_err(|source| cannot_read(folder, source))?;
             let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-            entries.push((name, entry.path(), entry.file_type().map_err(failed)?));
+            let kind = entry
+                .file_type()
+                .map_err(|source| cannot_read(folder, source))?;
+            entries.push((name, entry.path(), kind));
             self.seen += 1;
             if self.seen > MAX_FILES {
                 return Err(ExchangeError::TooMuch {
@@ -246,10 +258,7 @@ fn read_limited(path: &Path, name: &str) -> Result<Vec<u8>, ExchangeError> {
                 limit: *limit,
             }
             .within(name),
-            _ => ExchangeError::Read {
-                path: path.to_path_buf(),
-                source,
-            },
+            _ => cannot_read(path, source),
         }
     })
 }

@@ -43,11 +43,10 @@ pub fn interpolate_gaps(
     }
     let mut frames: Vec<Shared<Frame>> = Vec::new();
     let new: BTreeSet<&FrameId> = filled.values().flatten().map(|frame| &frame.id).collect();
-    let is_filled = |frame: &Frame| new.contains(&frame.id);
     for frame in document
         .frames
         .iter()
-        .filter(|frame| is_chosen(frame, choice) && !is_filled(frame))
+        .filter(|frame| is_chosen(frame, choice) && !new.contains(&frame.id))
     {
         frames.push(frame.clone());
         frames.extend(
@@ -83,10 +82,15 @@ pub fn interpolate_gaps(
 
 /// The number of video frames between two frames.
 fn missing_between(before: &Frame, after: &Frame) -> u64 {
-    let number = |frame: &Frame| frame.video.as_ref().map_or(0, |video| video.frame_index);
-    number(after)
-        .saturating_sub(number(before))
+    let number = video_frame_number(after).unwrap_or(0);
+    number
+        .saturating_sub(video_frame_number(before).unwrap_or(0))
         .saturating_sub(1)
+}
+
+/// The number of a frame in its video; none where it has no video.
+fn video_frame_number(frame: &Frame) -> Option<u64> {
+    frame.video.as_ref().map(|video| video.frame_index)
 }
 
 /// The chosen, solved frames of each video, camera and clip, by their numbers.
@@ -104,28 +108,23 @@ fn runs<'a>(document: &'a Document, choice: &FrameChoice) -> Vec<Vec<&'a Frame>>
             run.push((video.frame_index, frame));
         }
     }
-    let sorted = |mut run: Vec<(u64, &'a Frame)>| {
-        run.sort_by_key(|(number, _)| *number);
-        run.into_iter().map(|(_, frame)| frame).collect()
-    };
-    runs.into_values().map(sorted).collect()
+    runs.into_values().map(sort_by_number).collect()
+}
+
+/// The frames of a run in the order of their numbers.
+fn sort_by_number(mut run: Vec<(u64, &Frame)>) -> Vec<&Frame> {
+    run.sort_by_key(|(number, _)| *number);
+    run.into_iter().map(|(_, frame)| frame).collect()
 }
 
 /// The interpolated frames between two; none if one of the frames there is rejected or has a
 /// camera.
 fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Frame>> {
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
-    let is_within = |frame: &Frame| {
-        let video = frame.video.as_ref();
-        video.is_some_and(|video| {
-            video.path == first.path
-                && (first.frame_index + 1..last.frame_index).contains(&video.frame_index)
-        })
-    };
     let there: BTreeMap<u64, &Frame> = document
         .frames
         .iter()
-        .filter(|frame| is_within(frame))
+        .filter(|frame| is_within(frame, first, last))
         .filter_map(|frame| Some((frame.video.as_ref()?.frame_index, &**frame)))
         .collect();
     if there
@@ -139,6 +138,14 @@ fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Fra
     numbers
         .map(|number| frame_at(number, there.get(&number).copied(), before, after, camera))
         .collect()
+}
+
+/// Whether a frame lies between two frames of a video.
+fn is_within(frame: &Frame, first: &VideoFrame, last: &VideoFrame) -> bool {
+    frame.video.as_ref().is_some_and(|video| {
+        video.path == first.path
+            && (first.frame_index + 1..last.frame_index).contains(&video.frame_index)
+    })
 }
 
 /// A frame with an interpolated camera.
@@ -163,15 +170,14 @@ fn frame_at(
         solved.k1 = from.k1.zip(to.k1).map(|(from, to)| mix(from, to));
     }
     let pts_s = first.pts_s.zip(last.pts_s).map(|(from, to)| mix(from, to));
-    let new = || Frame {
+    let frame = there.cloned().unwrap_or_else(|| Frame {
         clip: before.clip.clone(),
         ..Frame::from_video(
             VideoFrame::new(&first.path, number, pts_s),
             before.camera.clone(),
             before.image_size,
         )
-    };
-    let frame = there.cloned().unwrap_or_else(new);
+    });
     let source = Some(SolutionSource::Interpolated);
     Some(Frame {
         status: FrameStatus::Suggested,
@@ -196,12 +202,8 @@ pub fn in_takes(
 ) -> Result<Exported, ExchangeError> {
     let mut takes: Vec<BTreeSet<FrameId>> = Vec::new();
     for run in runs(at.document, choice) {
-        let follows = |a: &&Frame, b: &&Frame| {
-            let number = |frame: &Frame| frame.video.as_ref().map(|video| video.frame_index);
-            number(a).zip(number(b)).is_some_and(|(a, b)| a + 1 == b)
-        };
         takes.extend(
-            run.chunk_by(follows)
+            run.chunk_by(|before, after| is_successor(after, before))
                 .map(|take| take.iter().map(|frame| frame.id.clone()).collect()),
         );
     }
@@ -244,6 +246,12 @@ pub fn in_takes(
     whole.ok_or_else(|| super::choose::nothing(super::format::Format::Json, &[]))
 }
 
+/// Whether a frame is the next one of the video after another.
+fn is_successor(frame: &Frame, before: &Frame) -> bool {
+    let numbers = video_frame_number(before).zip(video_frame_number(frame));
+    numbers.is_some_and(|(before, number)| before + 1 == number)
+}
+
 /// The takes so far, joined with one more.
 fn append_take(mut whole: Exported, take: Exported, files: &Files) -> Exported {
     for (name, bytes) in files.sorted_entries() {
@@ -252,14 +260,13 @@ fn append_take(mut whole: Exported, take: Exported, files: &Files) -> Exported {
     whole.frames += take.frames;
     whole.left_out.extend(take.left_out);
     whole.worst_px = whole.worst_px.max(take.worst_px);
-    let is_worse = |loss: &super::loss::Loss| {
-        whole
+    if let Some(loss) = take.loss
+        && whole
             .loss
             .as_ref()
             .is_none_or(|known| loss.worst_px > known.worst_px)
-    };
-    if take.loss.as_ref().is_some_and(is_worse) {
-        whole.loss = take.loss;
+    {
+        whole.loss = Some(loss);
     }
     for note in take.notes {
         if !whole.notes.contains(&note) {

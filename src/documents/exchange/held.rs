@@ -46,12 +46,11 @@ pub fn relative_name(frame: &FrameCamera) -> String {
     let Some(image) = &frame.image else {
         return format!("{}.jpg", stem_of(frame));
     };
-    let file_name = || {
+    safe_path(image).unwrap_or_else(|_| {
         Path::new(image)
             .file_name()
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned()
-    };
-    safe_path(image).unwrap_or_else(|_| file_name())
+    })
 }

@@ -73,14 +73,11 @@ fn normalise_homography(h: Mat3) -> Mat3 {
     if h[(2, 2)] == 0.0 { h } else { h / h[(2, 2)] }
 }
 
+/// The inverse of a homography; an overflow counts as singular, too.
 fn inverse(h: &Mat3, what: &str) -> Result<Mat3, Problem> {
-    let singular = || Problem::Singular(what.to_owned());
-    let inverse = h.try_inverse().ok_or_else(singular)?;
-    if inverse.iter().all(|entry| entry.is_finite()) {
-        Ok(inverse)
-    } else {
-        Err(singular())
-    }
+    h.try_inverse()
+        .filter(|inverse| inverse.iter().all(|entry| entry.is_finite()))
+        .ok_or_else(|| Problem::Singular(what.to_owned()))
 }
 
 /// The homography from picture to template that a frame is written with.

@@ -174,11 +174,13 @@ impl ViewReader<'_> {
         frame: &FrameCamera,
         known: Option<ImageSize>,
     ) -> Result<ImageSize, ExchangeError> {
-        let fits = |size: &ImageSize| fit_to_picture(frame, *size, self.source).is_some();
         let sizes = KnownSizes {
             image: known,
             given: self.options.size,
-            video: self.options.video_size.filter(fits),
+            video: self
+                .options
+                .video_size
+                .filter(|size| fit_to_picture(frame, *size, self.source).is_some()),
             format: frame.size,
         };
         let size = self.sizes_by.choose(sizes, self.source);

@@ -44,8 +44,9 @@ pub fn import_clicks(
         .as_ref()
         .map_or_else(|| folder.to_path_buf(), |images| resolve_path(images));
     let options = &options.with_any_size();
-    let sizes = |name: &str| image_of(name, &images).1.or(options.size);
-    let frames = click_format.read(&files, options, &sizes)?;
+    let frames = click_format.read(&files, options, &|name| {
+        image_of(name, &images).1.or(options.size)
+    })?;
     if frames.is_empty() {
         return Err(ExchangeError::NoFiles {
             path: path.to_path_buf(),
@@ -101,7 +102,7 @@ pub fn import_clicks(
             describe_counts(&twice)
         ));
     }
-    notes.extend(points_off_the_field(&field));
+    notes.extend(field_size_note(&field));
     Ok(Imported {
         document,
         folder: folder.to_path_buf(),
@@ -130,8 +131,6 @@ fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeE
                 limit: MAX_CLICKS,
             });
         }
-        let is_near =
-            |mark: &&Mark| mark.image.x.abs() <= FARTHEST_PX && mark.image.y.abs() <= FARTHEST_PX;
         if let Some(mark) = frame.marks.iter().find(|mark| !is_near(mark)) {
             return Err(ExchangeError::NoPlace {
                 path: path.to_path_buf(),
@@ -145,8 +144,13 @@ fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeE
     Ok(())
 }
 
+/// Whether a point is near enough to its picture to be meant.
+fn is_near(mark: &Mark) -> bool {
+    mark.image.x.abs() <= FARTHEST_PX && mark.image.y.abs() <= FARTHEST_PX
+}
+
 /// The note about a field of unconfirmed size.
-fn points_off_the_field(field: &FieldModel) -> Option<String> {
+fn field_size_note(field: &FieldModel) -> Option<String> {
     (field.template == "soccer").then(|| {
         format!(
             "the field is taken as {} × {} m; --set length_m=… and width_m=… give another",

@@ -19,6 +19,8 @@ const SAME_PLACE_M: f64 = 1e-6;
 const MIN_PAN_SPREAD: f64 = 1e-6;
 /// Ground farther from the middle of the field is not used to fit a camera, m.
 const WIDEST_GROUND_M: f64 = 150.0;
+/// A camera is fitted to a homography on a grid of this many steps in each direction.
+const GRID_STEPS: u32 = 8;
 /// Distortion coefficients that differ by at most this are equal.
 const SAME_LENS: f64 = 1e-12;
 
@@ -60,11 +62,13 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             if let (Some(axis), Some(lens)) = (axis, lens) {
                 vec![(group, axis, lens)]
             } else {
-                let alone = |&index: &usize| {
-                    let view = &frames[index].2;
-                    Some((vec![index], upright_axis(view), view.curve()?))
-                };
-                group.iter().filter_map(alone).collect()
+                group
+                    .iter()
+                    .filter_map(|&index| {
+                        let view = &frames[index].2;
+                        Some((vec![index], upright_axis(view), view.curve()?))
+                    })
+                    .collect()
             };
         for (members, axis, curve) in parts {
             let (first, size, view) = &frames[members[0]];
@@ -143,26 +147,22 @@ pub(super) fn unsolved_frame(frame: &FrameCamera, camera: CameraId, size: ImageS
 
 /// Groups of frames (by index) that may share a camera: equal position, camera name, size and
 /// principal point.
-fn group_by_position(
-    frames: &[(FrameCamera, ImageSize, Pinhole)],
-    place_m: f64,
-) -> Vec<Vec<usize>> {
+fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     // A hash grid of the groups' first frames, with cells of the tolerance's size, because a data
     // set may have a different position for every frame. Frames within the tolerance lie in
     // touching cells.
     let mut by_cell: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
-        let fits = |group: &usize| {
-            let first = &frames[groups[*group][0]];
-            first.1 == frame.1
-                && first.0.camera == frame.0.camera
-                && (first.2.position_m - frame.2.position_m).amax() <= place_m
-                && first.2.principal_point.distance_px(frame.2.principal_point) < 1e-9
-        };
         let cell = [0, 1, 2].map(|axis: usize| (frame.2.position_m[axis] / place_m).floor() as i64);
         let near = cells_around(cell)
-            .filter_map(|cell| by_cell.get(&cell)?.iter().copied().find(fits))
+            .filter_map(|cell| {
+                by_cell
+                    .get(&cell)?
+                    .iter()
+                    .copied()
+                    .find(|group| may_share_camera(&frames[groups[*group][0]], frame, place_m))
+            })
             .min();
         if let Some(group) = near {
             groups[group].push(index);
@@ -174,11 +174,18 @@ fn group_by_position(
     groups
 }
 
+/// Whether two frames may share a camera.
+fn may_share_camera(first: &View, other: &View, place_m: f64) -> bool {
+    first.1 == other.1
+        && first.0.camera == other.0.camera
+        && (first.2.position_m - other.2.position_m).amax() <= place_m
+        && first.2.principal_point.distance_px(other.2.principal_point) < 1e-9
+}
+
 /// A cell and its 26 neighbours.
 fn cells_around(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
-    let steps = || -1..=1;
     let offsets =
-        steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
+        (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| [x, y, z])));
     offsets.map(move |offset: [i64; 3]| {
         [0, 1, 2].map(|axis: usize| cell[axis].saturating_add(offset[axis]))
     })
@@ -213,21 +220,15 @@ impl FreeIds {
 /// The common pan axis of all views, upwards (`world`): the vertical if it fits, else the direction
 /// perpendicular to all of their x axes. None if no axis fits within `tolerance_rad`.
 fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
-    let right = |view: &&Pinhole| view.cam_from_world.row(0).transpose();
-    let explains = |axis: &Vec3| {
-        views
-            .iter()
-            .all(|view| right(view).dot(axis).abs() <= tolerance_rad)
-    };
     let upright = Vec3::z();
-    if explains(&upright) {
+    if is_pan_axis(&upright, views, tolerance_rad) {
         return Some(upright);
     }
     // A camera without roll keeps its x axis perpendicular to the pan axis. So the pan axis is the
     // eigenvector of the mean of x xᵀ with the smallest eigenvalue, if the views differ in pan.
     let mut moments = Mat3::zeros();
     for view in views {
-        moments += right(view) * right(view).transpose();
+        moments += right_axis(view) * right_axis(view).transpose();
     }
     let eigen = SymmetricEigen::new(moments / views.len() as f64);
     let mut order = [0, 1, 2];
@@ -238,13 +239,25 @@ fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     } else {
         upright_axis(views.first()?)
     };
-    explains(&axis).then_some(axis)
+    is_pan_axis(&axis, views, tolerance_rad).then_some(axis)
+}
+
+/// Whether an axis is perpendicular to the x axes of all views, within a tolerance.
+fn is_pan_axis(axis: &Vec3, views: &[&Pinhole], tolerance_rad: f64) -> bool {
+    views
+        .iter()
+        .all(|view| right_axis(view).dot(axis).abs() <= tolerance_rad)
+}
+
+/// The x axis of a view in `world`.
+fn right_axis(view: &Pinhole) -> Vec3 {
+    view.cam_from_world.row(0).transpose()
 }
 
 /// The pan axis of a single view: the direction perpendicular to its x axis that is nearest to the
 /// vertical.
 fn upright_axis(view: &Pinhole) -> Vec3 {
-    let right: Vec3 = view.cam_from_world.row(0).transpose();
+    let right = right_axis(view);
     let upright = Vec3::z() - right * right.z;
     // For a camera on its side this vanishes: use its own up axis.
     let upright = if upright.norm() > 1e-6 {
@@ -258,11 +271,12 @@ fn upright_axis(view: &Pinhole) -> Vec3 {
 /// The common lens of all views: k₁ linear in the focal length, and k₂ a constant multiple of k₁².
 /// None if no such lens fits all of them.
 fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
-    let by_focal = |a: &&&Pinhole, b: &&&Pinhole| a.focal_px.total_cmp(&b.focal_px);
-    let (low, high) = (
-        views.iter().min_by(by_focal)?,
-        views.iter().max_by(by_focal)?,
-    );
+    let low = views
+        .iter()
+        .min_by(|a, b| a.focal_px.total_cmp(&b.focal_px))?;
+    let high = views
+        .iter()
+        .max_by(|a, b| a.focal_px.total_cmp(&b.focal_px))?;
     // The line through the shortest and the longest focal length; all other views are checked
     // against it.
     let mut curve = low.curve()?;
@@ -277,12 +291,11 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
             curve.k2_per_k1_squared = with_k2.lens.k2 / with_k2.lens.k1.powi(2);
         }
     }
-    let explains = |view: &&&Pinhole| {
+    let fits_all = views.iter().all(|view| {
         let Radial { k1, k2 } = curve.radial_at(view.focal_px);
         (k1 - view.lens.k1).abs() <= SAME_LENS && (k2 - view.lens.k2).abs() <= SAME_LENS
-    };
-    let all = views.iter().filter(explains).count() == views.len();
-    (all && curve.is_finite()).then_some(curve)
+    });
+    (fits_all && curve.is_finite()).then_some(curve)
 }
 
 /// The camera of a frame. For a homography, the camera with the principal point in the middle that
@@ -311,17 +324,22 @@ pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlaneP
 
 /// Ground points (m) of a regular grid of pixels, with the pixels.
 fn grid_on_ground(image_from_ground: &Mat3, size: ImageSize) -> Vec<(Vec2, ImagePoint)> {
-    const STEPS: u32 = 8;
     let Some(view) = PlaneView::new(image_from_ground, size) else {
         return Vec::new();
     };
-    let pixels = (0..=STEPS).flat_map(|column| (0..=STEPS).map(move |row| (column, row)));
-    let share = |step: u32, side: u32| f64::from(step) / f64::from(STEPS) * f64::from(side);
-    pixels
-        .map(|(column, row)| ImagePoint::new(share(column, size.width), share(row, size.height)))
+    (0..=GRID_STEPS)
+        .flat_map(|column| (0..=GRID_STEPS).map(move |row| grid_pixel(column, row, size)))
         .filter_map(|pixel| Some((view.ground_from_image(pixel)?, pixel)))
         .filter(|(ground, _)| ground.amax() < WIDEST_GROUND_M)
         .collect()
+}
+
+/// A pixel of the regular grid over the picture, edges included.
+fn grid_pixel(column: u32, row: u32, size: ImageSize) -> ImagePoint {
+    ImagePoint::new(
+        f64::from(column) / f64::from(GRID_STEPS) * f64::from(size.width),
+        f64::from(row) / f64::from(GRID_STEPS) * f64::from(size.height),
+    )
 }
 
 #[cfg(test)]

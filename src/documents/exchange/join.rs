@@ -185,15 +185,14 @@ impl Cameras<'_> {
             return name.clone();
         };
         let field = field_of(camera, self.imported);
-        let is_same = |known: &Camera| {
-            known.base() == camera.base()
-                && known.base().is_some()
-                && field_of(known, document).is_same_field(field)
-        };
         let same = document
             .cameras
             .iter()
-            .find(|known| is_same(known))
+            .find(|known| {
+                known.base() == camera.base()
+                    && known.base().is_some()
+                    && field_of(known, document).is_same_field(field)
+            })
             .map(|known| known.id.clone());
         let id = same.unwrap_or_else(|| {
             let id = free_id(document, name);
@@ -223,13 +222,13 @@ impl Cameras<'_> {
             .map_or(&self.imported.field, |camera| {
                 field_of(camera, self.imported)
             });
-        let is_alike = |camera: &Camera| {
-            camera.image_size == frame.image_size && field_of(camera, document).is_same_field(field)
-        };
         let alike = document
             .cameras
             .iter()
-            .find(|camera| is_alike(camera))
+            .find(|camera| {
+                camera.image_size == frame.image_size
+                    && field_of(camera, document).is_same_field(field)
+            })
             .map(|camera| camera.id.clone());
         alike.unwrap_or_else(|| self.take(&frame.camera, document))
     }

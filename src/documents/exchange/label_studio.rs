@@ -68,30 +68,30 @@ fn marks_of(
     value: &Node<'_>,
     labels: &[&str],
     size: ImageSize,
-    shift: f64,
+    shift_px: f64,
 ) -> Result<Vec<Mark>, Problem> {
-    let at = |x: f64, y: f64| {
-        let (width, height) = (f64::from(size.width), f64::from(size.height));
-        ImagePoint::new(x / 100.0 * width + shift, y / 100.0 * height + shift)
-    };
-    let points = match value.find("points") {
+    let in_percent: Vec<[f64; 2]> = match value.find("points") {
         Some(points) => points
             .items()?
-            .map(|point| point.numbers().map(|[x, y]| at(x, y)))
-            .collect::<Result<_, _>>()?,
-        None => vec![at(value.key("x")?.number()?, value.key("y")?.number()?)],
+            .map(|point| point.numbers::<2>())
+            .collect::<Result<Vec<_>, _>>()?,
+        None => vec![[value.key("x")?.number()?, value.key("y")?.number()?]],
     };
-    let of_label = |label: &&str| {
-        let label = (*label).to_owned();
-        points
-            .iter()
-            .map(move |image| Mark {
-                label: label.clone(),
-                image: *image,
+    Ok(labels
+        .iter()
+        .flat_map(|label| {
+            in_percent.iter().map(move |at| Mark {
+                label: (*label).to_owned(),
+                image: point_from_percent(*at, size, shift_px),
             })
-            .collect::<Vec<_>>()
-    };
-    Ok(labels.iter().flat_map(of_label).collect())
+        })
+        .collect())
+}
+
+/// A point of a picture, from percent of its sides.
+fn point_from_percent([x, y]: [f64; 2], size: ImageSize, shift_px: f64) -> ImagePoint {
+    let (width, height) = (f64::from(size.width), f64::from(size.height));
+    ImagePoint::new(x / 100.0 * width + shift_px, y / 100.0 * height + shift_px)
 }
 
 fn size_of(node: &Node<'_>, width: &str, height: &str) -> Result<Option<ImageSize>, Problem> {
@@ -111,24 +111,25 @@ fn annotation<'a>(task: &Node<'a>, annotator: Option<&str>) -> Result<Option<Nod
     else {
         return Ok(None);
     };
-    let is_cancelled = |node: &Node<'_>| {
-        node.find("was_cancelled")
-            .is_some_and(|is| is.value() == &Value::Bool(true))
-    };
-    let by = |node: &Node<'_>| {
-        let of = node.find("completed_by");
-        let of = of.map(|of| of.find("email").unwrap_or(of));
-        of.map(|of| {
-            of.value()
-                .as_str()
-                .map_or_else(|| of.value().to_string(), ToOwned::to_owned)
-        })
-    };
-    let wanted =
-        |node: &Node<'_>| annotator.is_none_or(|annotator| by(node).as_deref() == Some(annotator));
-    Ok(all
-        .items()?
-        .rfind(|node| !is_cancelled(node) && wanted(node)))
+    Ok(all.items()?.rfind(|node| {
+        !is_cancelled(node)
+            && annotator.is_none_or(|wanted| annotator_of(node).as_deref() == Some(wanted))
+    }))
+}
+
+/// Whether the annotator discarded an annotation.
+fn is_cancelled(annotation: &Node<'_>) -> bool {
+    annotation
+        .find("was_cancelled")
+        .is_some_and(|is| is.value() == &Value::Bool(true))
+}
+
+/// The e-mail address or the number of the annotator.
+fn annotator_of(annotation: &Node<'_>) -> Option<String> {
+    let user = annotation.find("completed_by")?;
+    let user = user.find("email").unwrap_or(user);
+    let text = user.value().as_str();
+    Some(text.map_or_else(|| user.value().to_string(), ToOwned::to_owned))
 }
 
 fn read_task(

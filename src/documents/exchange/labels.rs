@@ -115,6 +115,14 @@ pub enum Meaning {
     Unknown,
 }
 
+impl Meaning {
+    /// The meaning of our own name. Unknown without a name, or if the field does not have it.
+    fn from_name(name: Option<&str>, field: &FieldModel) -> Self {
+        name.and_then(|name| ours(name, field))
+            .map_or(Self::Unknown, Self::Target)
+    }
+}
+
 /// The landmark or line of our own name.
 fn ours(name: &str, field: &FieldModel) -> Option<Target> {
     if field.landmark_element(name).is_some() {
@@ -133,38 +141,39 @@ impl LabelMap {
         label: &str,
         field: &FieldModel,
     ) -> Result<Meaning, ExchangeError> {
-        let named = |name: Option<&str>| {
-            name.and_then(|name| ours(name, field))
-                .map_or(Meaning::Unknown, Meaning::Target)
-        };
         Ok(match self {
-            Self::Touchline => named(Some(label)),
+            Self::Touchline => Meaning::from_name(Some(label), field),
             // Roboflow's index, or the name that an export gives the point.
-            Self::Roboflow32 => match label.parse::<usize>() {
-                Ok(index) => named(ROBOFLOW_32.get(index).copied()),
-                Err(_) => named(ROBOFLOW_32.into_iter().find(|name| *name == label)),
-            },
+            Self::Roboflow32 => {
+                let name = if let Ok(index) = label.parse::<usize>() {
+                    ROBOFLOW_32.get(index).copied()
+                } else {
+                    ROBOFLOW_32.into_iter().find(|name| *name == label)
+                };
+                Meaning::from_name(name, field)
+            }
             Self::Roboflow32Captions => {
                 let index = label.parse().ok().and_then(index_of_caption);
-                named(index.map(|index| ROBOFLOW_32[index]))
+                Meaning::from_name(index.map(|index| ROBOFLOW_32[index]), field)
             }
             Self::SoccerNet if SOCCERNET_UNKNOWN.contains(&label.trim_end()) => Meaning::Nothing,
             Self::SoccerNet => {
                 let class = SOCCERNET_LINES
                     .iter()
                     .find(|(class, _)| class.trim_end() == label.trim_end());
-                named(class.map(|(_, line)| *line))
+                Meaning::from_name(class.map(|(_, line)| *line), field)
             }
             Self::Own(map) => match map.get(label) {
                 None => Meaning::Unknown,
                 Some(None) => Meaning::Nothing,
                 Some(Some(name)) => {
-                    let missing = || Problem::Unknown {
-                        what: "the landmark or line",
-                        name: name.clone(),
+                    let Some(target) = ours(name, field) else {
+                        let unknown = Problem::Unknown {
+                            what: "the landmark or line",
+                            name: name.clone(),
+                        };
+                        return Err(unknown.within("the map of labels"));
                     };
-                    let target =
-                        ours(name, field).ok_or_else(|| missing().within("the map of labels"))?;
                     Meaning::Target(target)
                 }
             },

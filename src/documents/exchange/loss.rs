@@ -88,11 +88,11 @@ fn points_of(field: &FieldModel) -> Vec<FieldPoint> {
         .landmarks
         .iter()
         .map(|landmark| FieldPoint::from_nominal(landmark.nominal_m, field));
-    let share = |step: usize| step as f64 / (LINE_POINTS - 1) as f64;
+    let shares = (0..LINE_POINTS).map(|step| step as f64 / (LINE_POINTS - 1) as f64);
     let lines = field
         .lines
         .iter()
-        .flat_map(|line| (0..LINE_POINTS).map(move |step| line.curve.point_at(share(step))))
+        .flat_map(|line| shares.clone().map(move |share| line.curve.point_at(share)))
         .map(|nominal| FieldPoint::from_nominal(nominal, field));
     landmarks.chain(lines).collect()
 }
@@ -102,10 +102,9 @@ fn visible<'a>(
     frame: &'a FrameCamera,
     points: &'a [FieldPoint],
 ) -> impl Iterator<Item = (FieldPoint, ImagePoint)> + 'a {
-    let shown = |point: &FieldPoint| Some((*point, point.image_in(frame)?));
     points
         .iter()
-        .filter_map(shown)
+        .filter_map(|point| Some((*point, point.image_in(frame)?)))
         .filter(|(_, image)| frame.size.is_none_or(|size| size.contains(*image)))
 }
 

@@ -118,13 +118,12 @@ impl<'a> Node<'a> {
             .as_object()
             .ok_or_else(|| self.kind("an object"))?;
         let object = self.clone();
-        let entry = move |(key, value): (&'a String, &'a Value)| {
+        Ok(map.iter().map(move |(key, value)| {
             (
                 key.as_str(),
                 object.at(value, format_args!("[{:?}]", shorten(key)), false),
             )
-        };
-        Ok(map.iter().map(entry))
+        }))
     }
 
     /// A finite number.
@@ -158,15 +157,16 @@ impl<'a> Node<'a> {
     /// A list of `N` numbers.
     pub fn numbers<const N: usize>(&self) -> Result<[f64; N], Problem> {
         let found = self.count()?;
-        let wrong = || Problem::Count {
+        if found == N
+            && let Ok(numbers) = <[f64; N]>::try_from(self.all_numbers()?)
+        {
+            return Ok(numbers);
+        }
+        Err(Problem::Count {
             what: format!("{} (numbers)", self.path()),
             wanted: N,
             found,
-        };
-        if found != N {
-            return Err(wrong());
-        }
-        self.all_numbers()?.try_into().map_err(|_| wrong())
+        })
     }
 
     /// All numbers of a list.

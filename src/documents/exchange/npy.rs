@@ -68,10 +68,7 @@ pub fn matrix(bytes: &[u8]) -> Result<Mat3, Problem> {
     let wanted = "a 3 x 3 matrix as numpy.save writes it";
     let header = Header::read(bytes, wanted)?;
     if header.shape != "3,3" {
-        return Err(Problem::NotFormat {
-            wanted,
-            found: format!("the shape is ({})", shorten(header.shape.as_str())),
-        });
+        return Err(wrong_shape(wanted, &header.shape));
     }
     let array = header.array(wanted)?;
     if array.values.iter().any(|value| !value.is_finite()) {
@@ -120,31 +117,31 @@ struct Header<'a> {
 
 impl<'a> Header<'a> {
     fn read(bytes: &'a [u8], wanted: &'static str) -> Result<Self, Problem> {
-        let wrong = |found: String| Problem::NotFormat { wanted, found };
         if bytes.is_empty() {
             return Err(Problem::Empty);
         }
         refuse_archive(bytes)?;
         let rest = bytes
             .strip_prefix(MAGIC)
-            .ok_or_else(|| wrong("the magic bytes are missing".to_owned()))?;
-        let short = || wrong(format!("it ends after {} bytes", bytes.len()));
+            .ok_or_else(|| wrong(wanted, "the magic bytes are missing"))?;
         let (length, rest) = match rest {
             [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
             [2 | 3, _, a, b, c, d, rest @ ..] => {
                 (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest)
             }
             [version, ..] if *version > 3 || *version == 0 => {
-                return Err(wrong(format!("version {version}")));
+                return Err(wrong(wanted, format!("version {version}")));
             }
-            _ => return Err(short()),
+            _ => return Err(too_short(wanted, bytes.len())),
         };
         if length > MAX_HEADER {
-            return Err(wrong(format!("a header of {length} bytes")));
+            return Err(wrong(wanted, format!("a header of {length} bytes")));
         }
-        let text = rest.get(..length).ok_or_else(short)?;
+        let text = rest
+            .get(..length)
+            .ok_or_else(|| too_short(wanted, bytes.len()))?;
         let text =
-            std::str::from_utf8(text).map_err(|_| wrong("a header that is not text".to_owned()))?;
+            std::str::from_utf8(text).map_err(|_| wrong(wanted, "a header that is not text"))?;
         let text: String = text
             .chars()
             .filter(|letter| !letter.is_whitespace())
@@ -178,15 +175,12 @@ impl<'a> Header<'a> {
     /// The numbers behind it. A shape larger than the data is rejected before anything is
     /// allocated.
     fn array(&self, wanted: &'static str) -> Result<Array, Problem> {
-        let wrong = |found: String| Problem::NotFormat { wanted, found };
         let Some((_, bytes, value)) = NUMBER_TYPES
             .into_iter()
             .find(|(name, _, _)| *name == self.kind)
         else {
-            return Err(wrong(format!(
-                "numbers of the type {}",
-                shorten(&self.kind)
-            )));
+            let found = format!("numbers of the type {}", shorten(&self.kind));
+            return Err(wrong(wanted, found));
         };
         let sides = self.shape.split(',').filter(|side| !side.is_empty());
         let shape: Option<Vec<usize>> = sides.map(|side| side.parse().ok()).collect();
@@ -195,10 +189,10 @@ impl<'a> Header<'a> {
             .flatten()
             .try_fold(1_usize, |count, side| count.checked_mul(*side));
         let (Some(shape), Some(count)) = (shape, count) else {
-            return Err(wrong(format!("the shape is ({})", shorten(&self.shape))));
+            return Err(wrong_shape(wanted, &self.shape));
         };
         if self.data.len() / bytes < count {
-            return Err(wrong(format!("it ends after {} bytes", self.length)));
+            return Err(too_short(wanted, self.length));
         }
         let values: Vec<f64> = self
             .data
@@ -217,18 +211,37 @@ impl<'a> Header<'a> {
 
 /// Converts numbers from Fortran order (first axis fastest) to C order (last axis fastest).
 fn by_rows(values: &[f64], shape: &[usize]) -> Vec<f64> {
-    let from = |place: usize| {
-        // Decompose the C index into coordinates, last axis first; in Fortran order the last axis
-        // has the largest stride.
-        let (mut left, mut at, mut stride) = (place, 0, values.len());
-        for side in shape.iter().rev() {
-            stride /= side;
-            at += left % side * stride;
-            left /= side;
-        }
-        values[at]
-    };
-    (0..values.len()).map(from).collect()
+    (0..values.len())
+        .map(|c_index| values[fortran_index(c_index, shape, values.len())])
+        .collect()
+}
+
+/// The index in Fortran order of the number that has this index in C order, of `count` numbers.
+fn fortran_index(c_index: usize, shape: &[usize], count: usize) -> usize {
+    // Decompose the C index into coordinates, last axis first; in Fortran order the last axis has
+    // the largest stride.
+    let (mut left, mut index, mut stride) = (c_index, 0, count);
+    for side in shape.iter().rev() {
+        stride /= side;
+        index += left % side * stride;
+        left /= side;
+    }
+    index
+}
+
+fn wrong(wanted: &'static str, found: impl Into<String>) -> Problem {
+    Problem::NotFormat {
+        wanted,
+        found: found.into(),
+    }
+}
+
+fn wrong_shape(wanted: &'static str, shape: &str) -> Problem {
+    wrong(wanted, format!("the shape is ({})", shorten(shape)))
+}
+
+fn too_short(wanted: &'static str, length_bytes: usize) -> Problem {
+    wrong(wanted, format!("it ends after {length_bytes} bytes"))
 }
 
 #[cfg(test)]

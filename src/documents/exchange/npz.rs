@@ -63,6 +63,16 @@ fn wrong(found: impl Into<String>) -> Problem {
     }
 }
 
+/// The error of an archive without its table.
+fn damaged_table() -> Problem {
+    wrong("the table at its end is missing or damaged; copy the file again")
+}
+
+/// The error of an array that cannot be unpacked.
+fn damaged(found: &str, array: &str) -> Problem {
+    wrong(format!("{found} in the array {array}; copy the file again"))
+}
+
 fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
     Some(u16::from_le_bytes(
         bytes.get(at..at.checked_add(2)?)?.try_into().ok()?,
@@ -87,23 +97,22 @@ impl<'a> Npz<'a> {
         if !bytes.starts_with(LOCAL) && !bytes.starts_with(END) {
             return Err(wrong("it does not begin as a zip file"));
         }
-        let cut = || wrong("the table at its end is missing or damaged; copy the file again");
         let from = bytes.len().saturating_sub(END_BYTES + MAX_COMMENT);
         let end = bytes[from..]
             .windows(END.len())
             .rposition(|window| window == END)
             .map(|at| from + at);
-        let end = end.ok_or_else(cut)?;
-        let count = usize::from(u16_at(bytes, end + 10).ok_or_else(cut)?);
+        let end = end.ok_or_else(damaged_table)?;
+        let count = usize::from(u16_at(bytes, end + 10).ok_or_else(damaged_table)?);
         if count > MAX_ENTRIES {
             return Err(wrong(format!(
                 "it states {count} arrays, and at most {MAX_ENTRIES} are read"
             )));
         }
-        let mut at = u32_at(bytes, end + 16).ok_or_else(cut)? as usize;
+        let mut at = u32_at(bytes, end + 16).ok_or_else(damaged_table)? as usize;
         let mut entries = BTreeMap::new();
         for _ in 0..count {
-            let (name, entry, next) = entry_at(bytes, at).ok_or_else(cut)?;
+            let (name, entry, next) = entry_at(bytes, at).ok_or_else(damaged_table)?;
             let key = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
             if entries.insert(key, entry).is_some() {
                 return Err(Problem::Twice {
@@ -145,10 +154,9 @@ impl<'a> Npz<'a> {
     }
 
     fn unpack(&self, name: &str, entry: Entry) -> Result<Vec<u8>, Problem> {
-        let what = || format!("the array {name}");
         if entry.flags & ENCRYPTED != 0 {
             return Err(Problem::Unsupported {
-                what: what(),
+                what: format!("the array {name}"),
                 why: "it is encrypted",
             });
         }
@@ -159,8 +167,7 @@ impl<'a> Npz<'a> {
             };
             return Err(too_large.at_array(name));
         }
-        let damaged = |found: &str| wrong(format!("{found} in {}; copy the file again", what()));
-        let data = data_of(self.bytes, entry).ok_or_else(|| damaged("bytes are missing"))?;
+        let data = data_of(self.bytes, entry).ok_or_else(|| damaged("bytes are missing", name))?;
         let unpacked = match entry.method {
             STORED => data.to_vec(),
             DEFLATED => {
@@ -169,7 +176,7 @@ impl<'a> Npz<'a> {
                 let read = DeflateDecoder::new(data)
                     .take(limit)
                     .read_to_end(&mut unpacked);
-                read.map_err(|_| damaged("the packed bytes are damaged"))?;
+                read.map_err(|_| damaged("the packed bytes are damaged", name))?;
                 unpacked
             }
             other => {
@@ -181,7 +188,7 @@ impl<'a> Npz<'a> {
             }
         };
         if unpacked.len() != entry.unpacked || crc32fast::hash(&unpacked) != entry.crc {
-            return Err(damaged("the check sum is wrong"));
+            return Err(damaged("the check sum is wrong", name));
         }
         Ok(unpacked)
     }
@@ -228,6 +235,8 @@ pub fn archive_to_bytes(arrays: &[(&str, Array)]) -> Vec<u8> {
         let name = format!("{name}.npy");
         let data = array.to_bytes();
         let at = bytes.len() as u32;
+        // What the entry's local header and the table have in common: version, flags, method, time
+        // and date, check sum, both sizes, and the lengths of the name and of the extra field.
         let mut common = Vec::new();
         for number in [VERSION, 0, STORED, 0, FIRST_DAY] {
             common.extend(number.to_le_bytes());
@@ -254,6 +263,8 @@ pub fn archive_to_bytes(arrays: &[(&str, Array)]) -> Vec<u8> {
     }
     let (count, at) = (arrays.len() as u16, bytes.len() as u32);
     let length = table.len() as u32;
+    // The table and the record at the end: one disk, the number of entries on it and in all, the
+    // table's length and place, no comment.
     bytes.extend(table);
     bytes.extend(END);
     bytes.extend([0; 4]);

@@ -70,9 +70,12 @@ fn yaml(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> String {
     text
 }
 
+/// The numbers of a file, by the name of their entry.
+type Entries = BTreeMap<String, Vec<f64>>;
+
 /// The plain numbers and the matrices' data of a file, by name. Other lines are ignored.
-fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
-    let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+fn entries(text: &str) -> Result<Entries, Problem> {
+    let mut found = Entries::new();
     let mut lines = text.lines().enumerate().peekable();
     while let Some((index, line)) = lines.next() {
         let Some((key, value)) = line
@@ -82,7 +85,7 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
             continue;
         };
         let (key, value) = (key.trim().to_owned(), value.trim());
-        let at = |problem: Problem| problem.at_line(index + 1);
+        let line_number = index + 1;
         // A matrix: collect the indented lines from `data:` up to the closing bracket.
         let values = if value.starts_with(MATRIX) || value.is_empty() {
             let mut data = String::new();
@@ -101,12 +104,12 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
                 lines.next();
             }
             if is_open || (value.starts_with(MATRIX) && data.is_empty()) {
-                let found = "a list that does not end".to_owned();
-                return Err(at(Problem::Kind {
+                let problem = Problem::Kind {
                     what: key,
                     wanted: "data: [ … ]",
-                    found,
-                }));
+                    found: "a list that does not end".to_owned(),
+                };
+                return Err(problem.at_line(line_number));
             }
             let list = data.trim().trim_start_matches('[').trim_end_matches(']');
             let items = list
@@ -116,16 +119,17 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
             items
                 .map(|item| number(&key, item))
                 .collect::<Result<Vec<_>, _>>()
-                .map_err(at)?
+                .map_err(|problem| problem.at_line(line_number))?
         } else {
             // Texts such as a camera's name are skipped.
             number(&key, value).into_iter().collect()
         };
         if found.insert(key.clone(), values).is_some() {
-            return Err(at(Problem::Twice {
+            let problem = Problem::Twice {
                 what: "the key",
                 name: shorten(&key),
-            }));
+            };
+            return Err(problem.at_line(line_number));
         }
     }
     Ok(found)
@@ -133,33 +137,11 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
 
 fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
     let entries = entries(text(bytes)?)?;
-    let get = |key: &str, wanted: usize| -> Result<&[f64], Problem> {
-        let values = entries
-            .get(key)
-            .ok_or_else(|| Problem::Missing(key.to_owned()))?;
-        if values.len() == wanted {
-            return Ok(values);
-        }
-        if values.is_empty() {
-            let (what, wanted) = (
-                key.to_owned(),
-                if wanted == 1 { "a number" } else { "a matrix" },
-            );
-            return Err(Problem::Kind {
-                what,
-                wanted,
-                found: "a text".to_owned(),
-            });
-        }
-        Err(Problem::Count {
-            what: format!("{key} (numbers)"),
-            wanted,
-            found: values.len(),
-        })
-    };
-    let side = |key: &str| -> Result<u32, Problem> { side_px(key, get(key, 1)?[0]) };
-    let size = ImageSize::new(side("image_width")?, side("image_height")?);
-    let k = get("camera_matrix", 9)?;
+    let size = ImageSize::new(
+        side(&entries, "image_width")?,
+        side(&entries, "image_height")?,
+    );
+    let k = values_of(&entries, "camera_matrix", 9)?;
     if are_oblong_pixels(k[0], k[4]) || k[1] != 0.0 {
         let what = format!("focal lengths {} and {} px, skew {}", k[0], k[4], k[1]);
         return Err(Problem::Unsupported {
@@ -178,12 +160,13 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
         });
     }
     let coefficient = |index: usize| lens.get(index).copied().unwrap_or(0.0);
-    let vector = |key: &str| get(key, 3).map(Vec3::from_column_slice);
-    let cam_from_world = from_rotation_vector(vector("rvec")?);
+    let rotation = Vec3::from_column_slice(values_of(&entries, "rvec", 3)?);
+    let translation = Vec3::from_column_slice(values_of(&entries, "tvec", 3)?);
+    let cam_from_world = from_rotation_vector(rotation);
     let shift = Pixels::Centre.to_corner_px();
     let pinhole = Pinhole {
         cam_from_world,
-        position_m: -(cam_from_world.transpose() * vector("tvec")?),
+        position_m: -(cam_from_world.transpose() * translation),
         focal_px: k[0],
         principal_point: ImagePoint::new(k[2] + shift, k[5] + shift),
         lens: Radial {
@@ -192,6 +175,33 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
         },
     };
     Ok((pinhole.validate("the camera")?, size))
+}
+
+/// The numbers of an entry, which must be this many.
+fn values_of<'a>(entries: &'a Entries, key: &str, wanted: usize) -> Result<&'a [f64], Problem> {
+    let values = entries
+        .get(key)
+        .ok_or_else(|| Problem::Missing(key.to_owned()))?;
+    if values.len() == wanted {
+        return Ok(values);
+    }
+    if values.is_empty() {
+        return Err(Problem::Kind {
+            what: key.to_owned(),
+            wanted: if wanted == 1 { "a number" } else { "a matrix" },
+            found: "a text".to_owned(),
+        });
+    }
+    Err(Problem::Count {
+        what: format!("{key} (numbers)"),
+        wanted,
+        found: values.len(),
+    })
+}
+
+/// A side of the picture, px.
+fn side(entries: &Entries, key: &str) -> Result<u32, Problem> {
+    side_px(key, values_of(entries, key, 1)?[0])
 }
 
 impl CameraFormat for OpenCvYaml {

@@ -16,7 +16,7 @@ use super::node::{Node, parse};
 use super::options::ImportOptions;
 use super::rate::Rate;
 use crate::document::SolutionSource;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;
 use touchline_core::camera::Radial;
@@ -107,7 +107,7 @@ fn sample(
     pinhole: &Pinhole,
     size: ImageSize,
     context: &WriteContext<'_>,
-) -> Map<String, Value> {
+) -> Value {
     let given = context.options.sensor_width_mm;
     let sensor_mm = given.unwrap_or(NOMINAL_MM);
     let [pan, tilt, roll] = angles_deg(&pinhole.cam_from_world);
@@ -117,22 +117,7 @@ fn sample(
     } else {
         "; sensor size nominal"
     };
-    let mut sample = Map::new();
-    let mut put = |key: &str, value: Value| sample.insert(key.to_owned(), value);
-    put(
-        "protocol",
-        json!({ "name": "OpenTrackIO", "version": [1, 0, 1] }),
-    );
-    put("sampleId", urn(&format!("sample {}", frame.name)).into());
-    put(
-        "sourceId",
-        urn(&format!(
-            "source {}",
-            frame.camera.as_deref().unwrap_or_default()
-        ))
-        .into(),
-    );
-    put("sourceNumber", 1.into());
+    let camera = frame.camera.as_deref().unwrap_or_default();
     let notes = format!("touchline{nominal}; {}", frame.name)
         .chars()
         .take(1000)
@@ -143,22 +128,22 @@ fn sample(
     } else {
         frame.record.status.as_str()
     };
-    put(
-        "tracker",
-        json!({ "status": status, "recording": false, "notes": notes }),
-    );
+    let mut sample = json!({
+        "protocol": { "name": "OpenTrackIO", "version": [1, 0, 1] },
+        "sampleId": urn(&format!("sample {}", frame.name)),
+        "sourceId": urn(&format!("source {camera}")),
+        "sourceNumber": 1,
+        "tracker": { "status": status, "recording": false, "notes": notes },
+    });
     if let Some(timing) = timing(frame, context) {
-        put("timing", timing);
+        sample["timing"] = timing;
     }
-    put("lens", lens(pinhole, size, sensor_mm));
-    put(
-        "transforms",
-        json!([{
-            "id": "Camera",
-            "translation": { "x": at.x, "y": at.y, "z": at.z },
-            "rotation": { "pan": pan, "tilt": tilt, "roll": roll },
-        }]),
-    );
+    sample["lens"] = lens(pinhole, size, sensor_mm);
+    sample["transforms"] = json!([{
+        "id": "Camera",
+        "translation": { "x": at.x, "y": at.y, "z": at.z },
+        "rotation": { "pan": pan, "tilt": tilt, "roll": roll },
+    }]);
     sample
 }
 
@@ -205,12 +190,20 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
             });
         }
         let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
-        let number = |node: &Node<'_>, key: &str| node.key(key)?.number();
         // Each transform is in the axes of the one before.
-        place += rotation * Vec3::new(number(&t, "x")?, number(&t, "y")?, number(&t, "z")?);
-        rotation *= world_from_body([number(&r, "pan")?, number(&r, "tilt")?, number(&r, "roll")?]);
+        place += rotation * Vec3::from(numbers_at(&t, ["x", "y", "z"])?);
+        rotation *= world_from_body(numbers_at(&r, ["pan", "tilt", "roll"])?);
     }
     Ok((rotation, place))
+}
+
+/// The numbers under three keys.
+fn numbers_at(node: &Node<'_>, [first, second, third]: [&str; 3]) -> Result<[f64; 3], Problem> {
+    Ok([
+        node.key(first)?.number()?,
+        node.key(second)?.number()?,
+        node.key(third)?.number()?,
+    ])
 }
 
 /// Entries that affect the picture and are not read.
@@ -228,28 +221,31 @@ const VERSION: [f64; 3] = [1.0, 0.0, 1.0];
 
 /// The entries of a sample that affect the picture and are not read.
 fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
-    let find = |path: &[&str]| {
-        path.iter()
-            .try_fold(root.clone(), |node, key| node.find(key))
-    };
     let mut unread: BTreeSet<String> = UNREAD
         .iter()
-        .filter(|path| find(path).is_some_and(|node| !is_neutral(node.value())))
+        .filter(|path| find_path(root, path).is_some_and(|node| !is_neutral(node.value())))
         .map(|path| path.join("."))
         .collect();
-    let version = find(&["protocol", "version"]).and_then(|version| version.numbers::<3>().ok());
+    let version =
+        find_path(root, &["protocol", "version"]).and_then(|version| version.numbers::<3>().ok());
     if let Some([major, minor, patch]) = version.filter(|version| *version != VERSION) {
         unread.insert(format!(
             "protocol version {major}.{minor}.{patch} (taken as 1.0.1)"
         ));
     }
-    if find(&["lens", "distortion"])
+    if find_path(root, &["lens", "distortion"])
         .and_then(|list| list.count().ok())
         .is_some_and(|count| count > 1)
     {
         unread.insert("the second distortion of the lens".to_owned());
     }
     unread
+}
+
+/// The value under keys within each other; none where one of them is absent.
+fn find_path<'a>(root: &Node<'a>, path: &[&str]) -> Option<Node<'a>> {
+    path.iter()
+        .try_fold(root.clone(), |node, key| node.find(key))
 }
 
 /// Whether a value has no effect: an offset of zero, a scale of one.
@@ -404,13 +400,10 @@ impl CameraFormat for OpenTrackIo {
             let mut sample = sample(frame, &pinhole, size, context);
             if index % every == 0 || last != Some((&frame.camera, size)) {
                 let sensor_mm = context.options.sensor_width_mm.unwrap_or(NOMINAL_MM);
-                sample.insert(
-                    "static".to_owned(),
-                    static_part(frame, size, sensor_mm, context.rate_of(frame)),
-                );
+                sample["static"] = static_part(frame, size, sensor_mm, context.rate_of(frame));
             }
             last = Some((&frame.camera, size));
-            text.push_str(&Value::Object(sample).to_string());
+            text.push_str(&sample.to_string());
             text.push('\n');
         }
         Ok(Files::one("camera.jsonl", text.into_bytes()))
@@ -454,12 +447,13 @@ impl CameraFormat for OpenTrackIo {
                 .lines()
                 .enumerate()
                 .filter(|(_, line)| !line.trim().is_empty());
-            let read = |(index, line): (usize, &str)| {
-                count += 1;
-                read_line(line, &mut known, options, count - 1)
-                    .map_err(|problem| problem.at_line(index + 1))
-            };
-            lines.map(read).collect::<Result<Vec<_>, _>>()
+            lines
+                .map(|(index, line)| {
+                    count += 1;
+                    read_line(line, &mut known, options, count - 1)
+                        .map_err(|problem| problem.at_line(index + 1))
+                })
+                .collect::<Result<Vec<_>, _>>()
         })
     }
 }

@@ -37,8 +37,9 @@ impl PicturePoints {
     pub fn for_frame(&self, frame: &Frame, position: usize) -> &[ImagePoint] {
         let name = frame.image.as_deref().map(picture_name);
         let by_name = name.and_then(|name| self.by_name.get(name));
-        let by_number = || self.by_number.get(&frame.number_at(position));
-        by_name.or_else(by_number).map_or(&[], Vec::as_slice)
+        by_name
+            .or_else(|| self.by_number.get(&frame.number_at(position)))
+            .map_or(&[], Vec::as_slice)
     }
 
     /// How many there are.
@@ -127,9 +128,8 @@ fn point_of_mot(line: &str) -> Result<(u64, ImagePoint), Problem> {
         value: 0.0,
         wanted: "1 or more, for MOT counts frames from 1",
     })?;
-    let at = |what, field| number(what, field);
-    let corner = [at("left", left)?, at("top", top)?];
-    let sides = [at("width", width)?, at("height", height)?];
+    let corner = [number("left", left)?, number("top", top)?];
+    let sides = [number("width", width)?, number("height", height)?];
     Ok((frame, foot_of_box(corner, sides)))
 }
 
@@ -157,8 +157,7 @@ fn points_of_table(bytes: &[u8]) -> Result<PicturePoints, Problem> {
 
 /// The frame of a row: a number, else a picture's name.
 fn frame_of_row(row: &Row<'_>) -> Result<FrameName, Problem> {
-    let missing = || Problem::Missing("a value for frame".to_owned()).at_line(row.line());
-    let frame = row.text("frame").ok_or_else(missing)?;
+    let frame = row.text("frame").ok_or_else(|| row.missing("frame"))?;
     match number("frame", frame) {
         Ok(value) => frame_number("frame", value)
             .map(FrameName::Number)
@@ -180,7 +179,7 @@ fn points_of_cvat(text: &str) -> Result<PicturePoints, Problem> {
             }
             "track" => {
                 for of_track in boxes(element) {
-                    let frame = number("frame", attribute(of_track, "frame")?)?;
+                    let frame = number_of(of_track, "frame")?;
                     let frame = FrameName::Number(frame_number("frame", frame)?);
                     points.add(frame, foot_of(of_track)?);
                 }
@@ -200,9 +199,16 @@ fn boxes(parent: Element<'_>) -> impl Iterator<Item = Element<'_>> {
 
 /// The middle of the lower side of CVAT's box.
 fn foot_of(element: Element<'_>) -> Result<ImagePoint, Problem> {
-    let side = |name| number(name, attribute(element, name)?);
-    let (left, right) = (side("xtl")?, side("xbr")?);
-    Ok(ImagePoint::new(0.5 * (left + right), side("ybr")?))
+    let (left, right) = (number_of(element, "xtl")?, number_of(element, "xbr")?);
+    Ok(ImagePoint::new(
+        0.5 * (left + right),
+        number_of(element, "ybr")?,
+    ))
+}
+
+/// A number that an element must have as an attribute.
+fn number_of(element: Element<'_>, name: &str) -> Result<f64, Problem> {
+    number(name, attribute(element, name)?)
 }
 
 #[cfg(test)]

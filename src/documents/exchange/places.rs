@@ -70,8 +70,9 @@ impl<'a> Places<'a> {
     pub fn find(&self, imported: &Frame, folder: &Path) -> Option<usize> {
         let by_file =
             image_file(imported, folder).and_then(|file| self.by_file.get(&file).copied());
-        let by_stem = || self.by_stem.get(&image_stem(imported)?).copied().flatten();
-        match by_file.or_else(by_stem) {
+        let by_image =
+            by_file.or_else(|| self.by_stem.get(&image_stem(imported)?).copied().flatten());
+        match by_image {
             Some(index) if self.has_same_digest(index, imported, folder) => Some(index),
             Some(_) => None,
             None => self.find_in_video(imported.video.as_ref()?, folder),
@@ -84,15 +85,10 @@ impl<'a> Places<'a> {
             return false;
         };
         let is_one_file = image_file(frame, self.open.folder) == image_file(imported, folder);
-        // For the same file only the stated digests can differ.
-        let digest = |frame: &Frame, folder: &Path| match (&frame.sha256, is_one_file) {
-            (Some(stated), _) => Some(stated.to_ascii_lowercase()),
-            (None, true) => None,
-            (None, false) => frame
-                .image_path(folder)
-                .and_then(|path| sha256_of_file(&path).ok()),
-        };
-        match (digest(frame, self.open.folder), digest(imported, folder)) {
+        match (
+            digest(frame, self.open.folder, is_one_file),
+            digest(imported, folder, is_one_file),
+        ) {
             (Some(known), Some(other)) => known == other,
             _ => true,
         }
@@ -102,9 +98,9 @@ impl<'a> Places<'a> {
         let video = self.find_video(&imported.path, folder)?;
         let index = *self.by_number.get(&(video.clone(), imported.frame_index))?;
         let known = self.open.document.frames.get(index)?.video.as_ref()?;
-        let are_apart = |(a, b): (f64, f64)| (a - b).abs() > SAME_TIME_S;
-        let is_named = names_video(&imported.path);
-        (!(is_named && known.pts_s.zip(imported.pts_s).is_some_and(are_apart))).then_some(index)
+        let times_s = known.pts_s.zip(imported.pts_s);
+        let are_apart = times_s.is_some_and(|(a, b)| (a - b).abs() > SAME_TIME_S);
+        (!(are_apart && names_video(&imported.path))).then_some(index)
     }
 
     fn find_video(&self, path: &str, folder: &Path) -> Option<&PathBuf> {
@@ -125,11 +121,28 @@ impl<'a> Places<'a> {
     }
 }
 
+/// The SHA-256 of a frame's image: the stated one, else that of the file. Not computed if both
+/// frames have the same file, because then only stated digests can differ.
+fn digest(frame: &Frame, folder: &Path, is_one_file: bool) -> Option<String> {
+    match &frame.sha256 {
+        Some(stated) => Some(stated.to_ascii_lowercase()),
+        None if is_one_file => None,
+        None => sha256_of_file(&frame.image_path(folder)?).ok(),
+    }
+}
+
 /// Whether two videos may be the same: equal names, and not two existing files of different
 /// lengths.
 fn may_be_copies(a: &Path, b: &Path) -> bool {
-    let length = |path: &Path| fs::metadata(path).ok().map(|metadata| metadata.len());
-    a.file_name() == b.file_name() && length(a).zip(length(b)).is_none_or(|(a, b)| a == b)
+    a.file_name() == b.file_name()
+        && file_length(a)
+            .zip(file_length(b))
+            .is_none_or(|(a, b)| a == b)
+}
+
+/// The length of a file, bytes; none where it does not exist.
+fn file_length(path: &Path) -> Option<u64> {
+    fs::metadata(path).ok().map(|metadata| metadata.len())
 }
 
 /// Whether a path names a video file. Tracks without a video are named by their numbers.

@@ -40,11 +40,16 @@ impl Rate {
     /// The usual rate within 0.02 % of a measured one.
     #[must_use]
     pub fn nearest(per_second: f64) -> Option<Self> {
-        let off = |rate: &Self| (rate.per_second() / per_second - 1.0).abs();
-        let nearest = Self::USUAL
-            .into_iter()
-            .min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        (off(&nearest) < 2e-4).then_some(nearest)
+        let nearest = Self::USUAL.into_iter().min_by(|a, b| {
+            a.deviation_from(per_second)
+                .total_cmp(&b.deviation_from(per_second))
+        })?;
+        (nearest.deviation_from(per_second) < 2e-4).then_some(nearest)
+    }
+
+    /// The relative difference from a measured rate.
+    fn deviation_from(self, per_second: f64) -> f64 {
+        (self.per_second() / per_second - 1.0).abs()
     }
 
     /// `25`, `29.97` or `30000/1001`.

@@ -135,12 +135,11 @@ fn is_freed(bytes: &[u8]) -> bool {
 
 fn format_of_table(bytes: &[u8]) -> Option<Format> {
     let table = Table::read(bytes).ok()?;
-    let has = |columns: &[&str]| table.needs(columns).is_ok();
-    if has(&["r11", "focal_px"]) {
-        Some(Format::Csv)
-    } else {
-        has(&["pan_deg", "zoom_raw"]).then_some(Format::FreeDCsv)
+    if table.needs(&["r11", "focal_px"]).is_ok() {
+        return Some(Format::Csv);
     }
+    let has_zoom = table.needs(&["pan_deg", "zoom_raw"]).is_ok();
+    has_zoom.then_some(Format::FreeDCsv)
 }
 
 fn format_of_yaml(text: &str) -> Option<Format> {
@@ -182,7 +181,6 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
     if value.get("format").and_then(Value::as_str) == Some("touchline") {
         return Some(Format::Json);
     }
-    let has = |keys: &[&str]| keys.iter().all(|key| value.get(key).is_some());
     let keys: [(&[&str], Format); 9] = [
         (&["cam_params"], Format::PnlCalib),
         (&["parameters"], Format::PnlCalib),
@@ -202,7 +200,9 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
             Format::PnlCalib
         });
     }
-    let by_keys = keys.into_iter().find(|(keys, _)| has(keys));
+    let by_keys = keys
+        .into_iter()
+        .find(|(keys, _)| keys.iter().all(|key| value.get(key).is_some()));
     by_keys
         .map(|(_, format)| format)
         .or_else(|| format_by_values(value))

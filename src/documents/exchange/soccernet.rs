@@ -57,6 +57,7 @@ pub fn angles_deg(cam_from_their_world: &Mat3) -> [f64; 3] {
         );
         return [pan.to_degrees(), tilt, 0.0];
     }
+    // The sign chooses between the two triples: the one with a roll of at most 90°.
     let roll = o[(2, 0)].atan2(o[(2, 1)]);
     let sign = if roll.abs() <= std::f64::consts::FRAC_PI_2 {
         1.0
@@ -72,13 +73,15 @@ pub fn angles_deg(cam_from_their_world: &Mat3) -> [f64; 3] {
 /// The rotation from their world of pan, tilt and roll, degrees.
 #[must_use]
 pub fn rotation_of([pan, tilt, roll]: [f64; 3]) -> Mat3 {
-    let about_z = |degrees: f64| {
-        let (s, c) = degrees.to_radians().sin_cos();
-        Mat3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
-    };
     let (s, c) = tilt.to_radians().sin_cos();
     let about_x = Mat3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
-    (about_z(pan) * about_x * about_z(roll)).transpose()
+    (rotation_about_z(pan) * about_x * rotation_about_z(roll)).transpose()
+}
+
+/// The rotation about the z axis, anticlockwise as seen from its tip.
+fn rotation_about_z(angle_deg: f64) -> Mat3 {
+    let (s, c) = angle_deg.to_radians().sin_cos();
+    Mat3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
 }
 
 /// A note for the user if the pitch is not that of the challenge.
@@ -169,14 +172,17 @@ const SAME_PROPORTIONS: f64 = 0.005;
 /// an unusual aspect ratio, which means that the principal point is not in the middle.
 #[must_use]
 pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
-    let is_whole =
-        |side: f64| (side - side.round()).abs() < 1e-6 && ImageSize::is_side_px(side.round());
     let (width, height) = (2.0 * point.x, 2.0 * point.y);
     let is_usual = USUAL_PROPORTIONS
         .iter()
         .any(|usual| (width / height / usual - 1.0).abs() < SAME_PROPORTIONS);
-    (is_whole(width) && is_whole(height) && is_usual)
+    (is_whole_side(width) && is_whole_side(height) && is_usual)
         .then(|| ImageSize::new(width.round() as u32, height.round() as u32))
+}
+
+/// Whether a length is a whole number that a picture may have as its side.
+fn is_whole_side(length_px: f64) -> bool {
+    (length_px - length_px.round()).abs() < 1e-6 && ImageSize::is_side_px(length_px.round())
 }
 
 /// The frame of a camera file.
@@ -198,6 +204,32 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
 
 fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
     read_frame_files(&files.sorted_entries(), frame_name, read_file)
+}
+
+/// The frames of a file with a list of samples; none where the file has no list.
+fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
+    let value = parse(bytes)?;
+    let root = Node::root(&value);
+    let Ok(samples) = root.items() else {
+        return Ok(None);
+    };
+    let frames = samples.enumerate().map(|(index, sample)| {
+        let image = sample.find("image_id").or_else(|| sample.find("image_ids"));
+        let name = image.map(|image| image.image_name()).transpose()?;
+        let pinhole = from_json(&sample)?;
+        let name = name.unwrap_or_else(|| format!("{index:06}"));
+        let size = size_by_principal_point(pinhole.principal_point);
+        Ok(FrameCamera::new(stem(&name), size, Shown::Camera(pinhole)))
+    });
+    frames.collect::<Result<Vec<_>, Problem>>().map(Some)
+}
+
+/// Whether the principal point of a frame is not in the middle of its picture.
+fn is_off_centre(frame: &FrameCamera) -> bool {
+    let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else {
+        return false;
+    };
+    pinhole.principal_point.distance_px(size.centre()) > 1e-9
 }
 
 /// The name of a file's frame: without folders, prefix and ending.
@@ -227,13 +259,7 @@ impl CameraFormat for SoccerNet {
     }
 
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
-        let off_centre = |frame: &&FrameCamera| {
-            let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else {
-                return false;
-            };
-            pinhole.principal_point.distance_px(size.centre()) > 1e-9
-        };
-        let off: Vec<&FrameCamera> = frames.iter().filter(off_centre).collect();
+        let off: Vec<&FrameCamera> = frames.iter().filter(|frame| is_off_centre(frame)).collect();
         let centre = off
             .first()
             .and_then(|frame| Some((frame.pinhole()?.principal_point, frame.size?)));
@@ -330,23 +356,7 @@ impl CameraFormat for PnlCalib {
         let [(name, bytes)] = sorted[..] else {
             return read_files(files);
         };
-        let read = || -> Result<Option<Vec<FrameCamera>>, Problem> {
-            let value = parse(bytes)?;
-            let root = Node::root(&value);
-            let Ok(samples) = root.items() else {
-                return Ok(None);
-            };
-            let frames = samples.enumerate().map(|(index, sample)| {
-                let image = sample.find("image_id").or_else(|| sample.find("image_ids"));
-                let name = image.map(|image| image.image_name()).transpose()?;
-                let pinhole = from_json(&sample)?;
-                let name = name.unwrap_or_else(|| format!("{index:06}"));
-                let size = size_by_principal_point(pinhole.principal_point);
-                Ok(FrameCamera::new(stem(&name), size, Shown::Camera(pinhole)))
-            });
-            frames.collect::<Result<Vec<_>, Problem>>().map(Some)
-        };
-        match read().map_err(|problem| problem.within(name))? {
+        match read_samples(bytes).map_err(|problem| problem.within(name))? {
             Some(frames) => Ok(frames),
             None => read_files(files),
         }

@@ -41,10 +41,10 @@ fn annotation(frame: &ClickedFrame, game_state: bool) -> Value {
     let (width, height) = (f64::from(frame.size.width), f64::from(frame.size.height));
     let mut lines = Map::new();
     for (class, line) in SOCCERNET_LINES {
-        let of_line =
-            |click: &&Click| matches!(&click.target, Some(Target::Line(id)) if id.as_str() == line);
-        let points = frame.clicks.iter().filter(of_line);
-        let points: Vec<Value> = points
+        let points: Vec<Value> = frame
+            .clicks
+            .iter()
+            .filter(|click| matches!(&click.target, Some(Target::Line(id)) if id.as_str() == line))
             .map(|click| json!({ "x": click.image.x / width, "y": click.image.y / height }))
             .collect();
         if !points.is_empty() {
@@ -62,26 +62,9 @@ fn read_file(bytes: &[u8], size: ImageSize) -> Result<Vec<Mark>, Problem> {
     let mut marks = Vec::new();
     for (class, points) in Node::root(&value).entries()? {
         for point in points.items()? {
-            let share = |key: &str| -> Result<f64, Problem> {
-                let node = point.key(key)?;
-                let value = node.number()?;
-                // A point on the border is often written a little beyond it. Annotators may also
-                // drag points there, which are kept where they are.
-                if (-BORDER_SHARE..=1.0 + BORDER_SHARE).contains(&value) {
-                    return Ok(value.clamp(0.0, 1.0));
-                }
-                if (-0.5..=1.5).contains(&value) {
-                    return Ok(value);
-                }
-                Err(Problem::OutOfRange {
-                    what: node.path().to_owned(),
-                    value,
-                    wanted: "a share of the picture, 0 to 1",
-                })
-            };
             let image = ImagePoint::new(
-                share("x")? * f64::from(size.width),
-                share("y")? * f64::from(size.height),
+                share_of_side(&point.key("x")?)? * f64::from(size.width),
+                share_of_side(&point.key("y")?)? * f64::from(size.height),
             );
             marks.push(Mark {
                 label: class.to_owned(),
@@ -90,6 +73,25 @@ fn read_file(bytes: &[u8], size: ImageSize) -> Result<Vec<Mark>, Problem> {
         }
     }
     Ok(marks)
+}
+
+/// A coordinate of a point, as a share of the picture's side.
+///
+/// A point on the border is often written a little beyond it. Annotators may also drag points
+/// there, which are kept where they are.
+fn share_of_side(coordinate: &Node<'_>) -> Result<f64, Problem> {
+    let value = coordinate.number()?;
+    if (-BORDER_SHARE..=1.0 + BORDER_SHARE).contains(&value) {
+        return Ok(value.clamp(0.0, 1.0));
+    }
+    if (-0.5..=1.5).contains(&value) {
+        return Ok(value);
+    }
+    Err(Problem::OutOfRange {
+        what: coordinate.path().to_owned(),
+        value,
+        wanted: "a share of the picture, 0 to 1",
+    })
 }
 
 impl ClickFormat for SoccerNetLines {

@@ -20,6 +20,8 @@ fn world_from_stage(stage: &Stage) -> Mat3 {
     Mat3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0)
 }
 
+/// The frame with its camera in other axes. `position` maps points into them, and `rotation` maps
+/// directions back.
 fn transform_camera(
     frame: &FrameCamera,
     position: impl Fn(Vec3) -> Vec3,

@@ -115,11 +115,12 @@ impl Table {
     /// # Errors
     /// One is missing; it is named.
     pub fn needs(&self, columns: &[&str]) -> Result<(), Problem> {
-        let is_there = |column: &&&str| self.header.iter().any(|name| name == **column);
-        let missing = columns.iter().find(|column| !is_there(column));
-        missing.map_or(Ok(()), |column| {
-            Err(Problem::Missing(format!("the column {column}")))
-        })
+        for column in columns {
+            if !self.header.iter().any(|name| name == column) {
+                return Err(Problem::Missing(format!("the column {column}")));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -172,8 +173,12 @@ impl Row<'_> {
     /// # Errors
     /// The field is empty or not a number.
     pub fn number(&self, column: &str) -> Result<f64, Problem> {
-        let missing = || Problem::Missing(format!("a value for {column}")).at_line(self.line());
-        self.find(column)?.ok_or_else(missing)
+        self.find(column)?.ok_or_else(|| self.missing(column))
+    }
+
+    /// The error that a field is empty or its column is missing.
+    pub(super) fn missing(&self, column: &str) -> Problem {
+        Problem::Missing(format!("a value for {column}")).at_line(self.line())
     }
 }
 
@@ -182,13 +187,13 @@ impl Row<'_> {
 /// # Errors
 /// It is none.
 pub fn number(what: &str, field: &str) -> Result<f64, Problem> {
-    let parsed: Result<f64, _> = field.trim().parse();
-    let wrong = |_| Problem::Kind {
-        what: what.to_owned(),
-        wanted: "a number",
-        found: format!("{:?}", shorten(field)),
+    let Ok(value) = field.trim().parse::<f64>() else {
+        return Err(Problem::Kind {
+            what: what.to_owned(),
+            wanted: "a number",
+            found: format!("{:?}", shorten(field)),
+        });
     };
-    let value = parsed.map_err(wrong)?;
     if value.is_finite() {
         Ok(value)
     } else {

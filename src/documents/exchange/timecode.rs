@@ -93,18 +93,9 @@ impl Timecode {
                 .rsplit_once(':')
                 .map(|(clock, frames)| (clock, frames, false))?,
         };
-        let number = |text: &str| {
-            let is_plain =
-                (1..=3).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
-            if is_plain {
-                text.parse::<u64>().ok()
-            } else {
-                None
-            }
-        };
-        let parts: Vec<u64> = clock.split(':').map(number).collect::<Option<_>>()?;
+        let parts: Vec<u64> = clock.split(':').map(parse_part).collect::<Option<_>>()?;
         let [hours, minutes, seconds] = parts.try_into().ok()?;
-        let frames = number(frames)?;
+        let frames = parse_part(frames)?;
         let is_one = hours < 24 && minutes < 60 && seconds < 60 && frames < 120;
         is_one.then_some(Self {
             hours,
@@ -114,6 +105,12 @@ impl Timecode {
             is_drop_frame,
         })
     }
+}
+
+/// A number of a timecode: one to three digits.
+fn parse_part(text: &str) -> Option<u64> {
+    let is_plain = (1..=3).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
+    if is_plain { text.parse().ok() } else { None }
 }
 
 impl fmt::Display for Timecode {

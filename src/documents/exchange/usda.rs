@@ -37,16 +37,30 @@ struct Take<'a> {
     samples: Vec<(u64, &'a Pinhole)>,
 }
 
+impl Take<'_> {
+    /// Whether a frame is the next one of the same camera, with a picture of the same size and the
+    /// same principal point.
+    fn is_continued_by(&self, time: u64, pinhole: &Pinhole, size: ImageSize, camera: &str) -> bool {
+        let follows = self.samples.last().is_some_and(|(last_time, last)| {
+            last_time + 1 == time && last.principal_point == pinhole.principal_point
+        });
+        follows && self.size == size && self.camera == camera
+    }
+
+    /// An animated attribute: a value for each sample.
+    fn time_samples(&self, value: impl Fn(&Pinhole) -> String) -> String {
+        let samples: Vec<String> = self
+            .samples
+            .iter()
+            .map(|&(time, pinhole)| format!("{time}: {}", value(pinhole)))
+            .collect();
+        samples.join(", ")
+    }
+}
+
 /// A name that USD accepts: letters, digits and underscores, not beginning with a digit.
 fn prim_name(camera: &str) -> String {
-    let kept = |letter: char| {
-        if letter.is_ascii_alphanumeric() {
-            letter
-        } else {
-            '_'
-        }
-    };
-    let name: String = camera.chars().map(kept).collect();
+    let name = camera.replace(|letter: char| !letter.is_ascii_alphanumeric(), "_");
     if name.is_empty() || name.starts_with(|first: char| first.is_ascii_digit()) {
         format!("camera_{name}")
     } else {
@@ -62,36 +76,15 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
         };
         let time = frame.frame_index.unwrap_or(index as u64);
         let camera = frame.camera.as_deref().unwrap_or_default();
-        let name = prim_name(camera);
-        let goes_on = |take: &Take<'_>| {
-            let follows = take
-                .samples
-                .last()
-                .is_some_and(|(last, _)| last + 1 == time);
-            let same = take
-                .samples
-                .last()
-                .is_some_and(|(_, last)| last.principal_point == pinhole.principal_point);
-            follows && same && take.size == size && take.camera == camera
-        };
-        if let Some(take) = takes.last_mut().filter(|take| goes_on(take)) {
+        if let Some(take) = takes
+            .last_mut()
+            .filter(|take| take.is_continued_by(time, pinhole, size, camera))
+        {
             take.samples.push((time, pinhole));
             continue;
         }
-        let taken = |candidate: &String| takes.iter().any(|take| take.name == *candidate);
-        let numbered = (1..).map(|number| {
-            if number == 1 {
-                name.clone()
-            } else {
-                format!("{name}_take{number}")
-            }
-        });
-        let name = numbered
-            .into_iter()
-            .find(|candidate| !taken(candidate))
-            .unwrap_or(name);
         takes.push(Take {
-            name,
+            name: free_name(&prim_name(camera), &takes),
             camera,
             size,
             samples: vec![(time, pinhole)],
@@ -100,27 +93,30 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
     takes
 }
 
+/// The first of `name`, `name_take2`, `name_take3`, … that no take has.
+fn free_name(name: &str, takes: &[Take<'_>]) -> String {
+    let mut free = name.to_owned();
+    let mut number = 1;
+    while takes.iter().any(|take| take.name == free) {
+        number += 1;
+        free = format!("{name}_take{number}");
+    }
+    free
+}
+
+/// The pose of a camera as a matrix of USD.
 fn matrix_text(pinhole: &Pinhole) -> String {
     // The columns are the camera's right, up and back axes in the stage; USD multiplies row
     // vectors, so they are written as rows.
     let axes: Mat3 = y_up() * pinhole.cam_from_world.transpose() * looking_back();
     let at = y_up() * pinhole.position_m * CM;
-    let row = |column: usize| {
-        format!(
-            "({}, {}, {}, 0)",
-            axes[(0, column)],
-            axes[(1, column)],
-            axes[(2, column)]
-        )
-    };
+    let [right, up, back] = [0, 1, 2].map(|column| {
+        let [x, y, z] = [0, 1, 2].map(|row| axes[(row, column)]);
+        format!("({x}, {y}, {z}, 0)")
+    });
     format!(
-        "( {}, {}, {}, ({}, {}, {}, 1) )",
-        row(0),
-        row(1),
-        row(2),
-        at.x,
-        at.y,
-        at.z
+        "( {right}, {up}, {back}, ({}, {}, {}, 1) )",
+        at.x, at.y, at.z
     )
 }
 
@@ -135,14 +131,6 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
             (first.principal_point.y - height / 2.0) * per_px,
         ]
     });
-    let samples = |of: &dyn Fn(&Pinhole) -> String| {
-        let samples: Vec<String> = take
-            .samples
-            .iter()
-            .map(|(time, pinhole)| format!("{time}: {}", of(pinhole)))
-            .collect();
-        samples.join(", ")
-    };
     // Writing to a string cannot fail.
     let _ = write!(
         text,
@@ -156,8 +144,8 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
         height * per_px,
         offset[0],
         offset[1],
-        samples(&|pinhole| (pinhole.focal_px * per_px).to_string()),
-        samples(&matrix_text),
+        take.time_samples(|pinhole| (pinhole.focal_px * per_px).to_string()),
+        take.time_samples(matrix_text),
     );
 }
 
@@ -197,41 +185,69 @@ fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
         }
     })?;
     let size = ImageSize::new(side_px("width", width)?, side_px("height", height)?);
-    let lens = |what: &str| single(what, between(prim, &format!("float {what} = "), "\n")?);
-    let per_px = lens("horizontalAperture")? / width;
+    let mm_per_px = float_attribute(prim, "horizontalAperture")? / width;
     let principal_point = ImagePoint::new(
-        width / 2.0 - lens("horizontalApertureOffset")? / per_px,
-        height / 2.0 + lens("verticalApertureOffset")? / per_px,
+        width / 2.0 - float_attribute(prim, "horizontalApertureOffset")? / mm_per_px,
+        height / 2.0 + float_attribute(prim, "verticalApertureOffset")? / mm_per_px,
     );
+    let take = ReadTake {
+        camera,
+        size,
+        mm_per_px,
+        principal_point,
+    };
     let lengths = between(prim, "focalLength.timeSamples = { ", " }")?.split(',');
     let poses = between(prim, "transform.timeSamples = { ", " }")?.replace(['(', ')'], " ");
     let poses: Vec<&str> = poses.split(',').collect();
-    let frame = |(length, pose): (&str, &[&str])| {
+    lengths
+        .zip(poses.chunks(16))
+        .map(|(length, pose)| take.read_sample(length, pose))
+        .collect()
+}
+
+/// A number of a camera that is not animated.
+fn float_attribute(prim: &str, what: &str) -> Result<f64, Problem> {
+    single(what, between(prim, &format!("float {what} = "), "\n")?)
+}
+
+/// What the samples of a camera that is read have in common.
+struct ReadTake {
+    camera: String,
+    size: ImageSize,
+    mm_per_px: f64,
+    principal_point: ImagePoint,
+}
+
+impl ReadTake {
+    /// The frame of a sample: its focal length, as `time: mm`, and the 16 numbers of its pose. The
+    /// first of them has the time before it.
+    fn read_sample(&self, length: &str, pose: &[&str]) -> Result<FrameCamera, Problem> {
         let (time, length) = length.split_once(':').unwrap_or_default();
         let time = frame_number("the time", number("the time", time.trim())?)?;
-        let entry = |index: usize| -> Result<f64, Problem> {
-            let text = pose.get(index).copied().unwrap_or_default();
-            number(
-                "the pose",
-                text.rsplit(':').next().unwrap_or_default().trim(),
-            )
-        };
-        let m: Vec<f64> = (0..16).map(entry).collect::<Result<_, _>>()?;
+        let m: Vec<f64> = (0..16)
+            .map(|index| {
+                let text = pose.get(index).copied().unwrap_or_default();
+                let entry = text.rsplit(':').next().unwrap_or_default();
+                number("the pose", entry.trim())
+            })
+            .collect::<Result<_, _>>()?;
+
+        // The inverse of `matrix_text`: USD's rows are the camera's axes, and the last one is its
+        // position, in the stage.
         let axes = Mat3::from_fn(|row, column| m[4 * column + row]);
         let pinhole = Pinhole {
             cam_from_world: (y_up().transpose() * axes * looking_back().transpose()).transpose(),
             position_m: y_up().transpose() * Vec3::new(m[12], m[13], m[14]) / CM,
-            focal_px: single("focalLength", length.trim())? / per_px,
-            principal_point,
+            focal_px: single("focalLength", length.trim())? / self.mm_per_px,
+            principal_point: self.principal_point,
             lens: Radial::default(),
         };
-        let name = format!("{camera}@{time}");
+        let name = format!("{}@{time}", self.camera);
         Ok(FrameCamera {
             frame_index: Some(time),
-            ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole))
+            ..FrameCamera::new(&name, Some(self.size), Shown::Camera(pinhole))
         })
-    };
-    lengths.zip(poses.chunks(16)).map(frame).collect()
+    }
 }
 
 impl CameraFormat for Usda {
@@ -282,12 +298,12 @@ impl CameraFormat for Usda {
         context: &WriteContext<'_>,
     ) -> Result<Files, ExchangeError> {
         let takes = takes(held);
-        let times = || {
-            takes
-                .iter()
-                .flat_map(|take| take.samples.iter().map(|(time, _)| *time))
-        };
-        let (first, last) = (times().min().unwrap_or(0), times().max().unwrap_or(0));
+        let times: Vec<u64> = takes
+            .iter()
+            .flat_map(|take| take.samples.iter().map(|(time, _)| *time))
+            .collect();
+        let first = times.iter().min().copied().unwrap_or(0);
+        let last = times.iter().max().copied().unwrap_or(0);
         let rate = context.rate.map(|rate| {
             let rate = rate.per_second();
             format!("    timeCodesPerSecond = {rate}\n    framesPerSecond = {rate}\n")

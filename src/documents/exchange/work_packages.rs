@@ -11,7 +11,8 @@
 use super::dataset::{OwnPlaces, with_templates};
 use super::error::ExchangeError;
 use crate::document::{
-    Document, DocumentAt, Frame, document_to_string, restore_package, split_into_packages,
+    CameraId, Document, DocumentAt, FieldSpec, Frame, document_to_string, restore_package,
+    split_into_packages,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -81,16 +82,16 @@ pub fn restore_version(
         whole.field = base.document.field.clone();
     }
     for camera in &mut whole.cameras {
-        let known = |document: &Document| {
-            document
-                .camera(&camera.id)
-                .and_then(|camera| camera.field.clone())
-        };
-        if camera.field.is_some() && camera.field == known(&packed) {
-            camera.field = known(base.document);
+        if camera.field.is_some() && camera.field == field_of_camera(&packed, &camera.id) {
+            camera.field = field_of_camera(base.document, &camera.id);
         }
     }
     Ok(whole)
+}
+
+/// The field of a camera of a document; none if it is the document's own.
+fn field_of_camera(document: &Document, id: &CameraId) -> Option<FieldSpec> {
+    document.camera(id).and_then(|camera| camera.field.clone())
 }
 
 fn refuse_outside(at: DocumentAt<'_>) -> Result<(), ExchangeError> {
@@ -146,19 +147,21 @@ fn copy_pictures(
 }
 
 fn copy(from: &Path, to: &Path, as_link: bool) -> Result<(), ExchangeError> {
-    let write = || -> io::Result<()> {
-        fs::create_dir_all(folder_of(to))?;
-        // A symbolic link within the project would be broken in the package.
-        let from = fs::canonicalize(from)?;
-        if as_link && fs::hard_link(&from, to).is_ok() {
-            return Ok(());
-        }
-        fs::copy(from, to).map(drop)
-    };
-    write().map_err(|source| ExchangeError::Read {
+    copy_or_link(from, to, as_link).map_err(|source| ExchangeError::Read {
         path: from.to_path_buf(),
         source,
     })
+}
+
+/// Copies a file; with `as_link`, gives it a second name where the system can.
+fn copy_or_link(from: &Path, to: &Path, as_link: bool) -> io::Result<()> {
+    fs::create_dir_all(folder_of(to))?;
+    // A symbolic link within the project would be broken in the package.
+    let from = fs::canonicalize(from)?;
+    if as_link && fs::hard_link(&from, to).is_ok() {
+        return Ok(());
+    }
+    fs::copy(from, to).map(drop)
 }
 
 /// The names of files in a package: their own, with a number where two have the same name.
@@ -173,10 +176,8 @@ impl Names {
         if let Some(known) = self.by_file.get(file) {
             return known.clone();
         }
-        let part = |part: Option<&std::ffi::OsStr>| {
-            part.unwrap_or_default().to_string_lossy().into_owned()
-        };
-        let (stem, ending) = (part(file.file_stem()), part(file.extension()));
+        let [stem, ending] = [file.file_stem(), file.extension()]
+            .map(|part| part.unwrap_or_default().to_string_lossy());
         loop {
             // Names that differ only in case are equal on many systems.
             let number = self
@@ -203,7 +204,7 @@ impl Names {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, document_from_bytes};
+    use crate::document::document_from_bytes;
     use touchline_core::geometry::ImageSize;
 
     /// A project of five frames, two of them with one name.

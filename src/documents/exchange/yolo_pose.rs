@@ -31,19 +31,21 @@ const PADDING: f64 = 0.01;
 
 /// The index of each keypoint's mirror image.
 fn mirror_indices(names: &[String], field: &FieldModel) -> Vec<usize> {
-    let twin = |name: &String| {
-        let there = field
-            .landmark_element(name)?
-            .twin(Symmetry::MirrorX, field)?
-            .name(field)?
-            .to_owned();
-        names.iter().position(|other| *other == there)
-    };
     names
         .iter()
         .enumerate()
-        .map(|(index, name)| twin(name).unwrap_or(index))
+        .map(|(index, name)| mirror_index(name, names, field).unwrap_or(index))
         .collect()
+}
+
+/// The index of a keypoint's mirror image; none if the field or the names do not have it.
+fn mirror_index(name: &str, names: &[String], field: &FieldModel) -> Option<usize> {
+    let mirrored = field
+        .landmark_element(name)?
+        .twin(Symmetry::MirrorX, field)?
+        .name(field)?
+        .to_owned();
+    names.iter().position(|other| *other == mirrored)
 }
 
 fn data_yaml(names: &[String], field: &FieldModel) -> String {
@@ -71,16 +73,8 @@ fn label_line(frame: &ClickedFrame, names: &[String]) -> String {
         .into_iter()
         .map(|click| click.map(|click| (click.image.x / width, click.image.y / height)))
         .collect();
-    let range = |of: fn(&(f64, f64)) -> f64| {
-        let range = (f64::INFINITY, f64::NEG_INFINITY);
-        let (low, high) = points
-            .iter()
-            .flatten()
-            .map(of)
-            .fold(range, |(low, high), at| (low.min(at), high.max(at)));
-        ((low - PADDING).max(0.0), (high + PADDING).min(1.0))
-    };
-    let ((left, right), (top, bottom)) = (range(|point| point.0), range(|point| point.1));
+    let (left, right) = padded_range(points.iter().flatten().map(|(x, _)| *x));
+    let (top, bottom) = padded_range(points.iter().flatten().map(|(_, y)| *y));
     let mut line = format!(
         "0 {} {} {} {}",
         left.midpoint(right),
@@ -99,15 +93,21 @@ fn label_line(frame: &ClickedFrame, names: &[String]) -> String {
     line
 }
 
+/// The range of coordinates with a margin, within the picture.
+fn padded_range(coordinates: impl Iterator<Item = f64>) -> (f64, f64) {
+    let range = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = coordinates.fold(range, |(low, high), at| (low.min(at), high.max(at)));
+    ((low - PADDING).max(0.0), (high + PADDING).min(1.0))
+}
+
 /// The names of keypoints in a `data.yaml`, where it has some.
 fn names_of(yaml: &str) -> Option<Vec<String>> {
     let (_, behind) = yaml.split_once("kpt_names:")?;
     let (_, list) = behind.split_once('[')?;
     let (list, _) = list.split_once(']')?;
-    let clean = |name: &str| name.trim().trim_matches(['"', '\'']).to_owned();
     Some(
         list.split(',')
-            .map(clean)
+            .map(|name| name.trim().trim_matches(['"', '\'']).to_owned())
             .filter(|name| !name.is_empty())
             .collect(),
     )

@@ -235,26 +235,24 @@ impl Claim {
     /// A measurement with its interval for readers: `+0.146 (+0.098 to +0.190)`.
     #[must_use]
     pub fn describe(&self, test: &Measured) -> String {
-        let number = |value: f64| {
-            if self.paper.is_difference() {
-                format!("{value:+.3}")
-            } else if value.abs() < 10.0 {
-                Cell::Fixed(value, if value.abs() < 0.1 { 4 } else { 3 }).to_string()
-            } else {
-                significant(value)
-            }
-        };
-        match test.interval {
-            [low, high] if low == high => number(test.value),
-            [low, high] if low < high => {
-                format!(
-                    "{} ({} to {})",
-                    number(test.value),
-                    number(low),
-                    number(high)
-                )
-            }
-            _ => number(test.value),
+        let value = self.describe_number(test.value);
+        let [low, high] = test.interval;
+        if low < high {
+            let [low, high] = [low, high].map(|end| self.describe_number(end));
+            format!("{value} ({low} to {high})")
+        } else {
+            value
+        }
+    }
+
+    /// A measured number for readers: a difference with its sign.
+    fn describe_number(&self, value: f64) -> String {
+        if self.paper.is_difference() {
+            format!("{value:+.3}")
+        } else if value.abs() < 10.0 {
+            Cell::Fixed(value, if value.abs() < 0.1 { 4 } else { 3 }).to_string()
+        } else {
+            significant(value)
         }
     }
 }

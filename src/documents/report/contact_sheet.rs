@@ -68,7 +68,6 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
     for (tile, frame) in frames.iter().enumerate() {
         let left = GAP + (TILE + GAP) * (tile % COLUMNS) as f64;
         let top = GAP + row_height * (tile / COLUMNS) as f64;
-        let pixels = |length: f64| (length * SCALE).round() as u32;
         let small = resize(
             &frame.picture,
             pixels(TILE),
@@ -97,6 +96,11 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
         }
     })?;
     Ok(Some(png))
+}
+
+/// A length of the figure in pixels of the PNG.
+fn pixels(length_px: f64) -> u32 {
+    (length_px * SCALE).round() as u32
 }
 
 /// Draws the field's lines as the estimated camera projects them.
@@ -128,14 +132,11 @@ fn add_lines_over_picture(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, to
 /// show.
 fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]: [f64; 2]) {
     let field = frame.field;
-    let scale = TILE / (field.length_m + 2.0 * AROUND_M);
-    // From ground coordinates (m, y up) to the figure (px, y down).
-    let place = |point: Vec2| {
-        let (right, down) = (
-            point.x + 0.5 * field.length_m + AROUND_M,
-            0.5 * field.width_m + AROUND_M - point.y,
-        );
-        [left + right * scale, top + down * scale]
+    let map = FieldMap {
+        field,
+        left,
+        top,
+        px_per_m: TILE / (field.length_m + 2.0 * AROUND_M),
     };
     for line in field.lines.iter().filter(|line| line.painted) {
         let steps = if matches!(line.curve, Curve::Segment { .. }) {
@@ -144,7 +145,8 @@ fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]
             24
         };
         let points = (0..=steps)
-            .map(|step| place(line.curve.point_at(f64::from(step) / f64::from(steps)).xy()));
+            .map(|step| line.curve.point_at(f64::from(step) / f64::from(steps)))
+            .map(|point| map.position(point.xy()));
         shapes.push(Shape::Path {
             points: points.collect(),
             width: 0.6,
@@ -152,12 +154,18 @@ fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]
             dashes: &[],
         });
     }
-    let mut outline = |camera: &PtzCamera, width: f64, colour: Rgb| {
+    // The estimate is thinner and on top, so that both outlines are visible where they agree.
+    let outlines = [
+        (Some(&frame.truth), 2.0, TRUE),
+        (frame.estimate.as_ref(), 0.9, FOUND),
+    ];
+    for (camera, width, colour) in outlines {
+        let Some(camera) = camera else { continue };
         for ring in visible_field(field, camera, frame.size()) {
             let points = ring
                 .iter()
                 .chain(ring.first())
-                .map(|point| place(*point))
+                .map(|point| map.position(*point))
                 .collect();
             shapes.push(Shape::Path {
                 points,
@@ -166,10 +174,25 @@ fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]
                 dashes: &[],
             });
         }
-    };
-    // The estimate is thinner and on top, so that both outlines are visible where they agree.
-    outline(&frame.truth, 2.0, TRUE);
-    if let Some(camera) = &frame.estimate {
-        outline(camera, 0.9, FOUND);
+    }
+}
+
+/// The field from above, at a place of the figure.
+struct FieldMap<'a> {
+    field: &'a FieldModel,
+    left: f64,
+    top: f64,
+    px_per_m: f64,
+}
+
+impl FieldMap<'_> {
+    /// The position of a point of the ground (m, y up) in the figure (px, y down).
+    fn position(&self, point_m: Vec2) -> [f64; 2] {
+        let right_m = point_m.x + 0.5 * self.field.length_m + AROUND_M;
+        let down_m = 0.5 * self.field.width_m + AROUND_M - point_m.y;
+        [
+            self.left + right_m * self.px_per_m,
+            self.top + down_m * self.px_per_m,
+        ]
     }
 }

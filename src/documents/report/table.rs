@@ -1,6 +1,6 @@
 //! Tables, written as aligned text, Markdown, CSV and JSON.
 
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::fmt::{self, Write as _};
 use touchline_core::geometry::text_cell;
 
@@ -201,15 +201,19 @@ impl Table {
 
     /// The table without the columns that only files have.
     fn with_shown_columns(&self) -> Self {
-        let shown = |column: &usize| !self.columns[*column].label.is_empty();
-        let shown: Vec<usize> = (0..self.columns.len()).filter(shown).collect();
-        let cells = |row: &Vec<Cell>| shown.iter().map(|&column| row[column].clone()).collect();
+        let shown: Vec<usize> = (0..self.columns.len())
+            .filter(|&column| !self.columns[column].label.is_empty())
+            .collect();
         Self {
             columns: shown
                 .iter()
                 .map(|&column| self.columns[column].clone())
                 .collect(),
-            rows: self.rows.iter().map(cells).collect(),
+            rows: self
+                .rows
+                .iter()
+                .map(|row| shown.iter().map(|&column| row[column].clone()).collect())
+                .collect(),
         }
     }
 
@@ -220,32 +224,34 @@ impl Table {
             .iter()
             .map(|row| row.iter().map(ToString::to_string).collect())
             .collect();
-        let width = |column: usize| {
-            let longest = cells
-                .iter()
-                .map(|row| row[column].chars().count())
-                .max()
-                .unwrap_or(0);
-            longest.max(self.columns[column].label.chars().count())
-        };
-        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
-        let line = |texts: &[String]| {
-            let padded = texts.iter().enumerate().map(|(column, text)| {
-                let fill = " ".repeat(widths[column].saturating_sub(text.chars().count()));
-                if self.is_right(column) {
-                    format!("{fill}{text}")
-                } else {
-                    format!("{text}{fill}")
-                }
-            });
-            padded.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
-        };
         let labels: Vec<String> = self
             .columns
             .iter()
             .map(|column| column.label.clone())
             .collect();
-        line(&labels) + &cells.iter().map(|row| line(row)).collect::<String>()
+        let widths: Vec<usize> = labels
+            .iter()
+            .enumerate()
+            .map(|(column, label)| {
+                let texts = cells.iter().map(|row| &row[column]).chain([label]);
+                texts.map(|text| text.chars().count()).max().unwrap_or(0)
+            })
+            .collect();
+        let rows = cells.iter().map(|row| self.align_line(row, &widths));
+        self.align_line(&labels, &widths) + &rows.collect::<String>()
+    }
+
+    /// The texts of a row, each as wide as its column.
+    fn align_line(&self, texts: &[String], widths: &[usize]) -> String {
+        let padded = texts.iter().enumerate().map(|(column, text)| {
+            let fill = " ".repeat(widths[column].saturating_sub(text.chars().count()));
+            if self.is_right(column) {
+                format!("{fill}{text}")
+            } else {
+                format!("{text}{fill}")
+            }
+        });
+        padded.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     }
 
     /// A Markdown table.
@@ -256,22 +262,13 @@ impl Table {
 
     /// All columns as a Markdown table.
     fn all_in_markdown(&self) -> String {
-        let escaped = |text: &str| text.replace('|', "\\|");
-        let line = |texts: Vec<String>| format!("| {} |\n", texts.join(" | "));
-        let mut out = line(
-            self.columns
-                .iter()
-                .map(|column| escaped(&column.label))
-                .collect(),
-        );
+        let mut out = markdown_line(self.columns.iter().map(|column| column.label.clone()));
         let rules =
             (0..self.columns.len()).map(|column| if self.is_right(column) { "--:" } else { "---" });
         // Writing to a string cannot fail.
         let _ = writeln!(out, "|{}|", rules.collect::<Vec<_>>().join("|"));
         for row in &self.rows {
-            out.push_str(&line(
-                row.iter().map(|cell| escaped(&cell.to_string())).collect(),
-            ));
+            out.push_str(&markdown_line(row.iter().map(ToString::to_string)));
         }
         out
     }
@@ -280,20 +277,9 @@ impl Table {
     /// measurement are empty; infinity is `inf`.
     #[must_use]
     pub fn to_csv(&self) -> String {
-        let mut out = String::new();
-        let mut line = |cells: &mut dyn Iterator<Item = String>| {
-            let quoted = cells.map(|text| {
-                if text.contains(['"', ',', '\n', '\r']) {
-                    format!("\"{}\"", text.replace('"', "\"\""))
-                } else {
-                    text
-                }
-            });
-            let _ = writeln!(out, "{}", quoted.collect::<Vec<_>>().join(","));
-        };
-        line(&mut self.columns.iter().map(|column| column.key.clone()));
+        let mut out = csv_line(self.columns.iter().map(|column| column.key.clone()));
         for row in &self.rows {
-            line(&mut row.iter().map(Cell::exact));
+            out.push_str(&csv_line(row.iter().map(Cell::exact)));
         }
         out
     }
@@ -301,19 +287,21 @@ impl Table {
     /// A JSON array with one object for each row. Empty cells are left out.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let object = |row: &Vec<Cell>| {
-            let filled = self
-                .columns
-                .iter()
-                .zip(row)
-                .filter(|(_, cell)| **cell != Cell::Empty);
-            Value::Object(
-                filled
-                    .map(|(column, cell)| (column.key.clone(), cell.value()))
-                    .collect::<Map<_, _>>(),
-            )
-        };
-        Value::Array(self.rows.iter().map(object).collect())
+        Value::Array(self.rows.iter().map(|row| self.object(row)).collect())
+    }
+
+    /// A row as a JSON object.
+    fn object(&self, row: &[Cell]) -> Value {
+        let filled = self
+            .columns
+            .iter()
+            .zip(row)
+            .filter(|(_, cell)| **cell != Cell::Empty);
+        Value::Object(
+            filled
+                .map(|(column, cell)| (column.key.clone(), cell.value()))
+                .collect(),
+        )
     }
 
     /// The index of a column by its key.
@@ -326,6 +314,26 @@ impl Table {
     fn is_right(&self, column: usize) -> bool {
         self.rows.iter().any(|row| row[column].is_number())
     }
+}
+
+/// A row of a Markdown table.
+fn markdown_line(texts: impl Iterator<Item = String>) -> String {
+    let escaped: Vec<String> = texts.map(|text| text.replace('|', "\\|")).collect();
+    format!("| {} |\n", escaped.join(" | "))
+}
+
+/// A row of comma-separated values. Texts with commas, quotes or line breaks are quoted.
+fn csv_line(texts: impl Iterator<Item = String>) -> String {
+    let quoted: Vec<String> = texts
+        .map(|text| {
+            if text.contains(['"', ',', '\n', '\r']) {
+                format!("\"{}\"", text.replace('"', "\"\""))
+            } else {
+                text
+            }
+        })
+        .collect();
+    quoted.join(",") + "\n"
 }
 
 #[cfg(test)]

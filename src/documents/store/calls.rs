@@ -4,7 +4,7 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, PersistError};
 use touchline_core::files::{open_regular, temporary_file_in};
 
 /// Makes a call. In the store's tests it may fail instead.
@@ -84,19 +84,24 @@ pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
 
 /// Renames a temporary file to its final name, with or without replacing a file of that name.
 pub(super) fn persist(file: NamedTempFile, path: &Path, replace: bool) -> io::Result<()> {
-    let persist = || {
-        if replace {
-            return file.persist(path).map(drop);
-        }
-        // Not all file systems can rename without replacing; there the file is replaced.
-        file.persist_noclobber(path)
-            .map(drop)
-            .or_else(|refused| match refused.error.kind() {
-                io::ErrorKind::AlreadyExists => Err(refused),
-                _ => refused.file.persist(path).map(drop),
-            })
-    };
-    try_call(|| persist().map_err(|refused| refused.error))
+    try_call(|| {
+        let persisted = if replace {
+            file.persist(path)
+        } else {
+            persist_new(file, path)
+        };
+        persisted.map(drop).map_err(|refused| refused.error)
+    })
+}
+
+/// Renames a temporary file to a name that is not in use. Not all file systems can rename without
+/// replacing; there a file of that name is replaced.
+fn persist_new(file: NamedTempFile, path: &Path) -> Result<File, PersistError> {
+    file.persist_noclobber(path)
+        .or_else(|refused| match refused.error.kind() {
+            io::ErrorKind::AlreadyExists => Err(refused),
+            _ => refused.file.persist(path),
+        })
 }
 
 /// Renames a file.

@@ -66,6 +66,14 @@ pub enum HistoryLeftOut {
     Misfit(#[from] StepMisfit),
 }
 
+impl From<io::Error> for HistoryLeftOut {
+    fn from(error: io::Error) -> Self {
+        Self::Unreadable {
+            reason: error.to_string(),
+        }
+    }
+}
+
 /// The content of a line.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -100,21 +108,16 @@ pub(super) struct HistoryFile {
 impl HistoryFile {
     /// Reads the file; none if it does not exist.
     pub fn read(path: &Path) -> Result<Option<Self>, HistoryLeftOut> {
-        let unreadable = |error: io::Error| HistoryLeftOut::Unreadable {
-            reason: error.to_string(),
-        };
         let file = match open_regular(path, OpenOptions::new().read(true)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            other => other.map_err(unreadable)?,
+            other => other?,
         };
-        let bytes = file.metadata().map_err(unreadable)?.len();
+        let bytes = file.metadata()?.len();
         if bytes > MOST_FILE_BYTES {
             return Err(HistoryLeftOut::TooLarge { bytes });
         }
         let mut bytes = Vec::new();
-        file.take(MOST_FILE_BYTES)
-            .read_to_end(&mut bytes)
-            .map_err(unreadable)?;
+        file.take(MOST_FILE_BYTES).read_to_end(&mut bytes)?;
         Self::parse(bytes).map(Some)
     }
 

@@ -1,7 +1,6 @@
 //! Locks a document, or a folder of results, for writing. A second program can only read it.
 
-use super::ReadOnly;
-use super::{Location, calls, file_id::is_at};
+use super::{Location, ReadOnly, StoreError, calls, file_id::is_at};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read};
 use std::path::PathBuf;
@@ -49,15 +48,23 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
     lock_file(location.lock())
 }
 
+/// Locks a document for writing.
+///
+/// # Errors
+/// It is read-only.
+pub(super) fn lock_or_fail(location: &Location) -> Result<Lock, StoreError> {
+    lock(location).map_err(|reason| StoreError::ReadOnly {
+        path: location.file().to_path_buf(),
+        reason,
+    })
+}
+
 /// Locks a file that is made for that, such as one in a folder of results. The name of this process
 /// is written into it.
 ///
 /// # Errors
 /// Another process has the lock, or the file cannot be made.
 pub fn lock_file(path: PathBuf) -> Result<Lock, ReadOnly> {
-    let not_writable = |error: &io::Error| ReadOnly::NotWritable {
-        reason: error.to_string(),
-    };
     for _ in 0..ATTEMPTS {
         let opened = calls::open(&path);
         let mut file = opened.map_err(|error| not_writable(&error))?;
@@ -79,6 +86,12 @@ pub fn lock_file(path: PathBuf) -> Result<Lock, ReadOnly> {
     Err(ReadOnly::OpenElsewhere {
         holder: "another process".to_owned(),
     })
+}
+
+fn not_writable(error: &io::Error) -> ReadOnly {
+    ReadOnly::NotWritable {
+        reason: error.to_string(),
+    }
 }
 
 /// Writes the process number into the lock file, so that a second program can name the first.

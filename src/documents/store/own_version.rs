@@ -43,12 +43,11 @@ impl OwnVersion {
         let path = earlier
             .map(|earlier| earlier.orphan.path)
             .filter(|path| path.exists());
-        let [text, base_text] = [own, base].map(document_to_string);
-        let unwritable = |source| StoreError::Write {
+        let texts = document_to_string(own).and_then(|text| Ok((text, document_to_string(base)?)));
+        let (text, base_text) = texts.map_err(|source| StoreError::Write {
             path: location.file().to_path_buf(),
             source,
-        };
-        let (text, base_text) = (text.map_err(unwritable)?, base_text.map_err(unwritable)?);
+        })?;
         let io = |source| StoreError::from_io("write", location.file(), source);
         let path = match path {
             Some(path) => {

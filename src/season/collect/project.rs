@@ -204,12 +204,9 @@ fn bring_up_to_date(
 /// A camera that both documents have, with different bases: cameras of frames in one mean something
 /// else in the other.
 fn camera_with_other_base(document: &Document, made: &Document) -> Option<CameraId> {
-    let differs = |camera: &&Shared<Camera>| {
-        document.camera(&camera.id).and_then(Camera::base) != camera.base()
-    };
     made.cameras
         .iter()
-        .find(differs)
+        .find(|camera| document.camera(&camera.id).and_then(Camera::base) != camera.base())
         .map(|camera| camera.id.clone())
 }
 

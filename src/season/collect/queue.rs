@@ -126,12 +126,12 @@ impl Queue {
             .map(|frame| &**frame)
             .enumerate()
             .collect();
-        let is_same_stretch = |(_, one): &(usize, &Frame), (_, next): &(usize, &Frame)| {
+        let stretches = frames.chunk_by(|(_, one), (_, next)| {
             let is_doubtful = [one, next].map(|frame| self.is_doubtful(frame));
             is_doubtful[0] == is_doubtful[1] && one.camera == next.camera
-        };
+        });
         let mut entries = Vec::new();
-        for stretch in frames.chunk_by(is_same_stretch) {
+        for stretch in stretches {
             let doubtful = stretch.iter().filter(|(_, frame)| self.is_doubtful(frame));
             let worst = doubtful.min_by(|(_, one), (_, other)| {
                 least_confidence(one).total_cmp(&least_confidence(other))
@@ -168,8 +168,11 @@ impl Queue {
 
     /// Its file: JSON, an entry a line.
     pub(super) fn to_text(&self) -> String {
-        let line = |entry: &QueueEntry| serde_json::to_string(entry).unwrap_or_default();
-        let entries: Vec<String> = self.entries.iter().map(line).collect();
+        let entries: Vec<String> = self
+            .entries
+            .iter()
+            .map(|entry| serde_json::to_string(entry).unwrap_or_default())
+            .collect();
         let separator = if entries.is_empty() { "" } else { "\n" };
         let head = format!("\"format\":\"{FORMAT}\",\"version\":{VERSION}");
         let (below, entries) = (self.below, entries.join(",\n"));

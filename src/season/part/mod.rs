@@ -227,11 +227,10 @@ impl Part {
     }
 
     fn to_bytes(&self, shard: &str) -> Result<Vec<u8>, PartError> {
-        let refuse = |source| PartError::Write {
+        let document = document_to_string(&self.document).map_err(|source| PartError::Write {
             shard: shard.to_owned(),
             source,
-        };
-        let document = document_to_string(&self.document).map_err(refuse)?;
+        })?;
         let about = serde_json::to_string(&self.about).unwrap_or_default();
         let mut body = Vec::with_capacity(about.len() + document.len() + self.forest.len());
         for section in [about.as_bytes(), document.as_bytes(), &self.forest] {
@@ -300,8 +299,9 @@ struct Sections<'a> {
 
 impl<'a> Sections<'a> {
     fn split(path: &Path, bytes: &'a [u8], shard: &str) -> Result<Self, PartError> {
-        let path = || path.to_path_buf();
-        let not_a_part = || PartError::NotAPart { path: path() };
+        let not_a_part = || PartError::NotAPart {
+            path: path.to_path_buf(),
+        };
         let end = bytes
             .iter()
             .take(MAX_HEADER_BYTES)
@@ -313,7 +313,7 @@ impl<'a> Sections<'a> {
         }
         if header.shard != shard {
             return Err(PartError::OtherShard {
-                path: path(),
+                path: path.to_path_buf(),
                 found: header.shard,
             });
         }
@@ -324,13 +324,15 @@ impl<'a> Sections<'a> {
             .saturating_add(header.forest_bytes);
         if body.len() != stated {
             return Err(PartError::CutOff {
-                path: path(),
+                path: path.to_path_buf(),
                 found: bytes.len(),
                 stated: stated.saturating_add(end + 1),
             });
         }
         if sha256_of_bytes(body) != header.sha256 {
-            return Err(PartError::Damaged { path: path() });
+            return Err(PartError::Damaged {
+                path: path.to_path_buf(),
+            });
         }
         let (about, rest) = body.split_at(header.about_bytes);
         let (document, forest) = rest.split_at(header.document_bytes);

@@ -168,8 +168,11 @@ impl Plan {
         if plan.version != VERSION {
             return Err(refuse(format!("it has version {}", plan.version)));
         }
-        let is_edited = |planned: &&PlannedMatch| !plan.has_true_ids(planned);
-        match plan.matches.iter().find(is_edited) {
+        let edited = plan
+            .matches
+            .iter()
+            .find(|planned| !plan.has_true_ids(planned));
+        match edited {
             Some(edited) => Err(PlanError::Edited {
                 path: path.to_path_buf(),
                 name: edited.name.clone(),
@@ -212,12 +215,12 @@ impl Plan {
     }
 
     fn has_true_ids(&self, planned: &PlannedMatch) -> bool {
-        let has_true_id = |label: &LabelShard| {
-            label.shard == label_id(&planned.find, label.first, label.last)
-                && label.first <= label.last
-                && label.last < planned.num_frames
-        };
-        planned.find == self.find_id(planned) && planned.labels.iter().all(has_true_id)
+        planned.find == self.find_id(planned)
+            && planned.labels.iter().all(|label| {
+                label.shard == label_id(&planned.find, label.first, label.last)
+                    && label.first <= label.last
+                    && label.last < planned.num_frames
+            })
     }
 
     /// The shard with an id.

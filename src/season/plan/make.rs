@@ -8,8 +8,7 @@ use thiserror::Error;
 use touchline_core::files::folder_of;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    Camera, Document, FieldSpec, WriteError, document_to_string, generator, path_between,
-    resolve_path,
+    Document, FieldSpec, WriteError, document_to_string, generator, path_between, resolve_path,
 };
 use touchline_documents::store::{self, Location, StoreError};
 use touchline_vision::media::{MediaError, sha256_of_bytes, sha256_of_file};
@@ -131,12 +130,14 @@ fn windows(state: &SourceState, of_season: &Match) -> Vec<LabelShard> {
         }
     });
     let length = length.max(1);
-    let label = |first: usize| LabelShard {
-        shard: String::new(),
-        first,
-        last: first.saturating_add(length).min(state.num_frames) - 1,
-    };
-    (0..state.num_frames).step_by(length).map(label).collect()
+    (0..state.num_frames)
+        .step_by(length)
+        .map(|first| LabelShard {
+            shard: String::new(),
+            first,
+            last: first.saturating_add(length).min(state.num_frames) - 1,
+        })
+        .collect()
 }
 
 fn plan_project(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, MakePlanError> {
@@ -144,8 +145,11 @@ fn plan_project(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, M
         name: name.to_owned(),
         source: Box::new(source),
     })?;
-    let has_base = |camera: &Camera| camera.base().is_some();
-    if !document.cameras.iter().any(|camera| has_base(camera)) {
+    if document
+        .cameras
+        .iter()
+        .all(|camera| camera.base().is_none())
+    {
         return Err(MakePlanError::NoBase {
             name: name.to_owned(),
             project: path.to_path_buf(),

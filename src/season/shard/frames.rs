@@ -55,8 +55,9 @@ impl Work<'_> {
         let numbers = label.first..=label.last;
         match &self.source.frames {
             FrameSource::Video(info) => {
-                let frame = |number| (number, self.frame_of_video(info, number).into());
-                Ok(numbers.map(frame).collect())
+                let frames =
+                    numbers.map(|number| (number, self.frame_of_video(info, number).into()));
+                Ok(frames.collect())
             }
             FrameSource::Folder(listing) => {
                 let images = listing.images.get(numbers).unwrap_or_default().to_vec();

@@ -19,7 +19,7 @@ use touchline_calibration::pipelines::{
     ForestRequest, MatchEvent, PictureFiles, TrackingOptions, label_frames, track_clips,
 };
 use touchline_calibration::proposals::{FeatureStore, KeyWindow};
-use touchline_documents::document::{Camera, Document, FieldSize, Frame, Frames, Shared};
+use touchline_documents::document::{Document, FieldSize, Frame, Frames, Shared};
 use touchline_vision::media::{FrameReader, FrameSource};
 use touchline_vision::relocalize::RelocalizeOptions;
 
@@ -43,8 +43,11 @@ impl Work<'_> {
         for field in fields {
             field.size = Some(FieldSize::Fitted);
         }
-        let has_base = |camera: &Shared<Camera>| camera.base().is_some();
-        if document.cameras.iter().any(has_base) {
+        if document
+            .cameras
+            .iter()
+            .any(|camera| camera.base().is_some())
+        {
             let mut reader = FrameReader::new();
             if !found.forest.is_empty() {
                 self.query_forest(&mut document, &found.forest, &mut reader)?;
@@ -102,11 +105,12 @@ impl Work<'_> {
             .into_iter()
             .flat_map(|window| window.between)
             .collect();
-        let is_wanted = |index: &usize| {
-            let frame = &document.frames[*index];
-            frame.is_open() && frame.ptz.is_none() && !between.contains(index)
-        };
-        let wanted: Vec<usize> = (0..document.frames.len()).filter(is_wanted).collect();
+        let wanted: Vec<usize> = (0..document.frames.len())
+            .filter(|index| {
+                let frame = &document.frames[*index];
+                frame.is_open() && frame.ptz.is_none() && !between.contains(index)
+            })
+            .collect();
         let request = ForestRequest {
             model: &model,
             generation: 0,

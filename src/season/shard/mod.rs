@@ -142,8 +142,12 @@ impl Work<'_> {
             }
             read => read?,
         };
-        let make = |work: &Self| work.label_window(&found, label);
-        self.write(Stopwatch::start(), make, parts, &label.shard)
+        self.write(
+            Stopwatch::start(),
+            |work| work.label_window(&found, label),
+            parts,
+            &label.shard,
+        )
     }
 
     /// Makes a part, writes it, and states its cost beside it.

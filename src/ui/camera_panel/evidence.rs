@@ -83,25 +83,29 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
 /// Shows the frames that an estimate would use, with the errors of their present solutions.
 pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(open) = panel.app.open() else { return };
-    let takes_part = |frame: &Frame| {
-        frame.camera == camera.id
-            && frame.is_used_for_base()
-            && frame.clicks.iter().any(|click| click.target.is_some())
-    };
-    let rms = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.rms_px);
     let frames: Vec<(usize, Option<f64>)> = open
         .document
         .frames
         .iter()
         .enumerate()
-        .filter(|(_, frame)| takes_part(frame))
-        .map(|(index, frame)| (index, rms(frame)))
+        .filter(|(_, frame)| takes_part(frame, &camera.id))
+        .map(|(index, frame)| {
+            let solution = frame.solution.as_ref();
+            (index, solution.and_then(|solution| solution.rms_px))
+        })
         .collect();
     if !frames.is_empty() {
         section(ui, "FRAMES, RMS");
         list(panel, ui, &frames, f64::INFINITY);
     }
     show_left_out_frames(panel, ui, &camera.id);
+}
+
+/// Whether an estimate of a camera would use a frame.
+fn takes_part(frame: &Frame, camera: &CameraId) -> bool {
+    frame.camera == *camera
+        && frame.is_used_for_base()
+        && frame.clicks.iter().any(|click| click.target.is_some())
 }
 
 /// A list of frames without gaps. Errors above `loud_px` are emphasised.

@@ -297,19 +297,23 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
 /// The edge to which the first touchline of the template refers; `None` without a straight
 /// touchline.
 fn boundary_edge(field: &FieldModel) -> Option<PaintEdge> {
-    /// Tolerance for being on the border, m.
-    const NEAR_M: f64 = 0.01;
-    let on_border = |curve: &Curve| match curve {
-        Curve::Segment { from, to } => [from, to]
-            .iter()
-            .all(|end| end.z == 0.0 && (end.y.abs() - field.width_m / 2.0).abs() < NEAR_M),
-        Curve::Arc { .. } => false,
-    };
     field
         .lines
         .iter()
-        .find(|line| on_border(&line.curve))
+        .find(|line| is_on_touchline(&line.curve, field.width_m))
         .map(|line| line.edge)
+}
+
+/// Whether a line is straight and on a long border of the ground.
+fn is_on_touchline(curve: &Curve, width_m: f64) -> bool {
+    /// Tolerance for being on the border, m.
+    const NEAR_M: f64 = 0.01;
+    match curve {
+        Curve::Segment { from, to } => [from, to]
+            .iter()
+            .all(|end| end.z == 0.0 && (end.y.abs() - width_m / 2.0).abs() < NEAR_M),
+        Curve::Arc { .. } => false,
+    }
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use super::{
 };
 use egui::{Button, Frame, Label, Margin, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::{Action, Command, EditAction};
-use touchline_core::camera::{BaseAngles, CameraBase};
+use touchline_core::camera::BaseAngles;
 use touchline_core::geometry::{Angle, Vec3};
 use touchline_documents::document::Camera;
 
@@ -230,8 +230,10 @@ fn paint(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(found) = panel.app.found_camera() else {
         return;
     };
-    let has_moved = |base: &CameraBase| base.position_m != found.found.base.position_m;
-    if found.camera != camera.id || camera.base().is_some_and(|base| has_moved(&base)) {
+    let has_moved = camera
+        .base()
+        .is_some_and(|base| base.position_m != found.found.base.position_m);
+    if found.camera != camera.id || has_moved {
         return;
     }
     section(ui, "PAINT AND LINES");

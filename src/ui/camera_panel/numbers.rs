@@ -429,14 +429,6 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let known = camera.sigma.as_ref();
     let position = known.map_or(Vec3::zeros(), |sigma| sigma.position_m);
     let rotation = known.map_or(Vec3::zeros(), |sigma| sigma.rotation_deg);
-    // The first change of a camera without a stored σ starts from the default.
-    let written = |camera: &mut Camera, change: &dyn Fn(&mut CameraSigma)| {
-        change(
-            camera
-                .sigma
-                .get_or_insert_with(|| CameraSigma::from(&BaseSigma::default())),
-        );
-    };
     let spacing = [2.0 * theme::SPACE, theme::SPACE];
     let field = ((ui.available_width() - AXIS_LABEL - 3.0 * spacing[0]) / 3.0).floor();
     Grid::new("sigma").num_columns(4).min_col_width(field.min(AXIS_LABEL)).spacing(spacing).show(ui, |ui| {
@@ -469,13 +461,15 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                 };
                 number.show(ui, panel.app, panel.actions, |value| {
                     let mut changed = camera.clone();
-                    written(&mut changed, &|sigma| {
-                        if of_position {
-                            sigma.position_m[axis] = value;
-                        } else {
-                            sigma.rotation_deg[axis] = value;
-                        }
-                    });
+                    // The first change of a camera without a stored σ starts from the default.
+                    let sigma = changed
+                        .sigma
+                        .get_or_insert_with(|| CameraSigma::from(&BaseSigma::default()));
+                    if of_position {
+                        sigma.position_m[axis] = value;
+                    } else {
+                        sigma.rotation_deg[axis] = value;
+                    }
                     Action::Edit(EditAction::Camera(Box::new(changed)))
                 });
             }

@@ -9,8 +9,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2,
-    vec2,
+    Align2, Button, CornerRadius, Label, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::{Action, Command, Navigation};
 use touchline_documents::document::{Camera, Frame};
@@ -105,13 +104,10 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return;
     };
-    let number = |frame: usize| {
-        panel
-            .app
-            .open()
-            .map_or(frame as u64, |open| open.frame_number(frame))
-    };
-    let (from, to) = (number(first.frame), number(last.frame));
+    let [from, to] = [first.frame, last.frame].map(|frame| {
+        let open = panel.app.open();
+        open.map_or(frame as u64, |open| open.frame_number(frame))
+    });
     let description = format!("Fit of {} frames over time, {from} to {to}", points.len());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &description));
     // Scales and their numbers.
@@ -193,13 +189,12 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     );
 
     // The pointer picks the point that is nearest on the screen.
-    let nearest = |pointer: Pos2| {
+    let under = response.hover_pos().and_then(|pointer| {
         points.iter().min_by(|a, b| {
-            let distance = |point: &Point| at(point).distance_sq(pointer);
-            distance(a).total_cmp(&distance(b))
+            let [a, b] = [a, b].map(|point| at(point).distance_sq(pointer));
+            a.total_cmp(&b)
         })
-    };
-    let under = response.hover_pos().and_then(nearest);
+    });
     if response.clicked()
         && let Some(point) = under
     {

@@ -174,10 +174,9 @@ fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
 /// The round factor that enlarges the ellipse to at least [`VISIBLE`] at a scale in points per m.
 fn enlargement(ellipse: &[Vec2], scale: f64) -> f64 {
     let radius_m = ellipse.iter().map(Vec2::norm).fold(0.0, f64::max);
-    let seen = |times: &&f64| radius_m * scale * **times >= VISIBLE;
     [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0]
         .iter()
-        .find(seen)
+        .find(|times| radius_m * scale * **times >= VISIBLE)
         .copied()
         .unwrap_or(100.0)
 }

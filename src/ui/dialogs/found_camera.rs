@@ -12,7 +12,6 @@ use egui::{Button, Context, Label, RichText, Ui, vec2};
 use std::time::Duration;
 use touchline_application::app::operations::describe_found;
 use touchline_application::app::{Action, Command, ViewAction, describe_estimate};
-use touchline_documents::document::Frame;
 
 /// Height of the map as a share of the window's.
 const MAP: f32 = 0.55;
@@ -60,10 +59,12 @@ fn button(panel: &mut Panel<'_>, ui: &mut Ui, button: Button<'_>, command: Comma
 
 /// What comes next, and how long it takes.
 fn next(panel: &Panel<'_>) -> String {
-    let frames = panel.app.open().map(|open| &open.document.frames);
-    let is_left = |frame: &Frame| frame.ptz.is_none() && frame.is_open();
-    let left = frames.map_or(0, |frames| {
-        frames.iter().filter(|frame| is_left(frame)).count()
+    let left = panel.app.open().map_or(0, |open| {
+        open.document
+            .frames
+            .iter()
+            .filter(|frame| frame.ptz.is_none() && frame.is_open())
+            .count()
     });
     if left == 0 {
         return "Every frame has a camera now: look at some and accept them.".to_owned();

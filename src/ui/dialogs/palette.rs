@@ -150,9 +150,10 @@ fn score(typed: &str, command: Command) -> Option<u32> {
     // Another word matches only by its beginning, and scores less than a name all of whose words
     // begin as typed.
     let wanted = typed.to_lowercase();
-    let begins = |word: &str| word.to_lowercase().starts_with(&wanted);
-    let by_synonym =
-        (wanted.len() > 2 && synonyms(command).split(' ').any(begins)).then_some(BY_SYNONYM);
+    let is_synonym = synonyms(command)
+        .split(' ')
+        .any(|word| word.to_lowercase().starts_with(&wanted));
+    let by_synonym = (wanted.len() > 2 && is_synonym).then_some(BY_SYNONYM);
     by_name.max(by_group).max(by_synonym)
 }
 

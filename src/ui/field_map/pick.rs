@@ -21,8 +21,6 @@ const PIECES: u32 = 48;
 
 /// Where each landmark is drawn on the screen, in the field's order.
 pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
-    let on_screen =
-        |landmark: &Landmark| placement.screen_from_image(map.map_from_world(landmark.nominal_m));
     field
         .landmarks
         .iter()
@@ -37,7 +35,7 @@ pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<P
             } else {
                 Vec2::ZERO
             };
-            on_screen(landmark) + away
+            placement.screen_from_image(map.map_from_world(landmark.nominal_m)) + away
         })
         .collect()
 }
@@ -45,25 +43,28 @@ pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<P
 /// The direction on the map that points out of the field, across the border that the landmark is
 /// on. Upwards for a landmark within the field.
 fn outwards(field: &FieldModel, map: &FieldMap, landmark: &Landmark) -> Vec2 {
-    /// A coordinate beyond this share of half the extent counts as on the border.
-    const BORDER: f64 = 0.98;
-    let over = |at: f64, extent: f64| {
-        if at.abs() > BORDER * extent / 2.0 {
-            at.signum() as f32
-        } else {
-            0.0
-        }
-    };
     let sign = if map.turned { -1.0 } else { 1.0 };
     let away = sign
         * vec2(
-            over(landmark.nominal_m.x, field.length_m),
-            -over(landmark.nominal_m.y, field.width_m),
+            side_of_field(landmark.nominal_m.x, field.length_m),
+            -side_of_field(landmark.nominal_m.y, field.width_m),
         );
     if away == Vec2::ZERO {
         Vec2::UP
     } else {
         away.normalized()
+    }
+}
+
+/// The border that a coordinate is on, m from the middle of the field: 1 for the upper one, -1 for
+/// the lower one, 0 for none.
+fn side_of_field(at_m: f64, extent_m: f64) -> f32 {
+    /// A coordinate beyond this share of half the extent counts as on the border.
+    const BORDER: f64 = 0.98;
+    if at_m.abs() > BORDER * extent_m / 2.0 {
+        at_m.signum() as f32
+    } else {
+        0.0
     }
 }
 
@@ -77,32 +78,42 @@ pub fn under(
     at: Pos2,
     lines: bool,
 ) -> Option<Target> {
-    let landmark = || {
-        let near = field
-            .landmarks
-            .iter()
-            .zip(spots)
-            .map(|(landmark, spot)| (landmark, spot.distance(at)));
-        let nearest = near
-            .filter(|(_, distance)| *distance <= LANDMARK_REACH_PT)
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.map(|(landmark, _)| Target::Landmark(landmark.id.clone()))
-    };
-    let line = || {
-        let near = field
-            .lines
-            .iter()
-            .map(|line| (line, distance_to_curve(&line.curve, map, placement, at)));
-        let nearest = near
-            .filter(|(_, distance)| *distance <= LINE_REACH_PT)
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.map(|(line, _)| Target::Line(line.id.clone()))
-    };
-    if lines {
-        line()
+    let landmark = if lines {
+        None
     } else {
-        landmark().or_else(line)
-    }
+        landmark_under(field, spots, at)
+    };
+    landmark.or_else(|| line_under(field, map, placement, at))
+}
+
+/// The landmark that is drawn nearest to the pointer, within reach.
+fn landmark_under(field: &FieldModel, spots: &[Pos2], at: Pos2) -> Option<Target> {
+    let near = field
+        .landmarks
+        .iter()
+        .zip(spots)
+        .map(|(landmark, spot)| (landmark, spot.distance(at)));
+    let nearest = near
+        .filter(|(_, distance)| *distance <= LANDMARK_REACH_PT)
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map(|(landmark, _)| Target::Landmark(landmark.id.clone()))
+}
+
+/// The line that is drawn nearest to the pointer, within reach.
+fn line_under(
+    field: &FieldModel,
+    map: &FieldMap,
+    placement: &Placement,
+    at: Pos2,
+) -> Option<Target> {
+    let near = field
+        .lines
+        .iter()
+        .map(|line| (line, distance_to_curve(&line.curve, map, placement, at)));
+    let nearest = near
+        .filter(|(_, distance)| *distance <= LINE_REACH_PT)
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map(|(line, _)| Target::Line(line.id.clone()))
 }
 
 /// A curve of the field as a polyline on the screen.

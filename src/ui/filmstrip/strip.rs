@@ -221,11 +221,11 @@ impl Strip {
     /// The cell that has a frame of the document.
     pub fn place_of(&self, frame: usize) -> Option<usize> {
         let at = self.cells.partition_point(|cell| cell.last() < frame);
-        let stands = |cell: &StripCell| match *cell {
+        let is_there = match *self.cells.get(at)? {
             StripCell::Frame(here) => here == frame,
             StripCell::Unanswered { first, .. } => first <= frame,
         };
-        self.cells.get(at).is_some_and(stands).then_some(at)
+        is_there.then_some(at)
     }
 
     /// The cells between two positions of the strip in points, and one more on each side.

@@ -7,9 +7,10 @@ use crate::ui::{
 };
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense,
-    Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, CornerRadius, FontId, Galley, Layout, Painter, Rect, RichText, Role,
+    ScrollArea, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
+use std::sync::Arc;
 use touchline_application::app::{Action, App, Command, EditAction, Navigation};
 use touchline_application::scene::drawing;
 use touchline_application::scene::overlay::{CHECK, click_colour};
@@ -152,17 +153,11 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     } else {
         ui.palette().text
     };
-    let laid_out = |text: String| {
-        let mut line = LayoutJob::simple(text, FontId::proportional(13.0), strength, text_width);
-        line.wrap = TextWrapping::truncate_at_width(text_width);
-        painter.layout_job(line)
-    };
-    let mut galley = laid_out(name.clone());
+    let mut galley = lay_out_name(&painter, name.clone(), strength, text_width);
     if galley.elided {
         // Names that begin alike would be cut to the same text, so the unique code goes in front.
-        galley = laid_out(
-            code(app, click).map_or_else(|| name.clone(), |code| format!("{code} · {name}")),
-        );
+        let text = code(app, click).map_or_else(|| name.clone(), |code| format!("{code} · {name}"));
+        galley = lay_out_name(&painter, text, strength, text_width);
     }
     painter.galley(
         pos2(text_left, middle - galley.size().y / 2.0),
@@ -212,6 +207,13 @@ fn has_been_selected(ui: &Ui, index: usize) -> bool {
         data.insert_temp(memory, index);
         before != Some(index)
     })
+}
+
+/// The name of a point in one line, cut to a width in points.
+fn lay_out_name(painter: &Painter, name: String, colour: Color32, width: f32) -> Arc<Galley> {
+    let mut line = LayoutJob::simple(name, FontId::proportional(13.0), colour, width);
+    line.wrap = TextWrapping::truncate_at_width(width);
+    painter.layout_job(line)
 }
 
 /// The buttons at the end of a row: delete the point, make it a check point or an ordinary one.
@@ -280,6 +282,27 @@ struct Residual {
     colour: Color32,
 }
 
+impl Residual {
+    fn quiet(text: &str, palette: &Palette) -> Self {
+        Self {
+            text: text.to_owned(),
+            colour: palette.weak,
+        }
+    }
+
+    /// A distance, emphasised beyond the limit.
+    fn distance(px: f64, limit_px: f64, palette: &Palette) -> Self {
+        Self {
+            text: format!("{px:.1} px"),
+            colour: if px > limit_px {
+                palette.caution
+            } else {
+                palette.text
+            },
+        }
+    }
+}
+
 /// Describes the residual of a point.
 ///
 /// | point | text |
@@ -290,46 +313,33 @@ struct Residual {
 /// | of a frame in which residuals are no evidence | "no evidence" |
 /// | any other | distance in px, emphasised beyond 3 σ |
 fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residual {
-    let quiet = |text: &str| Residual {
-        text: text.to_owned(),
-        colour: palette.weak,
-    };
     if click.target.is_none() {
-        return quiet("");
+        return Residual::quiet("", palette);
     }
-    // Emphasised beyond the limit.
-    let loud = |px: f64, limit_px: f64| Residual {
-        text: format!("{px:.1} px"),
-        colour: if px > limit_px {
-            palette.caution
-        } else {
-            palette.text
-        },
-    };
     let solved = app.shown_values().click_solution();
     // A check point was not fitted, so its error is evidence even in a frame of two clicks.
     if let Some(solved) = solved.filter(|_| click.check) {
         let Some(check) = solved.checks.iter().find(|check| check.click == index) else {
-            return quiet("–");
+            return Residual::quiet("–", palette);
         };
         return match (check.error_px, check.z_score) {
             (Some(px), Some(z)) => Residual {
                 text: format!("{px:.1} px  {z:.1} σ"),
-                ..loud(px, if z > 3.0 { 0.0 } else { px })
+                ..Residual::distance(px, if z > 3.0 { 0.0 } else { px }, palette)
             },
-            (Some(px), None) => loud(px, px),
-            (None, _) => quiet("out of view"),
+            (Some(px), None) => Residual::distance(px, px, palette),
+            (None, _) => Residual::quiet("out of view", palette),
         };
     }
     let Some(residual) = app.shown_values().residual(index) else {
-        return quiet("–");
+        return Residual::quiet("–", palette);
     };
     match residual.distance_px() {
-        None => quiet("out of view"),
+        None => Residual::quiet("out of view", palette),
         Some(_) if solved.is_some_and(|solved| !solved.residuals_are_evidence()) => {
-            quiet("no evidence")
+            Residual::quiet("no evidence", palette)
         }
-        Some(px) => loud(px, 3.0 * residual.sigma_px),
+        Some(px) => Residual::distance(px, 3.0 * residual.sigma_px, palette),
     }
 }
 

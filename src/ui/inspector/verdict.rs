@@ -124,11 +124,10 @@ fn proposal(app: &App, ui: &mut Ui) {
 
 /// Shows the switch for using an accepted proposal for training.
 fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let accepted = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.is_suggestion();
     let Some(before) = panel
         .app
         .frame()
-        .filter(accepted)
+        .filter(|frame| frame.status == FrameStatus::Reference && frame.is_suggestion())
         .map(Frame::is_used_for_training)
     else {
         return;

@@ -15,7 +15,7 @@ use egui::{Button, Label, RichText, Ui, vec2};
 use std::fmt::Write as _;
 use std::sync::Arc;
 use touchline_application::app::operations::Compared;
-use touchline_application::app::{Action, Command, Navigation};
+use touchline_application::app::{Action, App, Command, Navigation};
 use touchline_calibration::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use touchline_documents::document::Target;
 
@@ -37,12 +37,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         panel.app.operations.comparison.is_running(),
         panel.app.operations.comparison.last_result().cloned(),
     );
-    let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, made.as_ref());
     card(
         panel,
         ui,
         "TWO ANNOTATORS",
-        beside,
+        |panel, ui| beside(panel, ui, made.as_ref()),
         |panel, ui| match &made {
             Some(compared) => show_agreement(panel, ui, &compared.agreement),
             None if is_running => nothing_yet(ui, "Comparing…"),
@@ -225,13 +224,6 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         .filter(|frame| !frame.names.is_empty())
         .take(SHOWN)
     {
-        let said = |dispute: &NameDispute| {
-            let [here, there] = dispute
-                .names
-                .clone()
-                .map(|id| panel.app.label(&Target::Landmark(id)));
-            format!("{here} is {there} there")
-        };
         // The row shows the first difference, the tooltip all of them.
         let points = if frame.names.len() == 1 {
             "1 point".to_owned()
@@ -241,9 +233,13 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         let text = format!(
             "{}: {points}, {}",
             file_name(&frame.name),
-            said(&frame.names[0])
+            describe_dispute(panel.app, &frame.names[0])
         );
-        let all: Vec<String> = frame.names.iter().map(said).collect();
+        let all: Vec<String> = frame
+            .names
+            .iter()
+            .map(|dispute| describe_dispute(panel.app, dispute))
+            .collect();
         let row = ui.add(
             Button::new(RichText::new(text).color(ui.palette().caution))
                 .frame(false)
@@ -259,26 +255,27 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     ui.add_space(theme::SPACE);
 }
 
+/// The two names of a point, here and there.
+fn describe_dispute(app: &App, dispute: &NameDispute) -> String {
+    let [here, there] = dispute
+        .names
+        .clone()
+        .map(|id| app.label(&Target::Landmark(id)));
+    format!("{here} is {there} there")
+}
+
 /// Lists the frames that differ most: by the worst corner of their cameras, or by the farthest
 /// click where a camera is missing.
 fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
-    // How far apart a frame's cameras are, or its clicks if one has no camera.
-    let apart = |frame: &FrameAgreement| {
-        frame
-            .cameras
-            .map(|cameras| cameras.worst_corner_px)
-            .or_else(|| frame.largest_px())
-            .unwrap_or(0.0)
-    };
     let mut sorted: Vec<&FrameAgreement> = agreement
         .frames
         .iter()
-        .filter(|frame| apart(frame) > 0.0)
+        .filter(|frame| apart_px(frame) > 0.0)
         .collect();
     if sorted.is_empty() {
         return;
     }
-    sorted.sort_by(|a, b| apart(b).total_cmp(&apart(a)));
+    sorted.sort_by(|a, b| apart_px(b).total_cmp(&apart_px(a)));
     let by_camera = sorted.iter().any(|frame| frame.cameras.is_some());
     theme::title(
         ui,
@@ -291,11 +288,11 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
     // Outliers are cut off at a multiple of the median and coloured, so that the other bars remain
     // distinguishable.
-    let usual = apart(sorted[sorted.len() / 2]);
-    let largest = apart(sorted[0]).min(BAR_LIMIT * usual).max(1e-9);
+    let usual = apart_px(sorted[sorted.len() / 2]);
+    let largest = apart_px(sorted[0]).min(BAR_LIMIT * usual).max(1e-9);
     for frame in sorted.into_iter().take(SHOWN) {
         let name = file_name(&frame.name);
-        let px = apart(frame);
+        let px = apart_px(frame);
         let value = if px.is_finite() {
             format!("{px:.1} px")
         } else {
@@ -319,6 +316,15 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
             }));
         }
     }
+}
+
+/// How far apart a frame's cameras are, px, or its clicks if one has no camera.
+fn apart_px(frame: &FrameAgreement) -> f64 {
+    frame
+        .cameras
+        .map(|cameras| cameras.worst_corner_px)
+        .or_else(|| frame.largest_px())
+        .unwrap_or(0.0)
 }
 
 /// The tooltip of a frame: numbers of points, distances, difference of the cameras.

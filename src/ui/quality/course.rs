@@ -74,13 +74,18 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .span
         .and_then(|span| within_whole(span, whole))
         .unwrap_or(whole);
-    let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, course, span != whole);
-    card(panel, ui, TITLE, beside, |panel, ui| {
-        let stack = Stack::new(ui, course, span);
-        let under = stack.show(panel, ui, course, whole);
-        read_out(panel, ui, course, under);
-        standing_out(panel, ui, course);
-    });
+    card(
+        panel,
+        ui,
+        TITLE,
+        |panel, ui| beside(panel, ui, course, span != whole),
+        |panel, ui| {
+            let stack = Stack::new(ui, course, span);
+            let under = stack.show(panel, ui, course, whole);
+            read_out(panel, ui, course, under);
+            standing_out(panel, ui, course);
+        },
+    );
 }
 
 /// Shows the zoom buttons, the choice of the time axis and the legend. The layout runs from right
@@ -163,9 +168,8 @@ impl Stack {
         let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
         let size = vec2(ui.available_width(), 3.0 * (height + BETWEEN) + BELOW);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-        let words =
-            |quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0));
-        let mut rulers = Quantity::ALL.map(words);
+        let mut rulers = Quantity::ALL
+            .map(|quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0)));
         name_directions(&mut rulers[Quantity::Pan as usize]);
         let plots = [0, 1, 2].map(|place| {
             let top = rect.top() + BETWEEN + place as f32 * (height + BETWEEN);
@@ -237,12 +241,11 @@ impl Stack {
                 );
             }
             curve(&painter, plot, course.within(self.span), quantity);
-            let in_span = |point: &&CoursePoint| (self.span[0]..=self.span[1]).contains(&point.at);
             let out = course
                 .standing_out
                 .iter()
                 .map(|&place| &course.points[place])
-                .filter(in_span);
+                .filter(|point| (self.span[0]..=self.span[1]).contains(&point.at));
             for point in out.take(RINGED) {
                 let at = plot.at(point.at, point.value(quantity));
                 legend::mark(&painter, at, point.kind);
@@ -363,18 +366,17 @@ fn name_directions(ruler: &mut Ruler) {
 /// The range of values within a span, `[min, max]`. Outliers are included only as far as the other
 /// frames remain distinguishable.
 fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
-    let over = |range: [f64; 2], value: f64| [range[0].min(value), range[1].max(value)];
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     let points = course.within(span);
     let all = points
         .iter()
         .map(|point| point.value(quantity))
-        .fold(none, over);
+        .fold(none, extend_range);
     let usual = points
         .iter()
         .filter(|point| !point.stands_out)
         .map(|point| point.value(quantity))
-        .fold(none, over);
+        .fold(none, extend_range);
     let (needed, length) = (usual[1] - usual[0], all[1] - all[0]);
     match () {
         () if !length.is_finite() => [0.0, 1.0],
@@ -384,6 +386,11 @@ fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
         }
         () => all,
     }
+}
+
+/// The smallest range, `[min, max]`, that contains a range and a value.
+fn extend_range(range: [f64; 2], value: f64) -> [f64; 2] {
+    [range[0].min(value), range[1].max(value)]
 }
 
 /// Draws a dashed line where a shot ends, unless the shots are too narrow.

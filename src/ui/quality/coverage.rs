@@ -69,11 +69,6 @@ fn is_empty(coverage: &Coverage) -> bool {
 
 /// Shows the legend of the colours.
 fn keys(ui: &mut Ui, seen: &Seen) {
-    let square = |colour: Color32, side: f32| {
-        move |painter: &Painter, at: Pos2| {
-            painter.rect_filled(Rect::from_center_size(at, vec2(side, side)), 0.0, colour);
-        }
-    };
     let palette = ui.palette();
     ui.horizontal_wrapped(|ui| {
         legend::entry(
@@ -87,6 +82,13 @@ fn keys(ui: &mut Ui, seen: &Seen) {
             legend::entry(ui, "seen by a suggestion", square(palette.caution, 4.0));
         }
     });
+}
+
+/// Draws the mark of a colour in the legend.
+fn square(colour: Color32, side: f32) -> impl Fn(&Painter, Pos2) {
+    move |painter: &Painter, at: Pos2| {
+        painter.rect_filled(Rect::from_center_size(at, vec2(side, side)), 0.0, colour);
+    }
 }
 
 /// Describes the direction under the pointer, and which frame a click shows: the one that looks
@@ -111,22 +113,22 @@ fn read_pointer(
         .iter()
         .filter(|point| point.kind != PointKind::Draft);
     let nearest = looking.min_by(|a, b| {
-        let distance = |point: &CoursePoint| on_map(point).distance_sq(pointer);
-        distance(a).total_cmp(&distance(b))
+        let [a, b] = [a, b].map(|point| on_map(point).distance_sq(pointer));
+        a.total_cmp(&b)
     });
-    let count = |coverage: &Coverage| {
-        coverage
-            .cells
-            .get(cell)
-            .map_or(0, |cell| cell.references as usize)
-    };
     // How many frames see this direction, and which one a click shows.
     let seen = format!(
         "Pan {}, tilt {}: seen in {} and {}.",
         whole_degrees(pan_deg),
         whole_degrees(tilt_deg),
-        legend::describe_count(PointKind::Reference, count(&looks.references)),
-        legend::describe_count(PointKind::Suggested, count(&looks.suggestions))
+        legend::describe_count(
+            PointKind::Reference,
+            frames_that_see(&looks.references, cell)
+        ),
+        legend::describe_count(
+            PointKind::Suggested,
+            frames_that_see(&looks.suggestions, cell)
+        )
     );
     let Some((point, frame)) =
         nearest.and_then(|point| Some((point, app.open()?.frame(point.frame)?)))
@@ -146,4 +148,12 @@ fn read_pointer(
             click: None,
         }));
     }
+}
+
+/// The number of frames that see a cell of the map.
+fn frames_that_see(coverage: &Coverage, cell: usize) -> usize {
+    coverage
+        .cells
+        .get(cell)
+        .map_or(0, |cell| cell.references as usize)
 }

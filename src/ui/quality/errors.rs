@@ -28,35 +28,49 @@ const NOTHING: &str = "The errors of clicks appear here. Two clicks alone can al
 /// points.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let errors = &panel.app.quality().errors;
-    let unit = |_: &mut Panel<'_>, ui: &mut Ui| {
-        let tip = "The distance between a click and where the frame's camera projects its landmark or line, scaled to 1920 px width.";
-        ui.label(
-            RichText::new("px at 1920 px width")
-                .small()
-                .color(ui.palette().weak),
-        )
-        .on_hover_text(tip);
-        if !errors.clicks.is_empty() {
-            let right = "The histogram expected of the same number of correct clicks, from the click noise of their landmarks and lines.";
-            legend::entry(ui, "correct clicks", |painter, at| {
-                painter.hline(
-                    at.x - 4.0..=at.x + 4.0,
-                    at.y,
-                    Stroke::new(1.5, painter.palette().good),
-                );
-            })
-            .on_hover_text(right);
-        }
-    };
-    card(panel, ui, "ERRORS", unit, |panel, ui| {
-        if errors.clicks.is_empty() {
-            nothing_yet(ui, NOTHING);
-        } else {
-            one(panel, ui, errors.used.as_ref(), false);
-            one(panel, ui, errors.held_out.as_ref(), true);
-        }
-        without_evidence(ui, errors);
-    });
+    card(
+        panel,
+        ui,
+        "ERRORS",
+        |_, ui| {
+            show_unit(ui);
+            if !errors.clicks.is_empty() {
+                show_key_of_correct_clicks(ui);
+            }
+        },
+        |panel, ui| {
+            if errors.clicks.is_empty() {
+                nothing_yet(ui, NOTHING);
+            } else {
+                one(panel, ui, errors.used.as_ref(), false);
+                one(panel, ui, errors.held_out.as_ref(), true);
+            }
+            without_evidence(ui, errors);
+        },
+    );
+}
+
+fn show_unit(ui: &mut Ui) {
+    let tip = "The distance between a click and where the frame's camera projects its landmark or line, scaled to 1920 px width.";
+    ui.label(
+        RichText::new("px at 1920 px width")
+            .small()
+            .color(ui.palette().weak),
+    )
+    .on_hover_text(tip);
+}
+
+/// Shows what the line over the bars means.
+fn show_key_of_correct_clicks(ui: &mut Ui) {
+    let tip = "The histogram expected of the same number of correct clicks, from the click noise of their landmarks and lines.";
+    legend::entry(ui, "correct clicks", |painter, at| {
+        painter.hline(
+            at.x - 4.0..=at.x + 4.0,
+            at.y,
+            Stroke::new(1.5, painter.palette().good),
+        );
+    })
+    .on_hover_text(tip);
 }
 
 /// Says how many frames are not counted.
@@ -169,19 +183,18 @@ fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
             },
         );
     }
-    let step = |(place, count): (usize, &f64)| {
-        let y = plot.y_of(*count);
-        [
-            pos2(plot.x_of(place as f64), y),
-            pos2(plot.x_of(place as f64 + 1.0), y),
-        ]
-    };
     let steps = histogram
         .expected
         .iter()
         .take(last)
         .enumerate()
-        .flat_map(step)
+        .flat_map(|(place, count)| {
+            let y = plot.y_of(*count);
+            [
+                pos2(plot.x_of(place as f64), y),
+                pos2(plot.x_of(place as f64 + 1.0), y),
+            ]
+        })
         .collect();
     painter.add(Shape::line(steps, Stroke::new(1.0, painter.palette().good)));
 }

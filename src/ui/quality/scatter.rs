@@ -29,19 +29,6 @@ impl Scatter<'_> {
         let reach_px = self.reach_px();
         let points_per_px = f64::from(SIDE / 2.0 - 6.0) / reach_px;
         let centre = rect.center();
-        // Offsets beyond the range are moved to its border, in their direction.
-        let place = |offset: &Vec2| {
-            let offset = if offset.norm() > reach_px {
-                offset * (reach_px / offset.norm())
-            } else {
-                *offset
-            };
-            centre
-                + vec2(
-                    (offset.x * points_per_px) as f32,
-                    (offset.y * points_per_px) as f32,
-                )
-        };
         // Axes, and rings at one and two σ.
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 4.0, ui.palette().panel);
@@ -62,7 +49,19 @@ impl Scatter<'_> {
             }
         }
         // The nearest dot within reach of the pointer.
-        let dots: Vec<_> = self.offsets.iter().map(place).collect();
+        let dots: Vec<_> = self
+            .offsets
+            .iter()
+            .map(|offset| {
+                // Offsets beyond the range are moved to its border, in their direction.
+                let shown_px = shorten(offset, reach_px);
+                centre
+                    + vec2(
+                        (shown_px.x * points_per_px) as f32,
+                        (shown_px.y * points_per_px) as f32,
+                    )
+            })
+            .collect();
         let under = response.hover_pos().and_then(|at| {
             let near = dots
                 .iter()
@@ -120,5 +119,14 @@ impl Scatter<'_> {
         (1.4 * most)
             .max(2.4 * self.sigma_px.unwrap_or(0.0))
             .max(0.5)
+    }
+}
+
+/// An offset, shortened to `longest_px` if it is longer.
+fn shorten(offset: &Vec2, longest_px: f64) -> Vec2 {
+    if offset.norm() > longest_px {
+        offset * (longest_px / offset.norm())
+    } else {
+        *offset
     }
 }

@@ -21,55 +21,59 @@ const NOTHING: &str =
 /// Shows the card.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let targets = &panel.app.quality().targets;
-    let legend = |_: &mut Panel<'_>, ui: &mut Ui| {
-        let tip = "The stroke marks the median expected of correct clicks, from how precisely people hit this landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
-        let words = if targets.is_empty() {
-            ""
-        } else {
-            "median; | expected"
-        };
-        ui.label(RichText::new(words).small().color(ui.palette().weak))
-            .on_hover_text(tip);
-    };
-    card(panel, ui, "ERRORS BY LANDMARK", legend, |panel, ui| {
-        if targets.is_empty() {
-            nothing_yet(ui, NOTHING);
-            return;
-        }
-        let unfolded = Id::unique("all landmarks of the quality page");
-        let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
-        let shown = if all {
-            targets.len()
-        } else {
-            targets.len().min(SHOWN)
-        };
-        // The scale is set by the landmarks with enough clicks and by the expected medians; one
-        // outlier must not make all other bars invisible.
-        let known = targets
-            .iter()
-            .filter(|errors| errors.is_known())
-            .map(|errors| errors.median_px);
-        let largest = known
-            .chain(targets.iter().map(|errors| 2.0 * errors.expected_px))
-            .fold(0.1, f64::max);
-        ui.spacing_mut().item_spacing.y = 0.0;
-        for errors in &targets[..shown] {
-            row(panel, ui, errors, largest);
-        }
-        if targets.len() > SHOWN {
-            let says = if all {
-                "Fewer".to_owned()
-            } else {
-                format!("All {}", targets.len())
-            };
-            if ui
-                .add(Button::new(RichText::new(says).small()).frame(false))
-                .clicked()
-            {
-                ui.data_mut(|data| data.insert_temp(unfolded, !all));
+    card(
+        panel,
+        ui,
+        "ERRORS BY LANDMARK",
+        |_, ui| explain_bars(ui, targets.is_empty()),
+        |panel, ui| {
+            if targets.is_empty() {
+                nothing_yet(ui, NOTHING);
+                return;
             }
-        }
-    });
+            let unfolded = Id::unique("all landmarks of the quality page");
+            let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
+            let shown = if all {
+                targets.len()
+            } else {
+                targets.len().min(SHOWN)
+            };
+            // The scale is set by the landmarks with enough clicks and by the expected medians; one
+            // outlier must not make all other bars invisible.
+            let known = targets
+                .iter()
+                .filter(|errors| errors.is_known())
+                .map(|errors| errors.median_px);
+            let largest = known
+                .chain(targets.iter().map(|errors| 2.0 * errors.expected_px))
+                .fold(0.1, f64::max);
+            ui.spacing_mut().item_spacing.y = 0.0;
+            for errors in &targets[..shown] {
+                row(panel, ui, errors, largest);
+            }
+            if targets.len() > SHOWN {
+                let says = if all {
+                    "Fewer".to_owned()
+                } else {
+                    format!("All {}", targets.len())
+                };
+                if ui
+                    .add(Button::new(RichText::new(says).small()).frame(false))
+                    .clicked()
+                {
+                    ui.data_mut(|data| data.insert_temp(unfolded, !all));
+                }
+            }
+        },
+    );
+}
+
+/// Explains the numbers and marks of the bars.
+fn explain_bars(ui: &mut Ui, is_empty: bool) {
+    let tip = "The stroke marks the median expected of correct clicks, from how precisely people hit this landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
+    let words = if is_empty { "" } else { "median; | expected" };
+    ui.label(RichText::new(words).small().color(ui.palette().weak))
+        .on_hover_text(tip);
 }
 
 /// Shows one landmark or line: its median as a bar, with a stroke at the median expected of correct

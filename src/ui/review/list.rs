@@ -203,14 +203,13 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     };
     let paint = panel.app.paint_says(row.frame).filter(|_| !row.gone);
     // Exactly equal cameras of neighbours are suspicious, unless the picture stands still as well.
-    let beside = |px| {
+    let neighbours = row.apart_px().filter(|_| !row.gone).map(|px| {
         if row.is_still() {
             "camera exactly still".to_owned()
         } else {
             format!("{px:.0} px from neighbours")
         }
-    };
-    let neighbours = row.apart_px().filter(|_| !row.gone).map(beside);
+    });
     let mended = row
         .shift_by_mending_px
         .filter(|_| !row.gone)

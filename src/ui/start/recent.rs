@@ -67,14 +67,14 @@ fn row(ui: &mut Ui, document: &RecentDocument, picture: Option<egui::TextureHand
         .parent()
         .map(|folder| folder.display().to_string());
     let width = rect.right() - place.right() - 4.0 * theme::SPACE;
-    let at = |y: f32| pos2(place.right() + 2.0 * theme::SPACE, rect.center().y + y);
     for (text, size, colour, y) in [
         (name, 13.0, ui.palette().strong, -17.0),
         (folder.unwrap_or_default(), 11.0, ui.palette().weak, 2.0),
     ] {
         let mut line = LayoutJob::simple_singleline(text, FontId::proportional(size), colour);
         line.wrap = TextWrapping::truncate_at_width(width);
-        painter.galley(at(y), painter.layout_job(line), colour);
+        let at = pos2(place.right() + 2.0 * theme::SPACE, rect.center().y + y);
+        painter.galley(at, painter.layout_job(line), colour);
     }
     response
         .on_hover_text(document.file.display().to_string())

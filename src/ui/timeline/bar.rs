@@ -144,16 +144,11 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
     if response.drag_stopped() {
         ui.data_mut(|data| data.remove::<TimelineCut>(memory));
         // Cuts are stored by frame numbers of the video, not by positions in the document.
-        let number = |position: usize| {
-            panel
-                .app
-                .open()?
-                .frame(position)?
-                .video
-                .as_ref()
-                .map(|video| video.frame_index)
-        };
-        if let Some(to) = number(over).filter(|_| over != cut.position) {
+        let number = panel
+            .app
+            .open()
+            .and_then(|open| Some(open.frame(over)?.video.as_ref()?.frame_index));
+        if let Some(to) = number.filter(|_| over != cut.position) {
             panel.actions.push(Action::Edit(EditAction::MoveCut {
                 cut: cut.frame_index,
                 to,

@@ -85,16 +85,12 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     let text = format!("{time:>8}  {:>digits$}", open.frame_number(here));
     let place =
         Button::new(RichText::new(text).monospace().color(ui.palette().strong)).frame(false);
-    let tip = |ui: &mut Ui| {
+    let place = ui.add(place.min_size(vec2(0.0, 24.0))).on_hover_ui(|ui| {
         let (first, last) = open.numbers_beside(here);
         let keys = panel.app.settings.keys.tooltip(Command::GoToPlace);
         ui.label(format!("The time, and the number of the frame: from {first} to {last}, as in the document.\n{keys}"));
-    };
-    if ui
-        .add(place.min_size(vec2(0.0, 24.0)))
-        .on_hover_ui(tip)
-        .clicked()
-    {
+    });
+    if place.clicked() {
         panel.actions.push(Action::Command(Command::GoToPlace));
     }
 }

@@ -5,7 +5,11 @@ use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
-use egui::{Color32, Label, RichText, Sense, Ui, WidgetInfo, vec2};
+use egui::{
+    Color32, Galley, Label, RichText, Sense, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText,
+    vec2,
+};
+use std::sync::Arc;
 use touchline_application::app::where_to_label::whole_degrees;
 use touchline_application::app::{Action, Navigation};
 use touchline_calibration::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
@@ -79,16 +83,9 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, tested: &LeftOut) {
         ui.painter().rect_filled(rect, 4.0, ui.palette().raised);
     }
     // The number at the right keeps its room; name and pan are cut to the rest.
-    let write = |text: &str, colour: Color32, width: f32| {
-        egui::WidgetText::from(RichText::new(text).color(colour)).into_galley(
-            ui,
-            Some(egui::TextWrapMode::Truncate),
-            width,
-            egui::TextStyle::Body,
-        )
-    };
-    let number = write(&says, colour, 90.0);
-    let left = write(
+    let number = lay_out_truncated(ui, &says, colour, 90.0);
+    let left = lay_out_truncated(
+        ui,
         &format!("{name}  pan {}", whole_degrees(tested.pan_deg)),
         ui.palette().text,
         rect.width() - number.size().x - 16.0,
@@ -110,6 +107,16 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, tested: &LeftOut) {
             .actions
             .push(Action::Navigate(Navigation::GoTo(place)));
     }
+}
+
+/// A text in one line, cut to a width in points.
+fn lay_out_truncated(ui: &Ui, text: &str, colour: Color32, width: f32) -> Arc<Galley> {
+    WidgetText::from(RichText::new(text).color(colour)).into_galley(
+        ui,
+        Some(TextWrapMode::Truncate),
+        width,
+        TextStyle::Body,
+    )
 }
 
 #[cfg(test)]

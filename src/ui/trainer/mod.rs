@@ -122,14 +122,7 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
 /// contradict each other or cannot be used.
 fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "TRAINED ON");
-    let count = |count: usize, one: &str, more: &str| {
-        if count == 1 {
-            format!("1 {one}")
-        } else {
-            format!("{} {more}", thousands(count))
-        }
-    };
-    ui.label(count(
+    ui.label(describe_count(
         status.training_frames,
         "reference used for training.",
         "references used for training.",
@@ -139,7 +132,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         .references
         .saturating_sub(status.training_frames + status.withheld);
     if waiting > 0 {
-        let text = count(
+        let text = describe_count(
             waiting,
             "reference waits for its camera's base.",
             "references wait for their camera's base.",
@@ -147,7 +140,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         ui.add(Label::new(RichText::new(text).color(ui.palette().caution)).wrap());
     }
     if status.withheld > 0 {
-        let text = count(
+        let text = describe_count(
             status.withheld,
             "reference not used for training.",
             "references not used for training.",
@@ -206,6 +199,15 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         .filter(|more| *more > 0)
     {
         weak(ui, &format!("{more} more cannot be used."));
+    }
+}
+
+/// A count with the words for one or for more.
+fn describe_count(count: usize, one: &str, more: &str) -> String {
+    if count == 1 {
+        format!("1 {one}")
+    } else {
+        format!("{} {more}", thousands(count))
     }
 }
 

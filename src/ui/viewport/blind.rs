@@ -73,18 +73,8 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
         _ => CursorIcon::Crosshair,
     };
     // Only over the picture: a menu or a dialog on top sets its own pointer shape.
-    let free = |at: &egui::Pos2| {
-        rect.contains(*at)
-            && ui
-                .ctx()
-                .layer_id_at(*at)
-                .is_none_or(|top| top == ui.layer_id())
-    };
-    if ui
-        .input(|input| input.pointer.hover_pos())
-        .as_ref()
-        .is_some_and(free)
-    {
+    let pointer = ui.input(|input| input.pointer.hover_pos());
+    if pointer.is_some_and(|at| super::is_uncovered(ui, rect, at)) {
         ui.ctx().set_cursor_icon(icon);
     }
 }

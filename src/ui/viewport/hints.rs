@@ -140,14 +140,14 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
         Mode::Idle => {
             just_snapped(panel, ui, placement, painter);
             let names = typing::names_placed(ui.ctx());
-            let shown = |_: &usize| {
+            let shown = session.points.named_automatically.filter(|_| {
                 recently(
                     ui,
                     "named automatically",
                     session.points.named_automatically,
                 ) || names
-            };
-            let Some(click) = session.points.named_automatically.filter(shown) else {
+            });
+            let Some(click) = shown else {
                 return;
             };
             let hint = if names {

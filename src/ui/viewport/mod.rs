@@ -318,14 +318,8 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) 
         Hold::Click { .. } | Hold::Mask { .. } => CursorIcon::Crosshair,
         Hold::Nothing => {
             // Only over the picture: a menu or a dialog on top sets its own shape.
-            let free = |at: &egui::Pos2| {
-                placement.rect.contains(*at)
-                    && ui
-                        .ctx()
-                        .layer_id_at(*at)
-                        .is_none_or(|on_top| on_top == ui.layer_id())
-            };
-            let Some(at) = ui.input(|input| input.pointer.hover_pos()).filter(free) else {
+            let pointer = ui.input(|input| input.pointer.hover_pos());
+            let Some(at) = pointer.filter(|at| is_uncovered(ui, placement.rect, *at)) else {
                 return;
             };
             let clicks: Vec<ImagePoint> = panel
@@ -350,4 +344,13 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) 
         }
     };
     ui.ctx().set_cursor_icon(icon);
+}
+
+/// Whether a position is in a rectangle of this layer, and no menu or dialog is on top of it.
+fn is_uncovered(ui: &egui::Ui, rect: Rect, at: egui::Pos2) -> bool {
+    rect.contains(at)
+        && ui
+            .ctx()
+            .layer_id_at(at)
+            .is_none_or(|on_top| on_top == ui.layer_id())
 }

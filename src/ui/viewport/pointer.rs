@@ -358,11 +358,10 @@ impl Reading<'_> {
     /// picture, or where something covers it, there is none; during a drag the cover does not
     /// count.
     fn hover(&mut self) {
-        let free = |at: &Pos2| self.pointer.hold != Hold::Nothing || (self.around.is_free)(*at);
         let hovered = self
             .pointer
             .at
-            .filter(free)
+            .filter(|at| self.pointer.hold != Hold::Nothing || (self.around.is_free)(*at))
             .map(|at| self.placement.image_from_screen(at))
             .filter(|at| self.placement.image_size.contains(*at));
         if hovered != self.around.hover {

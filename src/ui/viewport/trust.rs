@@ -17,7 +17,6 @@ use touchline_application::scene::uncertainty::{
     HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px,
 };
 use touchline_core::camera::PtzCamera;
-use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX};
 use touchline_documents::document::FrameStatus;
 
@@ -95,13 +94,12 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
         return;
     };
     // 1-σ at the pointer, if it is over the picture.
-    let sigma_at = |at: ImagePoint| solved.uncertainty.overlay_sigma_px(camera, at);
     let here = app
         .session
         .points
         .hover
         .filter(|at| placement.image_size.contains(*at))
-        .and_then(sigma_at);
+        .and_then(|at| solved.uncertainty.overlay_sigma_px(camera, at));
     let value = here.map_or_else(
         || format!("worst corner ±{:.1} px", solved.worst_corner_sigma_px),
         |px| format!("here ±{px:.1} px"),

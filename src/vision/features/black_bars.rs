@@ -113,15 +113,19 @@ fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
         .iter()
         .map(|picture| (0..most + 3).map(|at| row(picture, border, at)).collect())
         .collect();
-    let share = |holds: &dyn Fn(&[Row]) -> bool| {
-        rows.iter().filter(|rows| holds(rows)).count() as f64 / rows.len() as f64
-    };
     let deep = (0..=most)
-        .take_while(|&at| share(&|rows| rows[at].black >= OF_ROW) >= OF_PICTURES)
+        .take_while(|&at| share_of_pictures(&rows, |rows| rows[at].black >= OF_ROW) >= OF_PICTURES)
         .count();
     // Row `deep` is a mixture of bar and picture, so its two neighbours are compared.
-    let ends = share(&|rows| deep > 0 && rows[deep + 1].mean > rows[deep - 1].mean + EDGE);
+    let ends = share_of_pictures(&rows, |rows| {
+        deep > 0 && rows[deep + 1].mean > rows[deep - 1].mean + EDGE
+    });
     (deep >= THIN && deep <= most && ends >= EDGE_IN).then_some(deep)
+}
+
+/// The share of the pictures for which a condition on their rows holds.
+fn share_of_pictures(rows: &[Vec<Row>], holds: impl Fn(&[Row]) -> bool) -> f64 {
+    rows.iter().filter(|rows| holds(rows)).count() as f64 / rows.len() as f64
 }
 
 /// The `at`-th row, or column, from a border.

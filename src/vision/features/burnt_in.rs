@@ -183,9 +183,8 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
             })
             .collect();
     found.sort_by(|a, b| {
-        let corner = |graphic: &BurntInGraphic| (graphic.pixel_box.y, graphic.pixel_box.x);
-        let ((y, x), (other_y, other_x)) = (corner(a), corner(b));
-        y.total_cmp(&other_y).then(x.total_cmp(&other_x))
+        let (one, other) = (&a.pixel_box, &b.pixel_box);
+        one.y.total_cmp(&other.y).then(one.x.total_cmp(&other.x))
     });
     found
 }
@@ -199,11 +198,11 @@ fn group_points(
 ) -> Vec<Vec<usize>> {
     let mut cells = BTreeMap::<(i64, i64), Vec<usize>>::new();
     for (at, (point, _)) in points.iter().enumerate() {
-        let cell = |position: f64| (position / cell_px).floor() as i64;
-        cells
-            .entry((cell(point.y), cell(point.x)))
-            .or_default()
-            .push(at);
+        let cell = (
+            (point.y / cell_px).floor() as i64,
+            (point.x / cell_px).floor() as i64,
+        );
+        cells.entry(cell).or_default().push(at);
     }
     cells.retain(|_, members| {
         let pictures: BTreeSet<usize> = members.iter().map(|&member| points[member].1).collect();
@@ -235,21 +234,12 @@ fn graphic_from_points(
     size: ImageSize,
 ) -> Option<BurntInGraphic> {
     let margin_px = MARGIN_PX * size.scale_from_1920();
-    // Extent along one axis, whole px.
-    let along = |of: fn(&ImagePoint) -> f64, extent: u32| {
-        let values = || members.iter().map(|&member| of(&points[member].0));
-        let least = values().fold(f64::INFINITY, f64::min) - margin_px;
-        let greatest = values().fold(f64::NEG_INFINITY, f64::max) + margin_px;
-        (
-            least.max(0.0).floor(),
-            greatest.min(f64::from(extent)).ceil(),
-        )
-    };
+    let at = members.iter().map(|&member| points[member].0);
     let ((left, right), (top, bottom)) = (
-        along(|point| point.x, size.width),
-        along(|point| point.y, size.height),
+        extent_px(at.clone().map(|point| point.x), margin_px, size.width),
+        extent_px(at.map(|point| point.y), margin_px, size.height),
     );
-    let pictures = || members.iter().map(|&member| points[member].1);
+    let pictures = members.iter().map(|&member| points[member].1);
     Some(BurntInGraphic {
         pixel_box: PixelBox {
             x: left,
@@ -257,8 +247,23 @@ fn graphic_from_points(
             width: right - left,
             height: bottom - top,
         },
-        first: pictures().min()?,
-        last: pictures().max()?,
+        first: pictures.clone().min()?,
+        last: pictures.max()?,
         features: members.len(),
     })
+}
+
+/// The extent of positions along a side of the picture, with a margin, clipped to the picture, in
+/// whole px.
+fn extent_px(
+    positions_px: impl Iterator<Item = f64> + Clone,
+    margin_px: f64,
+    side_px: u32,
+) -> (f64, f64) {
+    let least_px = positions_px.clone().fold(f64::INFINITY, f64::min) - margin_px;
+    let greatest_px = positions_px.fold(f64::NEG_INFINITY, f64::max) + margin_px;
+    (
+        least_px.max(0.0).floor(),
+        greatest_px.min(f64::from(side_px)).ceil(),
+    )
 }

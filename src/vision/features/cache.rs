@@ -181,15 +181,16 @@ fn decode(file: &[u8]) -> Option<Features> {
     if crc32fast::hash(body) != u32::from_le_bytes(*checksum) {
         return None;
     }
-    let (header, rest) = body.split_first_chunk::<12>()?;
-    let number = |at: usize| Some(u32::from_le_bytes(*header.get(at..)?.first_chunk()?));
+    let (width, rest) = body.split_first_chunk()?;
+    let (height, rest) = rest.split_first_chunk()?;
+    let (count, rest) = rest.split_first_chunk()?;
     let (chunks, remainder) = rest.as_chunks::<FEATURE_BYTES>();
     // The number of features must agree with the length of the file.
-    if !remainder.is_empty() || chunks.len() != number(8)? as usize {
+    if !remainder.is_empty() || chunks.len() != u32::from_le_bytes(*count) as usize {
         return None;
     }
     let mut features = Features {
-        image_size: ImageSize::new(number(0)?, number(4)?),
+        image_size: ImageSize::new(u32::from_le_bytes(*width), u32::from_le_bytes(*height)),
         ..Features::default()
     };
     for chunk in chunks {

@@ -14,22 +14,28 @@ const MOVED_OF_KIND: [f32; 2] = [0.36, 0.45];
 /// of them for anything to be found.
 pub(super) fn camera_views(pictures: &[ReducedPicture]) -> [Vec<usize>; 2] {
     let coarse: Vec<CoarsePicture> = pictures.par_iter().map(CoarsePicture::new).collect();
-    let of_kind = |kind: EdgeKind| {
-        let mut views: Vec<usize> = Vec::new();
-        for (place, picture) in pictures.iter().enumerate() {
-            // Few static edges, and no block match that says otherwise: edges alone are unreliable
-            // while a camera pans slowly along boards. Undecided blocks (None) are no objection.
-            let has_moved = |&before: &usize| {
-                count_edges(&pictures[before], picture).is_some_and(|counts| {
-                    let count = &counts[kind as usize];
-                    count.standing < MOVED_OF_KIND[kind as usize] * count.all
-                }) && coarse[before].is_displaced(&coarse[place], kind) != Some(false)
-            };
-            if views.last().is_none_or(has_moved) {
-                views.push(place);
-            }
+    EdgeKind::ALL.map(|kind| views_of_kind(kind, pictures, &coarse))
+}
+
+/// The indices of pictures such that the camera moved from each to the next, by edges of one kind.
+fn views_of_kind(
+    kind: EdgeKind,
+    pictures: &[ReducedPicture],
+    coarse: &[CoarsePicture],
+) -> Vec<usize> {
+    let mut views: Vec<usize> = Vec::new();
+    for (place, picture) in pictures.iter().enumerate() {
+        // Few static edges, and no block match that says otherwise: edges alone are unreliable
+        // while a camera pans slowly along boards. Undecided blocks (None) are no objection.
+        let is_new_view = views.last().is_none_or(|&before| {
+            count_edges(&pictures[before], picture).is_some_and(|counts| {
+                let count = &counts[kind as usize];
+                count.standing < MOVED_OF_KIND[kind as usize] * count.all
+            }) && coarse[before].is_displaced(&coarse[place], kind) != Some(false)
+        });
+        if is_new_view {
+            views.push(place);
         }
-        views
-    };
-    EdgeKind::ALL.map(of_kind)
+    }
+    views
 }

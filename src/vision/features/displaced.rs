@@ -43,19 +43,13 @@ pub(super) struct CoarsePicture {
 impl CoarsePicture {
     pub fn new(picture: &ReducedPicture) -> Self {
         let (width, height) = (picture.width / STEP, picture.height / STEP);
-        let of_cell = |column: usize, row: usize| -> f32 {
-            let rows =
-                (row * STEP..(row + 1) * STEP).map(|row| row * picture.width + column * STEP);
-            rows.map(|start| picture.grey[start..start + STEP].iter().sum::<f32>())
-                .sum()
-        };
         let cells = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
         let weight = 1.0 / (STEP * STEP) as f32;
         Self {
             width,
             height,
             grey: cells
-                .map(|(column, row)| weight * of_cell(column, row))
+                .map(|(column, row)| weight * cell_sum(picture, column, row))
                 .collect(),
         }
     }
@@ -100,6 +94,14 @@ impl CoarsePicture {
     }
 }
 
+/// The sum of the brightness in the square of [`STEP`] px that becomes one pixel of the coarse
+/// picture.
+fn cell_sum(picture: &ReducedPicture, column: usize, row: usize) -> f32 {
+    let rows = (row * STEP..(row + 1) * STEP).map(|row| row * picture.width + column * STEP);
+    rows.map(|start| picture.grey[start..start + STEP].iter().sum::<f32>())
+        .sum()
+}
+
 /// A rectangle of the coarse picture.
 struct Block {
     left: usize,
@@ -120,13 +122,11 @@ impl Block {
     ) -> Option<[f32; 2]> {
         // Mean and contrast of the block itself, computed once for all displacements.
         let count = (self.width * self.height) as f32;
-        let own = || {
-            (0..self.height)
-                .filter_map(|row| one.row_of(self, row, (0, 0)))
-                .flatten()
-        };
-        let mean = own().sum::<f32>() / count;
-        let contrast = (own().map(|grey| (grey - mean).powi(2)).sum::<f32>() / count).sqrt();
+        let own = (0..self.height)
+            .filter_map(|row| one.row_of(self, row, (0, 0)))
+            .flatten();
+        let mean = own.clone().sum::<f32>() / count;
+        let contrast = (own.map(|grey| (grey - mean).powi(2)).sum::<f32>() / count).sqrt();
         if count == 0.0 || contrast < LEAST_CONTRAST {
             return None;
         }

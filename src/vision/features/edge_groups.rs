@@ -44,15 +44,8 @@ pub(super) struct EdgeGroup {
 
 impl EdgeGroup {
     fn from_edges(edges: Vec<StandingEdge>) -> Self {
-        let extent = |of: fn(&StandingEdge) -> usize| {
-            edges
-                .iter()
-                .map(of)
-                .fold((usize::MAX, 0), |(least, most), at| {
-                    (least.min(at), most.max(at))
-                })
-        };
-        let ((left, right), (top, bottom)) = (extent(|edge| edge.column), extent(|edge| edge.row));
+        let (left, right) = extent(edges.iter().map(|edge| edge.column));
+        let (top, bottom) = extent(edges.iter().map(|edge| edge.row));
         Self {
             extents: [left, top, right, bottom],
             edges,
@@ -67,35 +60,36 @@ impl EdgeGroup {
         if right - left < THIN || bottom - top < THIN {
             return false;
         }
-        let level = || {
-            self.edges
-                .iter()
-                .filter(|edge| edge.slope.kind() == EdgeKind::Level)
-        };
-        // Distinct columns with a level edge near the box's upper or lower end.
-        let rim = |end: usize| {
-            let columns: BTreeSet<usize> = level()
-                .filter(|edge| edge.row.abs_diff(end) <= LEVEL_WITHIN)
-                .map(|edge| edge.column)
-                .collect();
-            columns.len() as f64 >= ACROSS * width as f64
-        };
-        let upright = || {
-            self.edges
-                .iter()
-                .filter(|edge| edge.slope.kind() == EdgeKind::Upright)
-        };
-        // Distinct rows with an upright edge near the box's left or right end.
-        let side = |end: usize| {
-            let rows: BTreeSet<usize> = upright()
-                .filter(|edge| edge.column.abs_diff(end) <= SIDE_WITHIN)
-                .map(|edge| edge.row)
-                .collect();
-            rows.len() as f64 >= SIDE * (bottom - top + 1) as f64
-        };
-        upright().count() as f64 >= LETTERS * self.edges.len() as f64
-            || (side(left) && side(right))
-            || (rim(top) && rim(bottom))
+        self.edges_of_kind(EdgeKind::Upright).count() as f64 >= LETTERS * self.edges.len() as f64
+            || (self.has_side(left) && self.has_side(right))
+            || (self.has_rim(top, width) && self.has_rim(bottom, width))
+    }
+
+    fn edges_of_kind(&self, kind: EdgeKind) -> impl Iterator<Item = &StandingEdge> {
+        self.edges
+            .iter()
+            .filter(move |edge| edge.slope.kind() == kind)
+    }
+
+    /// Whether level edges near the row `end` extend across a picture of this width.
+    fn has_rim(&self, end: usize, width: usize) -> bool {
+        let columns: BTreeSet<usize> = self
+            .edges_of_kind(EdgeKind::Level)
+            .filter(|edge| edge.row.abs_diff(end) <= LEVEL_WITHIN)
+            .map(|edge| edge.column)
+            .collect();
+        columns.len() as f64 >= ACROSS * width as f64
+    }
+
+    /// Whether upright edges near the column `end` extend over enough of the box's height.
+    fn has_side(&self, end: usize) -> bool {
+        let [_, top, _, bottom] = self.extents;
+        let rows: BTreeSet<usize> = self
+            .edges_of_kind(EdgeKind::Upright)
+            .filter(|edge| edge.column.abs_diff(end) <= SIDE_WITHIN)
+            .map(|edge| edge.row)
+            .collect();
+        rows.len() as f64 >= SIDE * (bottom - top + 1) as f64
     }
 
     /// Whether two groups are the upper and lower rim of one box, or its two sides. They are not
@@ -103,30 +97,18 @@ impl EdgeGroup {
     fn is_rim_beside(&self, other: &Self) -> bool {
         let ([left, top, right, bottom], [other_left, other_top, other_right, other_bottom]) =
             (self.extents, other.extents);
-        let near = |one: usize, other: usize| one.abs_diff(other) <= RIMS_END_WITHIN;
-        let apart = |one: usize, other: usize, length: usize, times: f64| {
-            one.saturating_sub(other) as f64 <= times * length as f64
-        };
         // Upper and lower rim: the same columns, and near to each other for their length.
-        let rims = near(left, other_left)
-            && near(right, other_right)
-            && apart(
-                top.max(other_top),
-                bottom.min(other_bottom),
-                right - left,
-                RIMS_APART,
-            );
+        let rows_between = gap([top, bottom], [other_top, other_bottom]);
+        let rims = ends_agree(left, other_left)
+            && ends_agree(right, other_right)
+            && rows_between as f64 <= RIMS_APART * (right - left) as f64;
         // Sides: the same rows, upright edges only. A box is wide, so they may be far apart.
-        let sides = near(top, other_top)
-            && near(bottom, other_bottom)
+        let columns_between = gap([left, right], [other_left, other_right]);
+        let sides = ends_agree(top, other_top)
+            && ends_agree(bottom, other_bottom)
             && self.is_upright()
             && other.is_upright()
-            && apart(
-                left.max(other_left),
-                right.min(other_right),
-                bottom - top,
-                SIDES_APART,
-            );
+            && columns_between as f64 <= SIDES_APART * (bottom - top) as f64;
         rims || sides
     }
 
@@ -135,6 +117,23 @@ impl EdgeGroup {
             .iter()
             .all(|edge| edge.slope.kind() == EdgeKind::Upright)
     }
+}
+
+/// The least and the greatest of some positions.
+fn extent(positions: impl Iterator<Item = usize>) -> (usize, usize) {
+    positions.fold((usize::MAX, 0), |(least, most), at| {
+        (least.min(at), most.max(at))
+    })
+}
+
+/// Whether the ends of two rims, or of two sides, are those of one box.
+fn ends_agree(one: usize, other: usize) -> bool {
+    one.abs_diff(other) <= RIMS_END_WITHIN
+}
+
+/// The distance between two ranges along one axis; 0 if they overlap.
+fn gap([from, to]: [usize; 2], [other_from, other_to]: [usize; 2]) -> usize {
+    from.max(other_from).saturating_sub(to.min(other_to))
 }
 
 /// Groups of edges whose cells touch, diagonals included, topmost first. The rims of a box are one

@@ -4,6 +4,8 @@ use super::keypoint::Features;
 #[cfg(feature = "opencv")]
 use super::spread::spread_unmasked;
 #[cfg(feature = "opencv")]
+use super::standing_graphic::shared_area;
+#[cfg(feature = "opencv")]
 use super::{BinaryKind, Descriptor, Detector, keypoint::Keypoint};
 use super::{FeatureError, FeatureOptions};
 use crate::media::Picture;
@@ -98,15 +100,14 @@ fn bits(
 /// Share of a picture that no mask covers, at least a tenth. Overlapping masks count twice.
 #[cfg(feature = "opencv")]
 fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
-    let (width, height) = (f64::from(size.width), f64::from(size.height));
-    // Extent of a mask within the picture, along one axis.
-    let side =
-        |from: f64, extent: f64, limit: f64| ((from + extent).min(limit) - from.max(0.0)).max(0.0);
-    let covered: f64 = masks
-        .iter()
-        .map(|m| side(m.x, m.width, width) * side(m.y, m.height, height))
-        .sum();
-    (1.0 - covered / (width * height)).max(0.1)
+    let whole = PixelBox {
+        x: 0.0,
+        y: 0.0,
+        width: f64::from(size.width),
+        height: f64::from(size.height),
+    };
+    let covered: f64 = masks.iter().map(|mask| shared_area(mask, &whole)).sum();
+    (1.0 - covered / (whole.width * whole.height)).max(0.1)
 }
 
 /// The version of the OpenCV in use. None if the program was built without it.

@@ -10,8 +10,8 @@ const WIDTH: u32 = 480;
 /// noise.
 const LEAST_EDGE: f32 = 4.0;
 
-/// An edge is static if in both pictures the component of its gradient along their common direction
-/// is at least this share of the gradient's strength.
+/// A gradient belongs to an edge of known direction if its component along that direction is at
+/// least this share of its strength.
 const ALONG: f32 = 0.7;
 
 /// The camera moved if less than this share of the edges of two pictures is static. By chance it is
@@ -60,6 +60,13 @@ impl Slope {
     /// The unit vector of the direction; zero for a zero gradient.
     pub fn unit(self) -> Self {
         self.times(1.0 / self.strength().max(f32::MIN_POSITIVE))
+    }
+
+    /// Whether it is that of an edge with the gradient direction `direction`, a unit vector: most
+    /// of it lies along the direction, and is more than noise.
+    pub fn is_edge_along(self, direction: Self) -> bool {
+        let along = self.dot(direction);
+        along > LEAST_EDGE && along > ALONG * self.strength()
     }
 
     pub fn kind(self) -> EdgeKind {
@@ -170,11 +177,7 @@ pub(super) fn count_edges(one: &ReducedPicture, other: &ReducedPicture) -> Optio
             // Static: both gradients are strong along the direction of their sum.
             let shared = slopes[0].plus(slopes[1]);
             let direction = shared.unit();
-            let stands = |slope: &Slope| {
-                let along = slope.dot(direction);
-                along > LEAST_EDGE && along > ALONG * slope.strength()
-            };
-            if slopes.iter().all(stands) {
+            if slopes.iter().all(|slope| slope.is_edge_along(direction)) {
                 counts[shared.kind() as usize].standing += 1.0;
             }
         }

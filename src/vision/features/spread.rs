@@ -1,6 +1,7 @@
 //! Limits the number of features and keeps them spread over the picture.
 
 use super::Keypoint;
+use super::grid::cell_in_grid;
 use touchline_core::geometry::ImageSize;
 #[cfg(feature = "opencv")]
 use touchline_core::geometry::PixelBox;
@@ -31,7 +32,7 @@ pub fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) -> Vec<
     let mut held = [0usize; GRID.0 * GRID.1];
     let (mut kept, mut surplus) = (Vec::with_capacity(max_count), Vec::new());
     for index in order {
-        let cell = &mut held[cell_of(&keypoints[index], size)];
+        let cell = &mut held[cell_in_grid(keypoints[index].point, size, GRID)];
         if *cell < quota {
             *cell += 1;
             kept.push(index);
@@ -62,15 +63,6 @@ pub(super) fn spread_unmasked<D: Copy>(
         .into_iter()
         .map(|index| (keypoints[index], descriptors[index]))
         .unzip()
-}
-
-fn cell_of(keypoint: &Keypoint, size: ImageSize) -> usize {
-    let along = |position: f64, extent: u32, cells: usize| {
-        let cell = position / f64::from(extent.max(1)) * cells as f64;
-        (cell.max(0.0) as usize).min(cells - 1)
-    };
-    along(keypoint.point.y, size.height, GRID.1) * GRID.0
-        + along(keypoint.point.x, size.width, GRID.0)
 }
 
 #[cfg(test)]

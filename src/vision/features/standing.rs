@@ -5,7 +5,9 @@
 //! pictures: similar features at the same position while the rest of the picture moved. If the rest
 //! did not move, the pair is not used, because a still camera looks the same.
 
-use super::{Features, Keypoint};
+use super::Features;
+use super::grid::cell_in_grid;
+use std::ops::Range;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
 /// A feature that is displaced by at most this is static, px at 1920 px width.
@@ -48,16 +50,18 @@ impl<'a> Placed<'a> {
         let cell_px = (NEAR_PX * size.scale_from_1920()).max(1.0);
         let columns = (f64::from(size.width) / cell_px) as usize + 1;
         let rows = (f64::from(size.height) / cell_px) as usize + 1;
-        let cell = |keypoint: &Keypoint| {
-            let along = |position: f64, count: usize| {
-                ((position / cell_px).max(0.0) as usize).min(count - 1)
-            };
-            along(keypoint.point.y, rows) * columns + along(keypoint.point.x, columns)
-        };
+        let cells: Vec<usize> = features
+            .keypoints
+            .iter()
+            .map(|keypoint| {
+                cell_along(keypoint.point.y, cell_px, rows) * columns
+                    + cell_along(keypoint.point.x, cell_px, columns)
+            })
+            .collect();
         // Features per cell, then running sums: where each cell's features end in `order`.
         let mut ends = vec![0; columns * rows];
-        for keypoint in &features.keypoints {
-            ends[cell(keypoint)] += 1;
+        for &cell in &cells {
+            ends[cell] += 1;
         }
         let mut total = 0;
         for end in &mut ends {
@@ -65,7 +69,7 @@ impl<'a> Placed<'a> {
             *end = total;
         }
         let mut order: Vec<u32> = (0..features.len() as u32).collect();
-        order.sort_by_key(|&feature| cell(&features.keypoints[feature as usize]));
+        order.sort_by_key(|&feature| cells[feature as usize]);
         Self {
             features,
             cell_px,
@@ -79,12 +83,8 @@ impl<'a> Placed<'a> {
     /// all features within that distance.
     fn around(&self, point: ImagePoint) -> impl Iterator<Item = usize> {
         let rows = self.ends.len() / self.columns;
-        let cells = |position: f64, count: usize| {
-            let at = (position / self.cell_px).max(0.0) as usize;
-            at.saturating_sub(1)..(at + 2).min(count)
-        };
-        let columns = cells(point.x, self.columns);
-        cells(point.y, rows).flat_map(move |row| {
+        let columns = cells_around(point.x, self.cell_px, self.columns);
+        cells_around(point.y, self.cell_px, rows).flat_map(move |row| {
             // Neighbouring cells of a row are adjacent in `order`, so a row of cells is one range.
             let (first, last) = (
                 row * self.columns + columns.start,
@@ -120,6 +120,17 @@ impl<'a> Placed<'a> {
         let best = alike.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
         Some((best.1, best.2))
     }
+}
+
+/// The index, along one axis, of the cell at a position; that of the last cell beyond it.
+fn cell_along(position_px: f64, cell_px: f64, cells: usize) -> usize {
+    ((position_px / cell_px).max(0.0) as usize).min(cells - 1)
+}
+
+/// The indices, along one axis, of the cell at a position and of its neighbours.
+fn cells_around(position_px: f64, cell_px: f64, cells: usize) -> Range<usize> {
+    let at = (position_px / cell_px).max(0.0) as usize;
+    at.saturating_sub(1)..(at + 2).min(cells)
 }
 
 /// The features of two pictures that are static while the rest of the picture moves, as pairs of
@@ -166,19 +177,13 @@ pub fn place_share(
     all: impl IntoIterator<Item = ImagePoint>,
     size: ImageSize,
 ) -> f64 {
-    let place = |point: ImagePoint| {
-        let along = |position: f64, extent: u32, cells: usize| {
-            ((position / f64::from(extent.max(1)) * cells as f64).max(0.0) as usize).min(cells - 1)
-        };
-        along(point.y, size.height, PLACES.1) * PLACES.0 + along(point.x, size.width, PLACES.0)
-    };
     // For each cell, whether it has points of `all`, and of `some`.
     let mut held = [(false, false); PLACES.0 * PLACES.1];
     for point in all {
-        held[place(point)].0 = true;
+        held[cell_in_grid(point, size, PLACES)].0 = true;
     }
     for point in some {
-        held[place(point)].1 = true;
+        held[cell_in_grid(point, size, PLACES)].1 = true;
     }
     let textured = held.iter().filter(|(any, _)| *any).count();
     let shared = held.iter().filter(|(any, some)| *any && *some).count();

@@ -42,12 +42,9 @@ const LEAST_VIEWS_IN_WINDOW: usize = 7;
 const LEAST_MEAN: f32 = 1.5;
 const LEAST_ERRORS: f32 = 7.0;
 
-/// Alternative criterion for all pictures, which may be too few for the statistic: in at least the
-/// share [`AGREEING`] of them the gradient's component along the mean exceeds this, grey levels
-/// over two px, and the share [`ALONG`] of the gradient's strength.
-const LEAST_EDGE: f32 = 4.0;
+/// Alternative criterion for all pictures, which may be too few for the statistic: at least this
+/// share of them has an edge along the mean gradient (see [`Slope::is_edge_along`]).
 const AGREEING: f32 = 0.85;
-const ALONG: f32 = 0.7;
 
 /// Variance of a gradient that does not change, from rounding, grey levels².
 const LEAST_VARIANCE: f32 = 0.25;
@@ -151,31 +148,40 @@ fn standing_edges(
     views: &[Vec<usize>; 2],
     is_part: bool,
 ) -> Vec<StandingEdge> {
-    let (width, height) = (pictures[0].width, pictures[0].height);
-    let rows = 1..height.saturating_sub(1);
-    let of_row = |row: usize| {
-        (1..width.saturating_sub(1)).filter_map(move |column| {
-            EdgeKind::ALL.into_iter().find_map(|kind| {
-                // Gradients are capped: one strong edge of the stadium must not outweigh many weak
-                // ones.
-                let slopes = || {
-                    views[kind as usize]
-                        .iter()
-                        .map(|&view| pictures[view].slope(column, row).clamp_strength(CAP))
-                };
-                let slope = mean_slope(slopes, is_part).filter(|mean| mean.kind() == kind)?;
-                Some(StandingEdge { column, row, slope })
-            })
+    let rows = 1..pictures[0].height.saturating_sub(1);
+    rows.into_par_iter()
+        .flat_map_iter(|row| standing_edges_in_row(row, pictures, views, is_part))
+        .collect()
+}
+
+/// The static edges in one row of the reduced pictures, from left to right.
+fn standing_edges_in_row(
+    row: usize,
+    pictures: &[ReducedPicture],
+    views: &[Vec<usize>; 2],
+    is_part: bool,
+) -> impl Iterator<Item = StandingEdge> {
+    let columns = 1..pictures[0].width.saturating_sub(1);
+    columns.filter_map(move |column| {
+        EdgeKind::ALL.into_iter().find_map(|kind| {
+            // Gradients are capped: one strong edge of the stadium must not outweigh many weak
+            // ones.
+            let slopes = views[kind as usize]
+                .iter()
+                .map(|&view| pictures[view].slope(column, row).clamp_strength(CAP));
+            let slope = mean_slope(slopes, is_part).filter(|mean| mean.kind() == kind)?;
+            Some(StandingEdge { column, row, slope })
         })
-    };
-    rows.into_par_iter().flat_map_iter(of_row).collect()
+    })
 }
 
 /// The mean of gradients that agree; none if they do not.
-fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) -> Option<Slope> {
-    let (sum, count) = slopes().fold((Slope::default(), 0.0_f32), |(sum, count), slope| {
-        (sum.plus(slope), count + 1.0)
-    });
+fn mean_slope(slopes: impl Iterator<Item = Slope> + Clone, is_part: bool) -> Option<Slope> {
+    let (sum, count) = slopes
+        .clone()
+        .fold((Slope::default(), 0.0_f32), |(sum, count), slope| {
+            (sum.plus(slope), count + 1.0)
+        });
     if count < 2.0 {
         return None;
     }
@@ -186,17 +192,15 @@ fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) 
     }
     // The t statistic of the gradients' components along their mean.
     let direction = mean.unit();
-    let scatter: f32 = slopes()
+    let scatter: f32 = slopes
+        .clone()
         .map(|slope| (slope.dot(direction) - strength).powi(2))
         .sum();
     let variance = scatter / (count - 1.0) + LEAST_VARIANCE;
     // With few pictures the statistic is weak; it is enough that nearly all have the edge.
-    let agrees = |slope: &Slope| {
-        let along = slope.dot(direction);
-        along > LEAST_EDGE && along > ALONG * slope.strength()
-    };
+    let agreeing = slopes.filter(|slope| slope.is_edge_along(direction));
     let stands = strength * (count / variance).sqrt() > LEAST_ERRORS
-        || (!is_part && slopes().filter(agrees).count() as f32 >= AGREEING * count);
+        || (!is_part && agreeing.count() as f32 >= AGREEING * count);
     stands.then_some(mean)
 }
 

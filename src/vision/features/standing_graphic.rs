@@ -72,12 +72,19 @@ impl StandingGraphic {
     pub(super) fn is_also(&self, other: &Self) -> bool {
         let at_once = self.first <= other.last && other.first <= self.last;
         let (one, two) = (&self.pixel_box, &other.pixel_box);
-        // Length of the overlap of two intervals.
-        let along = |a: f64, a_length: f64, b: f64, b_length: f64| {
-            ((a + a_length).min(b + b_length) - a.max(b)).max(0.0)
-        };
-        let shared =
-            along(one.x, one.width, two.x, two.width) * along(one.y, one.height, two.y, two.height);
-        at_once && shared > 0.5 * (one.width * one.height).min(two.width * two.height)
+        at_once
+            && shared_area(one, two) > 0.5 * (one.width * one.height).min(two.width * two.height)
     }
+}
+
+/// The area in which two boxes overlap, px².
+pub(super) fn shared_area(one: &PixelBox, two: &PixelBox) -> f64 {
+    overlap_px(one.x, one.width, two.x, two.width)
+        * overlap_px(one.y, one.height, two.y, two.height)
+}
+
+/// The length of the overlap of two intervals, px; 0 if they are apart.
+fn overlap_px(from_px: f64, length_px: f64, other_from_px: f64, other_length_px: f64) -> f64 {
+    let to_px = (from_px + length_px).min(other_from_px + other_length_px);
+    (to_px - from_px.max(other_from_px)).max(0.0)
 }

@@ -186,6 +186,13 @@ impl MediaError {
             },
         }
     }
+
+    /// [`MediaError::NoVideoSupport`] for the video at `path`.
+    pub(super) fn no_video_support(path: &Path) -> Self {
+        Self::NoVideoSupport {
+            path: path.to_path_buf(),
+        }
+    }
 }
 
 /// A text on one line, with single spaces between its words.

@@ -83,11 +83,20 @@ impl GreyPicture {
         let (column, row) = (x as usize, y as usize);
         let (share_x, share_y) = (x - column as f64, y - row as f64);
         let (next_column, next_row) = ((column + 1).min(right), (row + 1).min(bottom));
-        let grey = |row: usize, column: usize| f64::from(self.values[row * width + column]);
-        let above = grey(row, column) * (1.0 - share_x) + grey(row, next_column) * share_x;
-        let below =
-            grey(next_row, column) * (1.0 - share_x) + grey(next_row, next_column) * share_x;
+        // Linear along both rows, then between them.
+        let [above, below] = [row, next_row].map(|row| {
+            f64::from(self.pixel(column, row)) * (1.0 - share_x)
+                + f64::from(self.pixel(next_column, row)) * share_x
+        });
         above * (1.0 - share_y) + below * share_y
+    }
+
+    /// The grey level of a pixel.
+    ///
+    /// # Panics
+    /// If it lies below the picture.
+    pub(super) fn pixel(&self, column: usize, row: usize) -> u8 {
+        self.values[row * self.size.width as usize + column]
     }
 }
 

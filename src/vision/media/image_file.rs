@@ -131,39 +131,21 @@ fn open_decoder(
     let all = limits
         .max_megapixels
         .saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
-    let open = |max_alloc: u64| {
-        let reader = ImageReader::new(BufReader::new(open_file(path)?));
-        let mut reader = reader
-            .with_guessed_format()
-            .map_err(|error| MediaError::from_io(path, &error))?;
-        let Some(format) = reader.format() else {
-            return Err(MediaError::NotAnImage {
-                path: path.to_path_buf(),
-            });
-        };
-        // The size is checked below, with a message that has its numbers; this bounds what a
-        // decoder allocates before and in addition.
-        let mut decoder_limits = Limits::no_limits();
-        decoder_limits.max_alloc = Some(max_alloc);
-        reader.limits(decoder_limits);
-        let decoder = reader
-            .into_decoder()
-            .map_err(|error| media_error(path, limits, &error))?;
-        Ok((format, decoder))
-    };
     // The compressed colour profile of a PNG is inflated before its size is known, so the first
     // attempt has a small limit.
-    let (format, mut decoder) = open(if is_png(path)? {
+    let max_alloc = if is_png(path)? {
         MAX_METADATA_BYTES
     } else {
         all
-    })?;
+    };
+    let (format, mut decoder) = open_with_max_alloc(path, limits, max_alloc)?;
     let (width, height) = decoder.dimensions();
     if format == ImageFormat::Png {
         let pixels = u64::from(width)
             .saturating_mul(u64::from(height))
             .saturating_mul(MAX_BYTES_PER_PX);
-        (_, decoder) = open(pixels.saturating_add(MAX_METADATA_BYTES).min(all))?;
+        let max_alloc = pixels.saturating_add(MAX_METADATA_BYTES).min(all);
+        (_, decoder) = open_with_max_alloc(path, limits, max_alloc)?;
     }
     if width == 0 || height == 0 {
         return Err(MediaError::DamagedImage {
@@ -172,6 +154,33 @@ fn open_decoder(
         });
     }
     limits.check(path, width, height)?;
+    Ok((format, decoder))
+}
+
+/// The format of a file, and a decoder that has read the header; `max_alloc` is the most that it
+/// may allocate, bytes.
+fn open_with_max_alloc(
+    path: &Path,
+    limits: ImageLimits,
+    max_alloc: u64,
+) -> Result<(ImageFormat, impl ImageDecoder), MediaError> {
+    let reader = ImageReader::new(BufReader::new(open_file(path)?));
+    let mut reader = reader
+        .with_guessed_format()
+        .map_err(|error| MediaError::from_io(path, &error))?;
+    let Some(format) = reader.format() else {
+        return Err(MediaError::NotAnImage {
+            path: path.to_path_buf(),
+        });
+    };
+    // The caller checks the size, with a message that has its numbers; this bounds what a decoder
+    // allocates before and in addition.
+    let mut decoder_limits = Limits::no_limits();
+    decoder_limits.max_alloc = Some(max_alloc);
+    reader.limits(decoder_limits);
+    let decoder = reader
+        .into_decoder()
+        .map_err(|error| media_error(path, limits, &error))?;
     Ok((format, decoder))
 }
 
@@ -203,10 +212,6 @@ fn lay_over_black(rgba: &mut image::RgbaImage) {
 
 /// The error of a decoder as a `MediaError`.
 fn media_error(path: &Path, limits: ImageLimits, error: &ImageError) -> MediaError {
-    let damaged = |error: &dyn Error| MediaError::DamagedImage {
-        path: path.to_path_buf(),
-        reason: reason(error),
-    };
     match error {
         ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
             ends_too_early(path)
@@ -228,8 +233,16 @@ fn media_error(path: &Path, limits: ImageLimits, error: &ImageError) -> MediaErr
             path: path.to_path_buf(),
             max_megapixels: limits.max_megapixels,
         },
-        ImageError::Decoding(error) => damaged(error),
-        ImageError::Encoding(_) | ImageError::Parameter(_) => damaged(error),
+        ImageError::Decoding(error) => damaged_image(path, error),
+        ImageError::Encoding(_) | ImageError::Parameter(_) => damaged_image(path, error),
+    }
+}
+
+/// The error of an image that cannot be decoded.
+fn damaged_image(path: &Path, error: &dyn Error) -> MediaError {
+    MediaError::DamagedImage {
+        path: path.to_path_buf(),
+        reason: reason(error),
     }
 }
 

@@ -256,18 +256,23 @@ impl Group {
     /// The relative poses whose offset is within [`MOST_SIGMAS`] of its covariance, that of both
     /// labels included.
     fn inliers(&self, labels: &[Label], scatter: Scatter) -> Vec<&RelativePose> {
-        let known = |place: usize| labels[self.members[place]].scaled_covariance(scatter);
+        self.relative_poses
+            .iter()
+            .filter(|pose| self.is_inlier(pose, labels, scatter))
+            .collect()
+    }
+
+    /// Whether the offset of a relative pose is within [`MOST_SIGMAS`] of its covariance.
+    fn is_inlier(&self, pose: &RelativePose, labels: &[Label], scatter: Scatter) -> bool {
         // Mahalanobis distance of the offset under C + T Λᵢ Tᵀ + Λⱼ, with both variance factors.
-        let is_believed = |pose: &&RelativePose| {
-            let [one, other] = pose.places.map(known);
-            let all = pose.covariance * scatter.relative_poses
-                + pose.moved * one * pose.moved.transpose()
-                + other;
-            all.try_inverse().is_some_and(|inverse| {
-                pose.off.dot(&(inverse * pose.off)) <= MOST_SIGMAS * MOST_SIGMAS
-            })
-        };
-        self.relative_poses.iter().filter(is_believed).collect()
+        let [one, other] = pose
+            .places
+            .map(|place| labels[self.members[place]].scaled_covariance(scatter));
+        let all = pose.covariance * scatter.relative_poses
+            + pose.moved * one * pose.moved.transpose()
+            + other;
+        all.try_inverse()
+            .is_some_and(|inverse| pose.off.dot(&(inverse * pose.off)) <= MOST_SIGMAS * MOST_SIGMAS)
     }
 
     /// Solves the least squares problem for given variance factors.
@@ -277,18 +282,13 @@ impl Group {
             DMatrix::<f64>::zeros(size, size),
             DVector::<f64>::zeros(size),
         );
-        let mut add = |[row, column]: [usize; 2], block: Mat3| {
-            let mut view = normal.fixed_view_mut::<3, 3>(3 * row, 3 * column);
-            view += block;
-        };
         for (place, &member) in self.members.iter().enumerate() {
             // The prior of each label.
-            add(
+            let information = labels[member].scaled_covariance(scatter).try_inverse();
+            add_block(
+                &mut normal,
                 [place, place],
-                labels[member]
-                    .scaled_covariance(scatter)
-                    .try_inverse()
-                    .unwrap_or_else(Mat3::zeros),
+                information.unwrap_or_else(Mat3::zeros),
             );
         }
         // The normal equations of each relative pose: the residual has the derivative −I by δⱼ and
@@ -298,10 +298,10 @@ impl Group {
             let Some(weight) = (pose.covariance * scatter.relative_poses).try_inverse() else {
                 continue;
             };
-            add([other, other], weight);
-            add([one, one], moved.transpose() * weight * moved);
-            add([other, one], -weight * moved);
-            add([one, other], -moved.transpose() * weight);
+            add_block(&mut normal, [other, other], weight);
+            add_block(&mut normal, [one, one], moved.transpose() * weight * moved);
+            add_block(&mut normal, [other, one], -weight * moved);
+            add_block(&mut normal, [one, other], -moved.transpose() * weight);
             let mut of_other = right.fixed_rows_mut::<3>(3 * other);
             of_other += weight * pose.off;
             let mut of_one = right.fixed_rows_mut::<3>(3 * one);
@@ -328,50 +328,52 @@ impl Group {
     /// correction. A label adds three observations; the trace of adjusted times prior information
     /// is the part of them that the correction uses up (redundancy numbers; Förstner).
     fn misfit_of_clicks(&self, labels: &[Label], scatter: Scatter) -> Misfit {
-        let of_reference = |(place, &member): (usize, &usize)| {
-            let (clicks, information) = (
-                labels[member].misfit?,
-                labels[member].covariance.try_inverse()?,
-            );
-            let by = self.correction(place);
-            let explained = (self.covariance(place, place) * information).trace() / scatter.clicks;
-            let expected = clicks.expected + (3.0 - explained).max(0.0);
-            let chi_squared = clicks.chi_squared + by.dot(&(information * by));
-            // Capped, so that one reference with a wrong click does not inflate the factor for all.
-            Some(Misfit {
-                chi_squared: chi_squared.min(MOST_OF_ONE * scatter.clicks * expected),
-                expected,
-            })
-        };
         self.members
             .iter()
             .enumerate()
-            .filter_map(of_reference)
+            .filter_map(|(place, &member)| self.misfit_of_label(place, &labels[member], scatter))
             .fold(Misfit::default(), |sum, one| sum + one)
     }
 
-    /// The same of the relative poses: three observations each, less what the corrections use up.
+    /// The part that one label contributes to [`Self::misfit_of_clicks`]; `None` if it does not
+    /// come from clicks, or its covariance is singular.
+    fn misfit_of_label(&self, place: usize, label: &Label, scatter: Scatter) -> Option<Misfit> {
+        let (clicks, information) = (label.misfit?, label.covariance.try_inverse()?);
+        let by = self.correction(place);
+        let explained = (self.covariance(place, place) * information).trace() / scatter.clicks;
+        let expected = clicks.expected + (3.0 - explained).max(0.0);
+        let chi_squared = clicks.chi_squared + by.dot(&(information * by));
+        // Capped, so that one reference with a wrong click does not inflate the factor for all.
+        Some(Misfit {
+            chi_squared: chi_squared.min(MOST_OF_ONE * scatter.clicks * expected),
+            expected,
+        })
+    }
+
+    /// The same as [`Self::misfit_of_clicks`], of the relative poses: three observations each, less
+    /// what the corrections use up.
     fn misfit_of_relative_poses(&self, labels: &[Label], scatter: Scatter) -> Misfit {
-        let of_pose = |pose: &RelativePose| {
-            let ([one, other], information) = (pose.places, pose.covariance.try_inverse()?);
-            // The covariance of the adjusted observation δⱼ − T δᵢ.
-            let crossed = pose.moved * self.covariance(one, other);
-            let explained = pose.moved * self.covariance(one, one) * pose.moved.transpose()
-                + self.covariance(other, other)
-                - crossed
-                - crossed.transpose();
-            let left = pose.residual(self);
-            let expected =
-                (3.0 - (explained * information).trace() / scatter.relative_poses).max(0.0);
-            Some(Misfit {
-                chi_squared: left.dot(&(information * left)),
-                expected,
-            })
-        };
         self.inliers(labels, scatter)
             .into_iter()
-            .filter_map(of_pose)
+            .filter_map(|pose| self.misfit_of_pose(pose, scatter))
             .fold(Misfit::default(), |sum, one| sum + one)
+    }
+
+    /// The part that one relative pose contributes; `None` if its covariance is singular.
+    fn misfit_of_pose(&self, pose: &RelativePose, scatter: Scatter) -> Option<Misfit> {
+        let ([one, other], information) = (pose.places, pose.covariance.try_inverse()?);
+        // The covariance of the adjusted observation δⱼ − T δᵢ.
+        let crossed = pose.moved * self.covariance(one, other);
+        let explained = pose.moved * self.covariance(one, one) * pose.moved.transpose()
+            + self.covariance(other, other)
+            - crossed
+            - crossed.transpose();
+        let left = pose.residual(self);
+        let expected = (3.0 - (explained * information).trace() / scatter.relative_poses).max(0.0);
+        Some(Misfit {
+            chi_squared: left.dot(&(information * left)),
+            expected,
+        })
     }
 
     /// Whether a correction is small enough for a label's error, and for the linearisation to hold.
@@ -389,6 +391,12 @@ impl Group {
             .fixed_view::<3, 3>(3 * row, 3 * column)
             .into()
     }
+}
+
+/// Adds a block to the normal equations, at the rows of one member and the columns of another.
+fn add_block(normal: &mut DMatrix<f64>, [row, column]: [usize; 2], block: Mat3) {
+    let mut view = normal.fixed_view_mut::<3, 3>(3 * row, 3 * column);
+    view += block;
 }
 
 impl Label {

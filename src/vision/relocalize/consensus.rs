@@ -85,12 +85,12 @@ pub(super) fn find_consensus(
                 continue;
             }
             let camera = PtzCamera::new(*base, ptz);
-            let comes_back = |i: usize| {
+            let reprojects = rays.into_iter().zip(pixels).all(|(ray, pixel)| {
                 camera
-                    .image_from_world(rays[i])
-                    .is_ok_and(|image| image.distance_px(pixels[i]) <= agreement_px)
-            };
-            if !(comes_back(0) && comes_back(1)) {
+                    .image_from_world(ray)
+                    .is_ok_and(|image| image.distance_px(pixel) <= agreement_px)
+            });
+            if !reprojects {
                 continue;
             }
             let Some((score, agreeing)) =

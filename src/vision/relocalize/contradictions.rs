@@ -26,6 +26,13 @@ pub struct Contradiction {
     pub shared: usize,
 }
 
+impl Contradiction {
+    fn exceeds(&self, tolerance_px: f64) -> bool {
+        // The negated comparison also counts NaN and infinity as contradictions.
+        !(self.disagreement_px <= tolerance_px)
+    }
+}
+
 /// Options of [`contradictions()`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContradictionOptions {
@@ -79,23 +86,23 @@ pub fn contradictions(
         .into_iter()
         .collect();
     let far = compare(references, &everywhere, options);
-    // The negated comparison also counts NaN and infinity as contradictions.
-    let contradicts = |found: &&Contradiction| !(found.disagreement_px <= options.tolerance_px);
-    let by = |index: usize| {
-        far.iter()
-            .filter(contradicts)
-            .filter(|found| found.references.contains(&index))
-            .count()
-    };
     let wrong: Vec<usize> = alone
         .into_iter()
-        .filter(|&index| by(index) >= MANY)
+        .filter(|index| {
+            let against = far.iter().filter(|found| {
+                found.exceeds(options.tolerance_px) && found.references.contains(index)
+            });
+            against.count() >= MANY
+        })
         .collect();
     compared.extend(
         far.iter()
             .filter(|found| wrong.iter().any(|index| found.references.contains(index))),
     );
-    let mut found: Vec<Contradiction> = compared.iter().filter(contradicts).copied().collect();
+    let mut found: Vec<Contradiction> = compared
+        .into_iter()
+        .filter(|found| found.exceeds(options.tolerance_px))
+        .collect();
     found.sort_by(|a, b| {
         b.disagreement_px
             .total_cmp(&a.disagreement_px)

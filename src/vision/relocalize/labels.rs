@@ -20,7 +20,7 @@
 use super::nearest_references::nearest;
 use super::{RayMatches, SeenRange};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, subsample};
+use touchline_core::geometry::{ImageSize, Mat3, subsample};
 use touchline_core::solve::covariance_of_four_points;
 
 /// Number of references that an answer may rest on: the nearest ones.
@@ -55,13 +55,12 @@ pub(super) fn label_covariance(
         let Some((_, ray)) = matches.nearest(&camera, feature) else {
             continue;
         };
-        let shows = |reference: &PtzCamera| {
-            reference
-                .image_from_world(ray)
-                .is_ok_and(|image: ImagePoint| image_size.contains(image))
-        };
         let showing: Vec<usize> = (0..references.len())
-            .filter(|&number| shows(&references[number]))
+            .filter(|&number| {
+                references[number]
+                    .image_from_world(ray)
+                    .is_ok_and(|image| image_size.contains(image))
+            })
             .collect();
         let showing = if showing.is_empty() {
             (0..references.len()).take(1).collect()
@@ -133,7 +132,7 @@ mod tests {
     use super::*;
     use crate::relocalize::{Pose, PoseOptions, RayCandidate, pose_from_candidates};
     use touchline_core::camera::PanTilt;
-    use touchline_core::geometry::Vec3;
+    use touchline_core::geometry::{ImagePoint, Vec3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 

@@ -75,16 +75,11 @@ impl SeenRange {
     /// The range of some cameras; `None` without any.
     #[must_use]
     pub fn from_cameras(cameras: &[Ptz]) -> Option<Self> {
-        let range = |value: fn(&Ptz) -> f64| {
-            let least = cameras.iter().map(value).min_by(f64::total_cmp)?;
-            let greatest = cameras.iter().map(value).max_by(f64::total_cmp)?;
-            Some(least..=greatest)
-        };
         let pan = AngleRange::smallest(cameras.iter().map(|ptz| ptz.pan))?;
         Some(Self {
             pan_deg: pan.start().degrees()..=pan.end().degrees(),
-            tilt_deg: range(|ptz| ptz.tilt.degrees())?,
-            focal_px: range(|ptz| ptz.focal_px)?,
+            tilt_deg: range(cameras.iter().map(|ptz| ptz.tilt.degrees()))?,
+            focal_px: range(cameras.iter().map(|ptz| ptz.focal_px))?,
             references: cameras.len() as u32,
             cameras: cameras.to_vec(),
             labels: Vec::new(),
@@ -106,6 +101,13 @@ impl SeenRange {
             Angle::from_degrees(*self.pan_deg.end()),
         )
     }
+}
+
+/// The smallest range that contains all values; `None` without any.
+fn range(values: impl Iterator<Item = f64> + Clone) -> Option<RangeInclusive<f64>> {
+    let least = values.clone().min_by(f64::total_cmp)?;
+    let greatest = values.max_by(f64::total_cmp)?;
+    Some(least..=greatest)
 }
 
 impl ForestModel {

@@ -38,8 +38,8 @@ use super::consensus::{Consensus, find_consensus};
 use super::labels::label_covariance;
 use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
 use super::{Evidence, FromReference, NotFound, RayMatches, SeenRange};
+use crate::features::count_cells;
 use serde::Serialize;
-use std::collections::BTreeSet;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, median_high, subsample};
@@ -143,7 +143,7 @@ impl Pose {
 }
 
 /// Columns and rows of the grid whose occupied cells are counted.
-const PLACES: (f64, f64) = (32.0, 18.0);
+const PLACES: (usize, usize) = (32, 18);
 
 /// Rounds of assigning candidates and refining.
 const ROUNDS: usize = 2;
@@ -180,28 +180,18 @@ pub fn pose_from_candidates(
     // matter.
     let at_base = base.at_origin();
     let found = find_consensus(matches, &at_base, image_size, options);
-    let needed = MIN_INLIERS;
     let Consensus {
         ptz: Some(start),
         hypotheses,
         agreeing,
     } = found
     else {
-        return Err(NotFound::NoAgreement {
-            matched: matches.len(),
-            agreeing: 0,
-            needed,
-        });
-    };
-    let no_agreement = |agreeing: usize| NotFound::NoAgreement {
-        matched: matches.len(),
-        agreeing,
-        needed,
+        return Err(no_agreement(matches, 0));
     };
     // Refine over all features, then apply the checks: enough inliers, and a pose within the
     // allowed ranges.
     let refined = refine_over_all(matches, &at_base, start, image_size, options)
-        .ok_or_else(|| no_agreement(agreeing))?;
+        .ok_or_else(|| no_agreement(matches, agreeing))?;
     let Refinement {
         ptz,
         inliers,
@@ -209,7 +199,7 @@ pub fn pose_from_candidates(
         rms_px,
     } = refined;
     if inliers.len() < MIN_INLIERS {
-        return Err(no_agreement(inliers.len()));
+        return Err(no_agreement(matches, inliers.len()));
     }
     if !options.allows(&ptz, image_size) {
         return Err(NotFound::Implausible {
@@ -219,9 +209,10 @@ pub fn pose_from_candidates(
         });
     }
     let camera = PtzCamera::new(at_base, ptz);
-    let places = places(
+    let places = count_cells(
         inliers.iter().map(|&feature| matches.point(feature)),
         image_size,
+        PLACES,
     );
     // Features in one cell share the errors of their references and count as one: n features in m
     // cells have their σ multiplied by √(n/m).
@@ -229,7 +220,7 @@ pub fn pose_from_candidates(
     let observations: Vec<Observation> =
         matches.observations(&camera, inliers.iter().copied(), sigma_px * crowding);
     let uncertainty = Uncertainty::from_observations(&camera, &observations, None)
-        .map_err(|_| no_agreement(inliers.len()))?;
+        .map_err(|_| no_agreement(matches, inliers.len()))?;
     let worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
     let breadth_px = breadth(inliers.iter().map(|&feature| matches.point(feature)))
         / image_size.scale_from_1920();
@@ -253,16 +244,13 @@ pub fn pose_from_candidates(
     pose.if_sure(options.min_confidence)
 }
 
-/// Number of cells of the grid that contain a point.
-fn places(points: impl Iterator<Item = ImagePoint>, image_size: ImageSize) -> usize {
-    let (width, height) = (f64::from(image_size.width), f64::from(image_size.height));
-    let cell = |point: ImagePoint| {
-        (
-            (point.x / width * PLACES.0) as i32,
-            (point.y / height * PLACES.1) as i32,
-        )
-    };
-    points.map(cell).collect::<BTreeSet<_>>().len()
+/// The reason why there is no pose if only this many features agree.
+fn no_agreement(matches: &RayMatches, agreeing: usize) -> NotFound {
+    NotFound::NoAgreement {
+        matched: matches.len(),
+        agreeing,
+        needed: MIN_INLIERS,
+    }
 }
 
 /// The standard deviation of points along the axis of least spread, px: the root of the smaller

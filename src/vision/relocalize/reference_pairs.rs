@@ -4,7 +4,7 @@ use super::{CERTAIN, Pose, PoseOptions, RayCandidate, RayMatches, pose_of_moving
 use crate::features::{DESCRIPTOR_NORM, Descriptor, Features};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::Angle;
-use touchline_core::geometry::rotation::{angle_between, q_pan, q_tilt};
+use touchline_core::geometry::rotation::angle_between;
 
 /// A reference: the features of its picture, and its label.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,12 @@ impl Reference<'_> {
             image.map_or(f64::INFINITY, |image| image.distance_px(corner))
         });
         moved.into_iter().fold(0.0, f64::max) / size.scale_from_1920()
+    }
+
+    /// Half the horizontal angle of view.
+    fn half_view(&self) -> Angle {
+        let width_px = f64::from(self.features.image_size.width);
+        Angle::from_radians((width_px / 2.0 / self.camera.ptz().focal_px).atan())
     }
 }
 
@@ -78,13 +84,8 @@ pub(super) fn pose_from_reference(
 /// Pairs each reference with its nearest neighbours in viewing direction that share part of its
 /// view; ascending, each pair once.
 pub(super) fn pairs(references: &[Reference], neighbours: usize) -> Vec<[usize; 2]> {
-    let turned = |ptz: Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
     let mut pairs = Vec::new();
     for (index, reference) in references.iter().enumerate() {
-        let half_view = |reference: &Reference| {
-            let width_px = f64::from(reference.features.image_size.width);
-            Angle::from_radians((width_px / 2.0 / reference.camera.ptz().focal_px).atan())
-        };
         let mut near: Vec<(f64, usize)> = references
             .iter()
             .enumerate()
@@ -93,11 +94,11 @@ pub(super) fn pairs(references: &[Reference], neighbours: usize) -> Vec<[usize; 
                 // Rotation between the two as a share of the sum of their half views: below 1 they
                 // overlap, zoom ignored.
                 let apart = angle_between(
-                    &turned(reference.camera.ptz()),
-                    &turned(neighbour.camera.ptz()),
+                    reference.camera.cam_from_base(),
+                    neighbour.camera.cam_from_base(),
                 );
-                let share =
-                    apart.radians() / (half_view(reference) + half_view(neighbour)).radians();
+                let half_views = reference.half_view() + neighbour.half_view();
+                let share = apart.radians() / half_views.radians();
                 (share, other)
             })
             .filter(|(share, _)| *share < 1.0)

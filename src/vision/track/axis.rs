@@ -13,16 +13,10 @@ const WEIGHT: f64 = 1e-4;
 /// The rotation from the common frame to the one whose y axis is the pan axis, pointing down, and
 /// whose z axis is the horizontal part of the mean viewing direction; `None` without frames.
 pub(super) fn upright_from_common(cams_from_common: &[Mat3]) -> Option<Mat3> {
-    let mean = |row: usize| -> Vec3 {
-        cams_from_common
-            .iter()
-            .map(|turn| turn.row(row).transpose())
-            .sum()
-    };
     let (right, down, forward) = (
-        mean(0).try_normalize(1e-9)?,
-        mean(1).try_normalize(1e-9)?,
-        mean(2),
+        axis_sum(cams_from_common, 0).try_normalize(1e-9)?,
+        axis_sum(cams_from_common, 1).try_normalize(1e-9)?,
+        axis_sum(cams_from_common, 2),
     );
     // The axis minimises Σ (a · xᵢ)², where xᵢ is the x axis of frame i: the eigenvector of the
     // smallest eigenvalue of the mean of xᵢ xᵢᵀ.
@@ -50,6 +44,14 @@ pub(super) fn upright_from_common(cams_from_common: &[Mat3]) -> Option<Mat3> {
         axis.transpose(),
         ahead.transpose(),
     ]))
+}
+
+/// The sum over all frames of one axis of the camera (0: x, 1: y, 2: z), in the common frame.
+fn axis_sum(cams_from_common: &[Mat3], axis: usize) -> Vec3 {
+    cams_from_common
+        .iter()
+        .map(|turn| turn.row(axis).transpose())
+        .sum()
 }
 
 #[cfg(test)]

@@ -41,29 +41,39 @@ pub(super) fn cycle_consistent_edges(
         beside.entry(edge.first).or_default().push(edge.second);
         beside.entry(edge.second).or_default().push(edge.first);
     }
-    let agree_px = AGREE_PX * size.scale_from_1920();
-    // For each pairwise match, compare the direct homography with the composition over every common
-    // neighbour.
-    let stays = |edge: &&ViewGraphEdge| {
-        let Some(direct) = between.get(&(edge.first, edge.second)) else {
-            return false;
-        };
-        let (mut ways, mut agreeing) = (0, 0);
-        for third in beside.get(&edge.first).into_iter().flatten() {
-            let (Some(there), Some(on)) = (
-                between.get(&(edge.first, *third)),
-                between.get(&(*third, edge.second)),
-            ) else {
-                continue;
-            };
-            if let Some(apart_px) = apart_px(direct, &(on * there), size) {
-                ways += 1;
-                agreeing += i32::from(apart_px < agree_px);
-            }
-        }
-        ways < MIN_WAYS || f64::from(agreeing) >= MIN_SHARE * f64::from(ways)
+    edges
+        .iter()
+        .filter(|edge| is_cycle_consistent(edge, &between, &beside, size))
+        .cloned()
+        .collect()
+}
+
+/// Whether enough of the compositions over a common neighbour agree with the direct homography of a
+/// pairwise match.
+fn is_cycle_consistent(
+    edge: &ViewGraphEdge,
+    between: &BTreeMap<(usize, usize), Mat3>,
+    beside: &BTreeMap<usize, Vec<usize>>,
+    size: ImageSize,
+) -> bool {
+    let Some(direct) = between.get(&(edge.first, edge.second)) else {
+        return false;
     };
-    edges.iter().filter(stays).cloned().collect()
+    let agree_px = AGREE_PX * size.scale_from_1920();
+    let (mut ways, mut agreeing) = (0, 0);
+    for third in beside.get(&edge.first).into_iter().flatten() {
+        let (Some(there), Some(on)) = (
+            between.get(&(edge.first, *third)),
+            between.get(&(*third, edge.second)),
+        ) else {
+            continue;
+        };
+        if let Some(apart_px) = apart_px(direct, &(on * there), size) {
+            ways += 1;
+            agreeing += i32::from(apart_px < agree_px);
+        }
+    }
+    ways < MIN_WAYS || f64::from(agreeing) >= MIN_SHARE * f64::from(ways)
 }
 
 /// Fixes the sign of a homography so that a point it was estimated from lies in front of the
@@ -81,13 +91,12 @@ fn ahead_at(homography: Mat3, at: ImagePoint) -> Mat3 {
 /// points lie in front of the second camera under both.
 fn apart_px(one: &Mat3, other: &Mat3, size: ImageSize) -> Option<f64> {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
-    let apart = |(x, y): (f64, f64)| {
-        let at = ImagePoint::new(x * width, y * height);
-        Some(brought(one, at)?.distance_px(brought(other, at)?))
-    };
     let mut distances: Vec<f64> = [(0.25, 0.4), (0.75, 0.4), (0.25, 0.7), (0.75, 0.7)]
         .into_iter()
-        .filter_map(apart)
+        .filter_map(|(x, y)| {
+            let at = ImagePoint::new(x * width, y * height);
+            Some(brought(one, at)?.distance_px(brought(other, at)?))
+        })
         .collect();
     distances.sort_by(f64::total_cmp);
     distances.get(1).copied()

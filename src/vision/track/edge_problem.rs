@@ -223,15 +223,7 @@ impl EdgeState {
     }
 
     pub fn ptz(&self) -> Vec<Ptz> {
-        let ptz = |view: &View| {
-            let PanTilt { pan, tilt } = view.ray();
-            Ptz {
-                pan,
-                tilt,
-                focal_px: view.focal_px,
-            }
-        };
-        self.views.iter().map(ptz).collect()
+        self.views.iter().map(View::ptz).collect()
     }
 }
 

@@ -75,9 +75,30 @@ impl View {
         PanTilt::from_direction(self.cam_from_common.row(2).transpose())
     }
 
+    /// Pan, tilt and focal length, if the y axis of the common frame is the pan axis.
+    pub fn ptz(&self) -> Ptz {
+        let PanTilt { pan, tilt } = self.ray();
+        Ptz {
+            pan,
+            tilt,
+            focal_px: self.focal_px,
+        }
+    }
+
     /// The axes about which a direction rotates with pan and with tilt, in the common frame.
     pub fn pan_and_tilt_axes(&self) -> [Vec3; 2] {
         [Vec3::y(), self.cam_from_common.row(0).transpose()]
+    }
+}
+
+impl PointDirection {
+    /// The derivatives by the parameters of the lens curve, k₁(f) = value + slope (f − f₀) / 1000:
+    /// by its value and by its slope.
+    fn by_lens(&self, focal_px: f64, lens: &FocalCurve) -> [Vec3; 2] {
+        [
+            self.by_k1,
+            self.by_k1 * ((focal_px - lens.at_focal_px) / 1000.0),
+        ]
     }
 }
 
@@ -107,6 +128,31 @@ pub(super) struct MatchByFrame {
     pub log_focal: Vec3,
 }
 
+impl MatchByFrame {
+    /// The derivatives of the residual `value_px` by the frame `view`, which sees the point in
+    /// `direction` and at the distance `own_range_px` from its centre of projection.
+    ///
+    /// `weight_px` is the factor of the direction in the residual, √(ρ₁ρ₂): positive for the first
+    /// frame, negative for the second.
+    fn new(
+        view: &View,
+        direction: &PointDirection,
+        own_range_px: f64,
+        weight_px: f64,
+        value_px: Vec3,
+    ) -> Self {
+        let [pan_axis, tilt_axis] = view.pan_and_tilt_axes();
+        // The factor √(ρ₁ρ₂) depends on f, too: ∂ ln √(ρ₁ρ₂) / ∂ ln f = ½ (f/ρ)², ρ² = f² + r².
+        let of_measure = 0.5 * (view.focal_px / own_range_px).powi(2);
+        Self {
+            turn: by_turn(direction.direction) * weight_px,
+            pan: pan_axis.cross(&direction.direction) * weight_px,
+            tilt: tilt_axis.cross(&direction.direction) * weight_px,
+            log_focal: direction.by_log_focal * weight_px + value_px * of_measure,
+        }
+    }
+}
+
 impl MatchJacobian {
     /// The residual of the match `at`, one pixel per frame; `None` beyond the fold of a lens.
     pub fn new(views: [&View; 2], lenses: [&FocalCurve; 2], at: [ImagePoint; 2]) -> Option<Self> {
@@ -118,34 +164,16 @@ impl MatchJacobian {
         let ranges_px = [one.range_px(at[0]), other.range_px(at[1])];
         let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
         let value_px = (here.direction - there.direction) * range_px;
-        // k₁(f) = value + slope (f − f₀) / 1000.
-        let by_k1 = |view: &View, direction: &PointDirection, lens: &FocalCurve| {
-            [
-                direction.by_k1,
-                direction.by_k1 * ((view.focal_px - lens.at_focal_px) / 1000.0),
-            ]
-        };
         let (by_here, by_there) = (
-            by_k1(one, &here, lenses[0]),
-            by_k1(other, &there, lenses[1]),
+            here.by_lens(one.focal_px, lenses[0]),
+            there.by_lens(other.focal_px, lenses[1]),
         );
-        let by_frame = |view: &View, direction: &PointDirection, own_range_px: f64, weight: f64| {
-            let [pan_axis, tilt_axis] = view.pan_and_tilt_axes();
-            // The factor √(ρ₁ρ₂) depends on f, too: ∂ ln √(ρ₁ρ₂) / ∂ ln f = ½ (f/ρ)², ρ² = f² + r².
-            let of_measure = 0.5 * (view.focal_px / own_range_px).powi(2);
-            MatchByFrame {
-                turn: by_turn(direction.direction) * weight,
-                pan: pan_axis.cross(&direction.direction) * weight,
-                tilt: tilt_axis.cross(&direction.direction) * weight,
-                log_focal: direction.by_log_focal * weight + value_px * of_measure,
-            }
-        };
         Some(Self {
             value_px,
             by_lens: [0, 1].map(|of_lens| (by_here[of_lens] - by_there[of_lens]) * range_px),
             by_frame: [
-                by_frame(one, &here, ranges_px[0], range_px),
-                by_frame(other, &there, ranges_px[1], -range_px),
+                MatchByFrame::new(one, &here, ranges_px[0], range_px, value_px),
+                MatchByFrame::new(other, &there, ranges_px[1], -range_px, value_px),
             ],
         })
     }

@@ -22,17 +22,10 @@ pub(super) fn robust_homography(
     if pairs.len() < 4 {
         return Ok(None);
     }
-    let side = |of: fn(&(ImagePoint, ImagePoint)) -> ImagePoint| -> Vector<Point2d> {
-        pairs
-            .iter()
-            .map(of)
-            .map(|point| Point2d::new(point.x, point.y))
-            .collect()
-    };
     let mut agree = Mat::default();
     let found = find_homography(
-        &side(|pair| pair.0),
-        &side(|pair| pair.1),
+        &opencv_points(pairs.iter().map(|pair| pair.0)),
+        &opencv_points(pairs.iter().map(|pair| pair.1)),
         &mut agree,
         USAC_MAGSAC,
         within_px,
@@ -51,6 +44,12 @@ pub(super) fn robust_homography(
         Mat3::from_row_slice(values),
         agree.iter().map(|flag| *flag != 0).collect(),
     )))
+}
+
+/// The points as OpenCV takes them, px, in the same convention.
+#[cfg(feature = "opencv")]
+fn opencv_points(points: impl Iterator<Item = ImagePoint>) -> Vector<Point2d> {
+    points.map(|point| Point2d::new(point.x, point.y)).collect()
 }
 
 /// Always an error: the program was built without OpenCV.

@@ -6,7 +6,7 @@ use super::pose_prior::{PosePrior, by_focal_px};
 use super::pose_problem::{AdjustedFrame, PairwiseMatches, PoseProblem, PoseState};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::rotation::{q_pan, q_tilt};
-use touchline_core::geometry::{ImageSize, subsample};
+use touchline_core::geometry::{ImageSize, Mat3, subsample};
 use touchline_core::solve::{Loss, Stopping, minimise};
 
 /// 1-σ of a match, px at 1920 px width: keypoints scatter by about 1 px, and crowds, boards and
@@ -102,33 +102,17 @@ pub fn fill_missing_cameras(
     rotations: &[Ptz],
     edges: &[ViewGraphEdge],
 ) -> Option<Vec<Ptz>> {
-    let nearest = |frame: usize| {
-        let beside = edges.iter().filter_map(|edge| {
-            let other = if edge.first == frame {
-                edge.second
-            } else {
-                edge.first
-            };
-            let is_of = edge.first == frame || edge.second == frame;
-            (is_of && known[other].is_some()).then_some((edge.agreeing, other))
-        });
-        beside
-            .max()
-            .map(|(_, other)| other)
-            .or_else(|| known.iter().position(Option::is_some))
-    };
-    let turn = |ptz: &Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
     (0..known.len())
         .map(|frame| {
             if let Some(ptz) = known[frame] {
                 return Some(ptz);
             }
-            let beside = nearest(frame)?;
+            let beside = nearest_known_frame(frame, known, edges)?;
             let there = known[beside]?;
             // The known neighbour's camera relates the common frame to `base`. The optical axis is
             // mapped and roll is dropped; the focal length keeps its ratio to the neighbour's.
-            let base_from_common = turn(&there).transpose() * turn(&rotations[beside]);
-            let ahead = base_from_common * turn(&rotations[frame]).row(2).transpose();
+            let base_from_common = rotation(&there).transpose() * rotation(&rotations[beside]);
+            let ahead = base_from_common * rotation(&rotations[frame]).row(2).transpose();
             let PanTilt { pan, tilt } = PanTilt::from_direction(ahead);
             Some(Ptz {
                 pan,
@@ -137,6 +121,33 @@ pub fn fill_missing_cameras(
             })
         })
         .collect()
+}
+
+/// The known frame relative to which a frame without a camera is placed: the one with which it has
+/// the most inliers, or else the first known frame; `None` if no camera is known.
+fn nearest_known_frame(
+    frame: usize,
+    known: &[Option<Ptz>],
+    edges: &[ViewGraphEdge],
+) -> Option<usize> {
+    let beside = edges.iter().filter_map(|edge| {
+        let other = if edge.first == frame {
+            edge.second
+        } else {
+            edge.first
+        };
+        let is_of = edge.first == frame || edge.second == frame;
+        (is_of && known[other].is_some()).then_some((edge.agreeing, other))
+    });
+    beside
+        .max()
+        .map(|(_, other)| other)
+        .or_else(|| known.iter().position(Option::is_some))
+}
+
+/// `Q_tilt` · `Q_pan`: the rotation from the frame in which pan and tilt are given to the camera.
+fn rotation(ptz: &Ptz) -> Mat3 {
+    q_tilt(ptz.tilt) * q_pan(ptz.pan)
 }
 
 #[cfg(test)]

@@ -24,11 +24,14 @@ pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usiz
             there.see(from, distance);
         }
     }
-    let mutual = |(from, to): (usize, &Nearest)| {
-        let to = to.distinctive_match()?;
-        (back[to].distinctive_match() == Some(from)).then_some((from, to))
-    };
-    forth.iter().enumerate().filter_map(mutual).collect()
+    forth
+        .iter()
+        .enumerate()
+        .filter_map(|(from, nearest)| {
+            let to = nearest.distinctive_match()?;
+            (back[to].distinctive_match() == Some(from)).then_some((from, to))
+        })
+        .collect()
 }
 
 /// Descriptors as the columns of a matrix, so that all distances to others follow from one matrix
@@ -42,9 +45,8 @@ pub(super) struct Described {
 
 impl Described {
     pub fn from_features(features: &Features) -> Self {
-        let column = |index: usize, row: usize| f32::from(features.descriptors[index].0[row]);
         let descriptors = DMatrix::from_fn(DESCRIPTOR_BYTES, features.len(), |row, index| {
-            column(index, row)
+            f32::from(features.descriptors[index].0[row])
         });
         let lengths = descriptors
             .column_iter()

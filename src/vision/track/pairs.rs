@@ -4,7 +4,7 @@ use super::cycles::cycle_consistent_edges;
 use super::matches::{Described, mutual_matches};
 use super::view_graph_edge::{brought, zoom_and_turn};
 use super::{TrackError, ViewGraphEdge};
-use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
+use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, cell_in_grid, place_share};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::geometry::{ImagePoint, Mat3};
@@ -76,23 +76,23 @@ fn match_pair(
 ) -> Result<Option<ViewGraphEdge>, TrackError> {
     let (one, other) = (&frames[first], &frames[second]);
     let scale = one.image_size.scale_from_1920();
-    let point = |features: &Features, index: usize| features.keypoints[index].point;
     // Putative correspondences by descriptor alone.
     let mut pairs: Vec<(ImagePoint, ImagePoint)> =
         mutual_matches(&described[first], &described[second])
             .into_iter()
-            .map(|(a, b)| (point(one, a), point(other, b)))
+            .map(|(a, b)| (one.keypoints[a].point, other.keypoints[b].point))
             .collect();
     // Drop burnt-in graphics: correspondences that stand still in the image.
     if one.image_size == other.image_size {
-        let still =
-            |pair: &(ImagePoint, ImagePoint)| pair.0.distance_px(pair.1) < STANDING_PX * scale;
         // A camera at rest also shows points that stand still, but all over the picture; a graphic
         // occupies few cells of it.
-        let standing = pairs.iter().filter(|pair| still(pair)).map(|pair| pair.0);
+        let standing = pairs
+            .iter()
+            .filter(|pair| stands_still(pair, scale))
+            .map(|pair| pair.0);
         let all = one.keypoints.iter().map(|keypoint| keypoint.point);
         if place_share(standing, all, one.image_size) < WHOLE_PICTURE {
-            pairs.retain(|pair| !still(pair));
+            pairs.retain(|pair| !stands_still(pair, scale));
         }
     }
     if pairs.len() < MIN_MATCHES {
@@ -122,22 +122,28 @@ fn match_pair(
     }))
 }
 
+/// Whether a correspondence stands still in the image; `scale` is image px per px at 1920 px width.
+fn stands_still((here, there): &(ImagePoint, ImagePoint), scale: f64) -> bool {
+    here.distance_px(*there) < STANDING_PX * scale
+}
+
 /// The number of features of one frame that lie in the view of the other; the smaller of the two
 /// directions.
 fn count_in_overlap(one: &Features, other: &Features, other_from_one: &Mat3) -> usize {
-    let inside = |from: &Features, to: &Features, to_from: &Mat3| {
-        let seen = |at: ImagePoint| {
-            brought(to_from, at).is_some_and(|there| to.image_size.contains(there))
-        };
-        from.keypoints
-            .iter()
-            .filter(|keypoint| seen(keypoint.point))
-            .count()
-    };
-    let back = other_from_one
-        .try_inverse()
-        .map_or(0, |one_from_other| inside(other, one, &one_from_other));
-    inside(one, other, other_from_one).min(back)
+    let back = other_from_one.try_inverse().map_or(0, |one_from_other| {
+        count_in_view(other, one, &one_from_other)
+    });
+    count_in_view(one, other, other_from_one).min(back)
+}
+
+/// The number of features of the frame `from` that a homography maps into the picture of `to`.
+fn count_in_view(from: &Features, to: &Features, to_from: &Mat3) -> usize {
+    from.keypoints
+        .iter()
+        .filter(|keypoint| {
+            brought(to_from, keypoint.point).is_some_and(|there| to.image_size.contains(there))
+        })
+        .count()
 }
 
 fn is_of_a_turning_camera(second_from_first: &Mat3, centre: ImagePoint) -> bool {
@@ -153,13 +159,6 @@ fn spread(pairs: Vec<(ImagePoint, ImagePoint)>, of: &Features) -> Vec<(ImagePoin
     if pairs.len() <= KEPT {
         return pairs;
     }
-    let cell = |at: ImagePoint| {
-        let along = |position: f64, extent: u32, count: usize| {
-            ((position / f64::from(extent.max(1)) * count as f64).max(0.0) as usize).min(count - 1)
-        };
-        along(at.y, of.image_size.height, CELLS.1) * CELLS.0
-            + along(at.x, of.image_size.width, CELLS.0)
-    };
     let mut taken = vec![0_usize; CELLS.0 * CELLS.1];
     // Rank each match within its cell; lower ranks of all cells come before higher ones. The
     // original order is restored at the end.
@@ -167,7 +166,7 @@ fn spread(pairs: Vec<(ImagePoint, ImagePoint)>, of: &Features) -> Vec<(ImagePoin
         .iter()
         .enumerate()
         .map(|(index, pair)| {
-            let rank = &mut taken[cell(pair.0)];
+            let rank = &mut taken[cell_in_grid(pair.0, of.image_size, CELLS)];
             *rank += 1;
             (*rank, index)
         })

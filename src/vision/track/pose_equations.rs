@@ -52,6 +52,8 @@ impl PointEquations {
         precision: f64,
         loss: Loss,
     ) {
+        // The robust loss as iteratively reweighted least squares: with the weight of this state,
+        // Jᵀ J is added to the blocks U, V and W, and Jᵀ r to the gradients g and h.
         let (cost, weight) = loss.evaluate(value.norm_squared() * precision);
         self.cost += cost;
         let frame_weighted = by_frame.transpose() * (weight * precision);
@@ -74,6 +76,19 @@ impl PointEquations {
         point
             .try_inverse()
             .filter(|inverse| inverse.iter().all(|value| value.is_finite()))
+    }
+
+    /// The step ε = −V⁻¹ (h + Wᵀ δ) of the point's direction, rad, given the steps δ of all frames;
+    /// zero if the observations do not determine the point.
+    fn back_substitute(&self, frame_steps: &[Vec3], damping: f64) -> Vec2 {
+        let Some(inverse) = self.inverse(damping) else {
+            return Vec2::zeros();
+        };
+        let along = self
+            .frames
+            .iter()
+            .map(|(row, _, _, cross)| cross.transpose() * frame_steps[*row]);
+        -(inverse * (self.gradient + along.sum::<Vec2>()))
     }
 }
 
@@ -247,17 +262,11 @@ impl Equations for PoseEquations {
             .into_iter()
             .map(|step| -step)
             .collect();
-        let direction = |point: &PointEquations| {
-            let Some(inverse) = point.inverse(damping) else {
-                return Vec2::zeros();
-            };
-            let along = point
-                .frames
-                .iter()
-                .map(|(row, _, _, cross)| cross.transpose() * frames[*row]);
-            -(inverse * (point.gradient + along.sum::<Vec2>()))
-        };
-        let directions = self.points.iter().map(direction).collect();
+        let directions = self
+            .points
+            .iter()
+            .map(|point| point.back_substitute(&frames, damping))
+            .collect();
         Some(PoseStep { frames, directions })
     }
 

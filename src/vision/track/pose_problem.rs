@@ -95,11 +95,11 @@ impl PoseProblem<'_> {
             .iter()
             .zip(&at.directions)
             .flat_map(move |(point, direction)| {
-                let off = |(row, image): &(usize, ImagePoint)| {
+                let offsets = point.sightings.iter().map(|(row, image)| {
                     let here = cameras[*row].image_from_direction_jacobian(*direction).ok();
                     (*row, here.map(|here| here.point.offset_from(*image)))
-                };
-                point.sightings.iter().map(off).collect::<Vec<_>>()
+                });
+                offsets.collect::<Vec<_>>()
             })
     }
 
@@ -222,16 +222,12 @@ impl Problem for PoseProblem<'_> {
             .map(|(ptz, by)| apply_offset(*ptz, *by))
             .collect();
         // Move each direction in its tangent plane and project it back to the sphere.
-        let turned =
-            |(direction, by): (&Vec3, &Vec2)| (direction + across(*direction) * by).normalize();
-        PoseState {
-            ptz,
-            directions: from
-                .directions
-                .iter()
-                .zip(&step.directions)
-                .map(turned)
-                .collect(),
-        }
+        let directions = from
+            .directions
+            .iter()
+            .zip(&step.directions)
+            .map(|(direction, by)| (direction + across(*direction) * by).normalize())
+            .collect();
+        PoseState { ptz, directions }
     }
 }

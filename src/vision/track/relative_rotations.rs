@@ -10,7 +10,7 @@ use super::start::{steps, views};
 use super::{TrackError, ViewGraphEdge};
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Vec3};
-use touchline_core::solve::{Equations, Loss, Minimum, Stopping, minimise};
+use touchline_core::solve::{Equations, Loss, Stopping, minimise};
 
 /// The lens prior, and options of the adjustment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,8 +125,7 @@ pub fn adjust_rotations(
         };
         minimise(&problem(Freedom::Any, 20.0, false), start, until(8))
     });
-    let cost = |found: &Minimum<EdgeProblem<'_>>| Equations::cost(&found.equations);
-    let best = start.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let best = start.min_by(|a, b| a.equations.cost().total_cmp(&b.equations.cost()));
     let Some(best) = best else {
         return Err(TrackError::TooFew {
             frames: count,

@@ -77,31 +77,15 @@ pub(super) fn views(count: usize, steps: &[Step], centre: ImagePoint, focal_px: 
         principal_point: centre,
     };
     let mut views = vec![start; count];
-    let calibration = |focal_px: f64| {
-        Mat3::new(
-            focal_px, 0.0, centre.x, 0.0, focal_px, centre.y, 0.0, 0.0, 1.0,
-        )
-    };
-    let inverse = |focal_px: f64| {
-        Mat3::new(
-            1.0 / focal_px,
-            0.0,
-            -centre.x / focal_px,
-            0.0,
-            1.0 / focal_px,
-            -centre.y / focal_px,
-            0.0,
-            0.0,
-            1.0,
-        )
-    };
     // For a rotating camera H ∝ K' R K⁻¹, so R ∝ K'⁻¹ H K (Hartley and Zisserman: "Multiple View
     // Geometry", section 8.4). The zoom gives K'; scaling to determinant 1 removes the unknown
     // factor, and the nearest rotation removes what noise and a wrong focal length leave.
     for step in steps.iter().skip(1) {
         let from = views[step.from];
         let focal_px = from.focal_px * step.zoom;
-        let mut turn = inverse(focal_px) * step.to_from * calibration(from.focal_px);
+        let mut turn = inverse_calibration_matrix(focal_px, centre)
+            * step.to_from
+            * calibration_matrix(from.focal_px, centre);
         if turn.determinant() < 0.0 {
             turn = -turn;
         }
@@ -118,4 +102,26 @@ pub(super) fn views(count: usize, steps: &[Step], centre: ImagePoint, focal_px: 
         };
     }
     views
+}
+
+/// K: from directions in the camera to px, for a pinhole with square pixels.
+fn calibration_matrix(focal_px: f64, centre: ImagePoint) -> Mat3 {
+    Mat3::new(
+        focal_px, 0.0, centre.x, 0.0, focal_px, centre.y, 0.0, 0.0, 1.0,
+    )
+}
+
+/// K⁻¹: from px to directions in the camera.
+fn inverse_calibration_matrix(focal_px: f64, centre: ImagePoint) -> Mat3 {
+    Mat3::new(
+        1.0 / focal_px,
+        0.0,
+        -centre.x / focal_px,
+        0.0,
+        1.0 / focal_px,
+        -centre.y / focal_px,
+        0.0,
+        0.0,
+        1.0,
+    )
 }

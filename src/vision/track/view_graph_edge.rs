@@ -31,14 +31,8 @@ pub(super) fn zoom_and_turn(second_from_first: &Mat3, at: ImagePoint) -> Option<
     let x = (h[(0, 0)] * at.x + h[(0, 1)] * at.y + h[(0, 2)]) / w;
     let y = (h[(1, 0)] * at.x + h[(1, 1)] * at.y + h[(1, 2)]) / w;
     // The Jacobian of the dehomogenised map (x, y) at the point.
-    let along =
-        |row: usize, column: usize, value: f64| (h[(row, column)] - value * h[(2, column)]) / w;
-    let (xx, xy, yx, yy) = (
-        along(0, 0, x),
-        along(0, 1, x),
-        along(1, 0, y),
-        along(1, 1, y),
-    );
+    let [xx, xy] = [0, 1].map(|column| (h[(0, column)] - x * h[(2, column)]) / w);
+    let [yx, yy] = [0, 1].map(|column| (h[(1, column)] - y * h[(2, column)]) / w);
     // The zoom is the root of the change of area; the angle is that of the rotation nearest to the
     // 2 × 2 Jacobian.
     let area = xx * yy - xy * yx;

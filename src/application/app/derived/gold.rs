@@ -49,9 +49,10 @@ impl Gold {
             });
             self.measured = (!matches!(fields, Err(FieldError::BeingRead { .. }))).then_some(of);
             // The error of an invalid field is shown elsewhere.
-            let own =
-                |fields| OwnNoise::estimate_from_frames(document, &fields, counts.with_repeats());
-            self.work.own = fields.map(own).unwrap_or_default();
+            let own = fields.map(|fields| {
+                OwnNoise::estimate_from_frames(document, &fields, counts.with_repeats())
+            });
+            self.work.own = own.unwrap_or_default();
         }
     }
 }

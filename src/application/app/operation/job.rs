@@ -40,7 +40,6 @@ impl Job {
             };
             Report::from_result::<O>(id, operation.run(&context).map_err(Failure::Failed))
         };
-        let fail = |id, breakdown| Report::from_result::<O>(id, Err(Failure::Broken(breakdown)));
         (
             running,
             Self {
@@ -49,7 +48,7 @@ impl Job {
                 operation: input,
                 cancellation,
                 run: Arc::new(run),
-                fail,
+                fail: |id, breakdown| Report::from_result::<O>(id, Err(Failure::Broken(breakdown))),
             },
         )
     }

@@ -19,14 +19,13 @@ impl Report {
     /// A report of progress.
     #[must_use]
     pub fn from_progress<O: Operation>(id: RequestId, progress: O::Progress) -> Self {
-        let apply = move |app: &mut App| {
-            O::slot(app).set_progress(id, progress);
-            None
-        };
         Self {
             id,
             name: O::NAME,
-            apply: Box::new(apply),
+            apply: Box::new(move |app: &mut App| {
+                O::slot(app).set_progress(id, progress);
+                None
+            }),
         }
     }
 
@@ -36,21 +35,20 @@ impl Report {
         id: RequestId,
         result: Result<O::Output, Failure<O::Error>>,
     ) -> Self {
-        let apply = move |app: &mut App| {
-            if O::slot(app).is_running_as(id) && O::must_wait(app) {
-                return Some(Self::from_result::<O>(id, result));
-            }
-            // The slot no longer holds this request if it was cancelled or replaced, or if its
-            // document was closed. Then the result is dropped.
-            if let Some(operation) = O::slot(app).finish(id) {
-                operation.take_over(app, result);
-            }
-            None
-        };
         Self {
             id,
             name: O::NAME,
-            apply: Box::new(apply),
+            apply: Box::new(move |app: &mut App| {
+                if O::slot(app).is_running_as(id) && O::must_wait(app) {
+                    return Some(Self::from_result::<O>(id, result));
+                }
+                // The slot no longer holds this request if it was cancelled or replaced, or if its
+                // document was closed. Then the result is dropped.
+                if let Some(operation) = O::slot(app).finish(id) {
+                    operation.take_over(app, result);
+                }
+                None
+            }),
         }
     }
 

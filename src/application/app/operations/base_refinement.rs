@@ -17,9 +17,10 @@ use touchline_calibration::calibrate::{
     BulkChange, ClipEvidence, ClipFrames, ClipProgress, clip_of_frame,
 };
 use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
+use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Camera, CameraId, Document, Step};
+use touchline_documents::document::{Camera, CameraId, Document, FieldSpec, Step};
 
 /// Refines the base of a clip's camera.
 pub struct BaseRefinement {
@@ -206,15 +207,13 @@ impl App {
         }
         let frame = self.frame()?;
         let open = self.open.as_ref()?;
-        let is_known = |camera: &CameraId| {
-            let mut frames = open
-                .document
-                .frames
-                .iter()
-                .filter(|other| other.camera == *camera);
-            frames.any(|other| other.ptz.is_some() || !other.clicks.is_empty())
-        };
-        if !is_known(&frame.camera) {
+        let is_known = open
+            .document
+            .frames
+            .iter()
+            .filter(|other| other.camera == frame.camera)
+            .any(|other| other.ptz.is_some() || !other.clicks.is_empty());
+        if !is_known {
             return Some("No frame has points or a camera: click one first.");
         }
         self.why_not_follow_points()
@@ -255,16 +254,9 @@ impl App {
         let Some(camera) = refinement.camera() else {
             return;
         };
-        // The base and the field: a refinement may change both, and is valid only for those that it
-        // began with.
-        let base_and_field = |document: &Document| {
-            (
-                document.camera(camera).and_then(Camera::base),
-                document.field_of_camera(camera).clone(),
-            )
-        };
-        let before = base_and_field(&refinement.document);
-        if base_and_field(&open.document) != before {
+        // A refinement may change base and field, and is valid only for those that it began with.
+        let before = base_and_field(&refinement.document, camera);
+        if base_and_field(&open.document, camera) != before {
             let text = "The base changed in the meantime; the refined one was discarded.";
             self.session.notify(Level::Info, text);
             return;
@@ -274,8 +266,8 @@ impl App {
             off_px,
             evidence,
         } = refined;
-        let (Some(base), true) = (base_and_field(&found).0, base_and_field(&found) != before)
-        else {
+        let after = base_and_field(&found, camera);
+        let (true, Some(base)) = (after != before, after.0) else {
             self.session.notify(
                 Level::Info,
                 "The base already lies on the painted lines of this shot.",
@@ -307,6 +299,14 @@ impl App {
         );
         self.session.notify(Level::Info, describe_refined(off_px));
     }
+}
+
+/// The base of a camera, if it has one, and its field.
+fn base_and_field(document: &Document, camera: &CameraId) -> (Option<CameraBase>, FieldSpec) {
+    (
+        document.camera(camera).and_then(Camera::base),
+        document.field_of_camera(camera).clone(),
+    )
 }
 
 // ---- Words ----

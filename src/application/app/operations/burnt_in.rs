@@ -159,12 +159,11 @@ impl App {
         else {
             return Vec::new();
         };
-        let here = |found: &&FoundMask| found.camera == frame.camera && found.mask.covers(frame);
         self.operations
             .burnt_in
             .undecided
             .iter()
-            .filter(here)
+            .filter(|found| found.camera == frame.camera && found.mask.covers(frame))
             .map(|found| found.mask.pixel_box)
             .collect()
     }

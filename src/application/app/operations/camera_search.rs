@@ -22,7 +22,7 @@ use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::base::FittedSize;
-use touchline_documents::document::{CameraId, Click, Document, FrameId, Step, Target};
+use touchline_documents::document::{CameraId, Document, FrameId, Step, Target};
 
 /// Minimum number of frames. Fewer hardly separate what is painted on the ground from what moves
 /// over it.
@@ -140,20 +140,18 @@ impl Operation for CameraSearch {
                 other,
                 deciding,
             }) => {
-                let label = |deciding: &DecidingLandmark| {
+                let two = TwoCameras::new(self, [*best, *other], deciding, |deciding| {
                     app.label(&Target::Landmark(deciding.landmark.clone()))
-                };
-                let two = TwoCameras::new(self, [*best, *other], deciding, label);
+                });
                 app.ask_which_camera(two);
             }
             Ok(AutocalibrationAnswer::Abstained { why, clicks }) => {
                 let why = describe_abstention(&why, clicks);
-                let frame = |clicks: WantedClicks| self.document.frames[clicks.frame].id.clone();
                 app.session.notify(Level::Warning, why.clone());
                 app.operations.camera_search.left = Left::Abstained {
                     camera: self.camera.clone(),
                     why,
-                    frame: clicks.map(frame),
+                    frame: clicks.map(|clicks| self.document.frames[clicks.frame].id.clone()),
                 };
             }
             Err(failure) => {
@@ -386,8 +384,8 @@ impl DecidingClick {
     /// clicked in that frame, or the click lies between the two projections.
     fn favoured_camera(&self, document: &Document) -> Option<usize> {
         let frame = &document.frames[document.frames.position_of(&self.frame)?];
-        let is_it = |click: &&Click| click.target == Some(Target::Landmark(self.landmark.clone()));
-        let click = frame.clicks.iter().find(is_it)?;
+        let target = Some(Target::Landmark(self.landmark.clone()));
+        let click = frame.clicks.iter().find(|click| click.target == target)?;
         let [here, there] = self.image.map(|image| image.distance_px(click.image));
         if NEARER * here < there {
             Some(0)
@@ -542,9 +540,10 @@ fn view_missing(doubts: &[Doubt]) -> String {
     }
     // Paint that no line of the field explains, or that lies beside the lines, points to a wrong
     // field.
-    let is_of_field =
-        |doubt: &Doubt| matches!(doubt, Doubt::Unexplained { .. } | Doubt::OffLines { .. });
-    if doubts.iter().any(is_of_field) {
+    let points_to_field = doubts
+        .iter()
+        .any(|doubt| matches!(doubt, Doubt::Unexplained { .. } | Doubt::OffLines { .. }));
+    if points_to_field {
         return "Check the field's size and sport, and whether other lines are painted there; add wide frames"
             .to_owned();
     }

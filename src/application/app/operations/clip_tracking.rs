@@ -182,15 +182,11 @@ impl ClipTracking {
     /// The part of a tracked clip that still applies to the document `now`. Frames are found by
     /// their ids; frames that users have changed since are left out.
     fn still_open_in(&self, now: &Document, tracked: TrackedClip) -> TrackedClip {
-        let place_now = |place: usize| {
-            let then = self.document.frames.get(place)?;
+        let frames = tracked.frames.iter().filter_map(|of| {
+            let then = self.document.frames.get(of.place)?;
             let place = now.frames.position_of(&then.id)?;
-            now.frames[place].is_open().then_some(place)
-        };
-        let frames = tracked.frames.iter();
-        let frames = frames.filter_map(|of| {
-            Some(TrackedFrame {
-                place: place_now(of.place)?,
+            now.frames[place].is_open().then(|| TrackedFrame {
+                place,
                 ..of.clone()
             })
         });
@@ -304,13 +300,13 @@ impl App {
         };
         let shown = self.session.frame;
         let beside = [shown.checked_sub(1), shown.checked_add(1)];
-        let is_in_doubt = |place: usize| {
-            let beside = open.frame(place);
-            beside.is_some_and(|other| other.camera == frame.camera && is_doubtful(other))
-        };
+        let is_beside_doubt = beside.into_iter().flatten().any(|place| {
+            let other = open.frame(place);
+            other.is_some_and(|other| other.camera == frame.camera && is_doubtful(other))
+        });
         let solution = frame.solution.as_ref().filter(|_| frame.ptz.is_some());
         let is_corrected = solution.is_some_and(|solution| solution.proposed.is_some());
-        if !is_corrected || !beside.into_iter().flatten().any(is_in_doubt) {
+        if !is_corrected || !is_beside_doubt {
             return;
         }
         // A run that follows an earlier position of the point is obsolete.

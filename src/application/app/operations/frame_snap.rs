@@ -293,9 +293,10 @@ impl App {
             return;
         }
         let Some(open) = &mut self.open else { return };
-        let record = |frame: &mut Frame| record_found_by_paint(frame, base, found);
-        let Some(suggestion) = SuggestionUpdate::from_recorded(&open.document, position, record)
-        else {
+        let suggestion = SuggestionUpdate::from_recorded(&open.document, position, |frame| {
+            record_found_by_paint(frame, base, found);
+        });
+        let Some(suggestion) = suggestion else {
             return;
         };
         let batch = open.project.open_batch(Finder::Command {

@@ -67,10 +67,12 @@ impl Operation for LineCheckBatch {
 
     fn run(&self, context: &Context<'_, Infallible>) -> Result<Vec<CheckedLines>, Infallible> {
         let at = self.document.at(&self.folder);
-        let is_there = |to_check: &&FrameToCheck| {
-            to_check.index < at.document.frames.len() && to_check.field.is_some()
-        };
-        let frames: Vec<&FrameToCheck> = self.frames.iter().filter(is_there).collect();
+        let num_frames = at.document.frames.len();
+        let frames: Vec<&FrameToCheck> = self
+            .frames
+            .iter()
+            .filter(|to_check| to_check.index < num_frames && to_check.field.is_some())
+            .collect();
         let mut reader = context.open_reader();
         let pictures = PictureStream::new(at, frames.iter().map(|to_check| to_check.index))
             .with_reader(&mut *reader)

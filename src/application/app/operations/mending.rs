@@ -9,7 +9,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use touchline_calibration::pipelines::{MendError, MendEvent, MendOptions, Mended, Tally, mend};
 use touchline_core::geometry::pluralise;
-use touchline_core::progress::Share;
 use touchline_documents::document::{Camera, CameraId, Document, Frame, Step};
 
 /// Fewer cameras have no place in common.
@@ -163,23 +162,19 @@ fn keep_camera(merged: &mut Document, camera: Option<&Camera>) -> Option<CameraI
 
 impl MendingProgress {
     fn from_event(event: &MendEvent) -> Self {
-        let share = |step, share: &Share| Self {
-            step,
-            share: Some(share.fraction()),
+        let (step, share) = match event {
+            MendEvent::Cuts(done) => ("Looking for cuts", Some(done)),
+            MendEvent::Sampling(done) => ("Comparing a sample with the painted lines", Some(done)),
+            MendEvent::Aligning(_, done) => {
+                ("Aligning all frames to the painted lines", Some(done))
+            }
+            MendEvent::Checking(done) => ("Checking doubtful frames", Some(done)),
+            MendEvent::Places(_) => ("Comparing a sample with the painted lines", None),
+            MendEvent::Tracking(_) => ("Tracking the frames that do not fit", None),
         };
-        match event {
-            MendEvent::Cuts(done) => share("Looking for cuts", done),
-            MendEvent::Sampling(done) => share("Comparing a sample with the painted lines", done),
-            MendEvent::Aligning(_, done) => share("Aligning all frames to the painted lines", done),
-            MendEvent::Checking(done) => share("Checking doubtful frames", done),
-            MendEvent::Places(_) => Self {
-                step: "Comparing a sample with the painted lines",
-                share: None,
-            },
-            MendEvent::Tracking(_) => Self {
-                step: "Tracking the frames that do not fit",
-                share: None,
-            },
+        Self {
+            step,
+            share: share.map(|share| share.fraction()),
         }
     }
 }

@@ -159,12 +159,11 @@ impl PointSnapState {
         if self.slot.is_running() {
             return Vec::new();
         }
-        let waits = |click: &Click| self.waiting.iter().any(|placed| placed.is(click));
         let clicks = frame
             .clicks
             .iter()
             .enumerate()
-            .filter(|(_, click)| waits(click))
+            .filter(|(_, click)| self.waiting.iter().any(|placed| placed.is(click)))
             .map(|(index, _)| index)
             .collect();
         self.waiting.clear();
@@ -252,13 +251,13 @@ impl App {
         let Some(frame) = shown.filter(|frame| frame.id == request.frame.id) else {
             return;
         };
-        let is_as_before = |(click, _): &(usize, SnappedPoint)| {
-            frame
-                .clicks
-                .get(*click)
-                .is_some_and(|here| request.frame.clicks.get(*click) == Some(here))
-        };
-        let found: Vec<(usize, SnappedPoint)> = found.into_iter().filter(is_as_before).collect();
+        let found: Vec<(usize, SnappedPoint)> = found
+            .into_iter()
+            .filter(|(click, _)| {
+                let now = frame.clicks.get(*click);
+                now.is_some_and(|now| request.frame.clicks.get(*click) == Some(now))
+            })
+            .collect();
         // By now the frame may have numbers set by hand, a camera aligned to the paint, or the
         // user's acceptance.
         if found.is_empty() || !is_by_clicks(frame) {

@@ -126,16 +126,14 @@ impl ShotSearch {
                 path: self.path.clone(),
             });
         }
-        let kind = |is_fade| {
-            if is_fade {
+        let cuts = cuts.into_iter().map(|cut| {
+            let kind = if cut.is_fade {
                 ShotKind::Fade
             } else {
                 ShotKind::Cut
-            }
-        };
-        let cuts = cuts
-            .into_iter()
-            .map(|cut| (cut.frame as u64, kind(cut.is_fade)));
+            };
+            (cut.frame as u64, kind)
+        });
         Ok(FoundShots {
             last: of.saturating_sub(1) as u64,
             cuts: cuts.collect(),
@@ -204,14 +202,12 @@ impl App {
         let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else {
             return;
         };
-        let is_new = |status| matches!(status, FrameStatus::New | FrameStatus::Suggested);
-        if !open.document.shots.is_empty()
-            || !open
-                .document
-                .frames
-                .iter()
-                .all(|frame| is_new(frame.status))
-        {
+        let is_untouched = open
+            .document
+            .frames
+            .iter()
+            .all(|frame| matches!(frame.status, FrameStatus::New | FrameStatus::Suggested));
+        if !open.document.shots.is_empty() || !is_untouched {
             return;
         }
         if let Some((video, path)) = without_shots(&open.document, &open.folder)

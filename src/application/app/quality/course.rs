@@ -139,17 +139,9 @@ impl Course {
         } else {
             TimeAxis::Frame
         };
-        let at = |index: usize, frame: &Frame| match axis {
-            TimeAxis::Frame => index as f64,
-            TimeAxis::Video => frame
-                .video
-                .as_ref()
-                .and_then(|video| video.pts_s)
-                .unwrap_or(0.0),
-        };
         let mut timed: Vec<(f64, usize, &Frame)> = frames
             .into_iter()
-            .map(|(index, frame)| (at(index, frame), index, frame))
+            .map(|(index, frame)| (time_on_axis(axis, index, frame), index, frame))
             .collect();
         timed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // The smallest range that contains all pans determines where the angle is unwrapped.
@@ -229,6 +221,18 @@ impl Course {
                 .find(|point| point.frame == frame)
                 .map(|point| point.at),
         }
+    }
+}
+
+/// The position of a frame on a time axis: its index, or its time in the video, s.
+fn time_on_axis(axis: TimeAxis, index: usize, frame: &Frame) -> f64 {
+    match axis {
+        TimeAxis::Frame => index as f64,
+        TimeAxis::Video => frame
+            .video
+            .as_ref()
+            .and_then(|video| video.pts_s)
+            .unwrap_or(0.0),
     }
 }
 

@@ -8,9 +8,7 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::quantile;
 use touchline_core::score::{median_normal_size, median_rayleigh, rayleigh_share};
 use touchline_core::solve::Observation;
-use touchline_documents::document::{
-    CameraId, Document, Fields, Frame, FrameStatus, Shared, Target,
-};
+use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameStatus, Target};
 
 /// Approximate number of bins of a histogram.
 const BINS: usize = 24;
@@ -75,21 +73,14 @@ impl ClickErrors {
     /// in parallel.
     #[must_use]
     pub fn compute(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
-        let of_frame = |(index, frame): (usize, &Shared<Frame>)| {
-            let counts = frame.camera == *camera
-                && frame.status != FrameStatus::Rejected
-                && !frame.clicks.is_empty();
-            counts
-                .then(|| {
-                    OfFrame::compute(document, index, frame, fields.for_frame(document, frame))
-                })
-                .flatten()
-        };
         let of_frames: Vec<OfFrame> = document
             .frames
             .par_iter()
             .enumerate()
-            .filter_map(of_frame)
+            .filter(|(_, frame)| counts(frame, camera))
+            .filter_map(|(index, frame)| {
+                OfFrame::compute(document, index, frame, fields.for_frame(document, frame))
+            })
             .collect();
         let without_evidence = of_frames.iter().filter(|of| !of.is_evident).count();
         let clicks = of_frames.into_iter().flat_map(|of| of.clicks).collect();
@@ -114,6 +105,11 @@ impl ClickErrors {
             histogram: Histogram::from_errors(those(), step_px),
         })
     }
+}
+
+/// Whether the clicks of a frame count for the statistics of a camera.
+fn counts(frame: &Frame, camera: &CameraId) -> bool {
+    frame.camera == *camera && frame.status != FrameStatus::Rejected && !frame.clicks.is_empty()
 }
 
 /// The errors of one frame's clicks.
@@ -145,25 +141,26 @@ impl OfFrame {
         // of the variance.
         let fitted = (equations.saturating_sub(UNKNOWNS) as f64 / equations.max(1) as f64).sqrt();
         let scale = frame.image_size.scale_from_1920();
-        let of_click = |observation: &Observation| {
-            let target = frame.clicks.get(observation.click)?.target.clone()?;
-            let share = if observation.check { 1.0 } else { fitted };
-            Some(ClickError {
-                frame: index,
-                click: observation.click,
-                target,
-                check: observation.check,
-                error_px: observation
-                    .distance_px(&camera)
-                    .map_or(f64::INFINITY, |px| px / scale),
-                expected_px: share * usual_px(observation) / scale,
-            })
-        };
-        let telling = observed
+        let clicks = observed
             .iter()
-            .filter(|observation| evident || observation.check);
+            .filter(|observation| evident || observation.check)
+            .filter_map(|observation| {
+                let target = frame.clicks.get(observation.click)?.target.clone()?;
+                let share = if observation.check { 1.0 } else { fitted };
+                Some(ClickError {
+                    frame: index,
+                    click: observation.click,
+                    target,
+                    check: observation.check,
+                    error_px: observation
+                        .distance_px(&camera)
+                        .map_or(f64::INFINITY, |px| px / scale),
+                    expected_px: share * usual_px(observation) / scale,
+                })
+            })
+            .collect();
         Some(Self {
-            clicks: telling.filter_map(of_click).collect(),
+            clicks,
             is_evident: evident || used().count() == 0,
         })
     }
@@ -260,14 +257,7 @@ impl Histogram {
                 (bin.worst, bin.worst_px) = (Some((click.frame, click.click)), click.error_px);
             }
         }
-        let below = |bin: usize| -> f64 {
-            noises
-                .iter()
-                .map(|(median, count)| {
-                    count * share_below(bin as f64 * step_px, f64::from_bits(*median))
-                })
-                .sum()
-        };
+        let below = |bin: usize| expected_below(&noises, bin as f64 * step_px);
         let all: f64 = noises.values().sum();
         let expected = (0..=BINS)
             .map(|bin| if bin < BINS { below(bin + 1) } else { all } - below(bin))
@@ -284,6 +274,15 @@ impl Histogram {
     pub fn highest(&self) -> usize {
         self.bins.iter().map(|bin| bin.count).max().unwrap_or(0)
     }
+}
+
+/// How many errors below `limit_px` correct clicks would have. `noises` is the number of clicks for
+/// each expected median, whose bits are the key.
+fn expected_below(noises: &BTreeMap<u64, f64>, limit_px: f64) -> f64 {
+    noises
+        .iter()
+        .map(|(median, count)| count * share_below(limit_px, f64::from_bits(*median)))
+        .sum()
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ pub use targets::{TargetErrors, by_target};
 pub use thinned::{Column, Drawn, thin_points};
 
 use super::{OpenProject, session::Session};
-use touchline_documents::document::{CameraId, Document, Frame};
+use touchline_documents::document::{CameraId, Document};
 
 /// The values on the quality page for one camera: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,13 +99,13 @@ impl Quality {
 
 /// The indices of the camera's accepted frames whose paint contradicts them.
 fn off_paint(document: &Document, camera: &CameraId) -> Vec<usize> {
-    let is_off =
-        |frame: &Frame| frame.camera == *camera && frame.evidence_against_acceptance().is_some();
     document
         .frames
         .iter()
         .enumerate()
-        .filter(|(_, frame)| is_off(frame))
+        .filter(|(_, frame)| {
+            frame.camera == *camera && frame.evidence_against_acceptance().is_some()
+        })
         .map(|(index, _)| index)
         .collect()
 }

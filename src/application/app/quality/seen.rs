@@ -17,18 +17,24 @@ impl Seen {
     /// The coverage of a camera's frames; none if it has no base.
     #[must_use]
     pub fn compute(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {
-        let of = |status: FrameStatus| {
-            let frames = document
-                .frames
-                .iter()
-                .enumerate()
-                .filter(|(_, frame)| frame.status == status);
-            let frames: Vec<usize> = frames.map(|(index, _)| index).collect();
-            Coverage::measure(document, field, camera, &frames)
-        };
         Some(Self {
-            references: of(FrameStatus::Reference)?,
-            suggestions: of(FrameStatus::Suggested)?,
+            references: measure_with_status(document, field, camera, FrameStatus::Reference)?,
+            suggestions: measure_with_status(document, field, camera, FrameStatus::Suggested)?,
         })
     }
+}
+
+/// The coverage of a camera's frames with a status.
+fn measure_with_status(
+    document: &Document,
+    field: &FieldModel,
+    camera: &CameraId,
+    status: FrameStatus,
+) -> Option<Coverage> {
+    let frames = document.frames.iter().enumerate();
+    let frames: Vec<usize> = frames
+        .filter(|(_, frame)| frame.status == status)
+        .map(|(index, _)| index)
+        .collect();
+    Coverage::measure(document, field, camera, &frames)
 }

@@ -174,13 +174,12 @@ impl Review {
     /// The suggestions that would be accepted together with the user's choice.
     #[must_use]
     pub fn bulk(&self, choice: &ReviewChoice) -> BulkAccept {
-        let certain = |row: &&ReviewRow| {
-            row.confidence
-                .is_some_and(|confidence| confidence >= choice.threshold)
-        };
         let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) = self
             .waiting()
-            .filter(certain)
+            .filter(|row| {
+                row.confidence
+                    .is_some_and(|confidence| confidence >= choice.threshold)
+            })
             .partition(|row| row.disagrees() && !choice.with_disagreeing);
         rows.sort_by(doubtful_first);
         BulkAccept {
@@ -201,11 +200,11 @@ impl Review {
             Some(here) => (&self.rows[..here], &self.rows[here + 1..]),
             None => (&self.rows[..], &self.rows[..0]),
         };
-        let waits = |row: &&ReviewRow| !row.gone;
+        let mut waiting = after.iter().chain(before).filter(|row| !row.gone);
         let next = if forward {
-            after.iter().chain(before).find(waits)
+            waiting.next()
         } else {
-            after.iter().chain(before).rfind(waits)
+            waiting.next_back()
         };
         next.map(|row| row.frame)
     }

@@ -10,7 +10,7 @@ use crate::app::session::{Dialog, Session, SidePanel};
 use std::collections::BTreeSet;
 use touchline_calibration::calibrate::Disagreements;
 use touchline_documents::document::{
-    CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames, Shared,
+    CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames,
 };
 
 /// The inputs of the list.
@@ -179,20 +179,32 @@ fn rows_of(
     disagreements: Option<&Disagreements>,
     order: ReviewOrder,
 ) -> Vec<ReviewRow> {
-    let row = |(place, frame): (usize, &Shared<Frame>)| {
-        let disagreement = disagreements.and_then(|disagreements| disagreements.for_frame(place));
-        let is_suggested = frame.status == FrameStatus::Suggested;
-        is_suggested.then(|| ReviewRow::new(place, frame, disagreement))
-    };
     let mut rows: Vec<ReviewRow> = match places {
         Some(places) => places
             .iter()
-            .filter_map(|place| row((*place, frames.get(*place)?)))
+            .filter_map(|place| suggested_row(*place, frames.get(*place)?, disagreements))
             .collect(),
-        None => frames.iter().enumerate().filter_map(row).collect(),
+        None => frames
+            .iter()
+            .enumerate()
+            .filter_map(|(place, frame)| suggested_row(place, frame, disagreements))
+            .collect(),
     };
     rows.sort_unstable_by(|a, b| in_order(order, a, b));
     rows
+}
+
+/// The row of a frame. `None` if it is not suggested.
+fn suggested_row(
+    place: usize,
+    frame: &Frame,
+    disagreements: Option<&Disagreements>,
+) -> Option<ReviewRow> {
+    if frame.status != FrameStatus::Suggested {
+        return None;
+    }
+    let disagreement = disagreements.and_then(|disagreements| disagreements.for_frame(place));
+    Some(ReviewRow::new(place, frame, disagreement))
 }
 
 /// With `one_per_shot`: the first row of each shot, and the other rows. Otherwise all rows, and

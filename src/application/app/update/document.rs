@@ -102,13 +102,12 @@ impl App {
     pub(super) fn read_templates(&mut self) {
         let Some(open) = &mut self.open else { return };
         let (of, folder) = (&open.file, &open.folder);
-        let read = |name| Effect::ReadTemplate {
+        let names = open.derived.take_wanted_templates().into_iter();
+        self.effects.extend(names.map(|name| Effect::ReadTemplate {
             of: of.clone(),
             folder: folder.clone(),
             name,
-        };
-        self.effects
-            .extend(open.derived.take_wanted_templates().into_iter().map(read));
+        }));
     }
 
     /// Stores a template that was read, unless the document that names it has been closed since.
@@ -223,10 +222,9 @@ fn frame_to_resume_at(open: &OpenProject) -> usize {
         .next_undo()
         .and_then(|step| frames.position_of(step.frame.as_ref()?))
         .unwrap_or(0);
-    let to_do = |position: &usize| frames.get(*position).is_some_and(|frame| is_to_do(frame));
     (changed..frames.len())
         .chain(0..changed)
-        .find(to_do)
+        .find(|position| frames.get(*position).is_some_and(|frame| is_to_do(frame)))
         .unwrap_or(0)
 }
 

@@ -43,15 +43,15 @@ impl App {
     ) {
         let Some(open) = &self.open else { return };
         let (here, end) = (self.session.frame, open.document.frames.len());
-        // From the other end of the document back to the shown frame.
-        let around = || {
+        let next = open.find(here, forward, &wanted).or_else(|| {
+            // From the other end of the document back to the shown frame.
             if forward {
                 (0..here).find(|index| open.frame(*index).is_some_and(&wanted))
             } else {
                 open.find(end, false, &wanted).filter(|frame| *frame > here)
             }
-        };
-        match open.find(here, forward, &wanted).or_else(around) {
+        });
+        match next {
             Some(frame) => self.go_to(frame),
             None => self.session.notify(Level::Info, none),
         }

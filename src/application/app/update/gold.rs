@@ -246,9 +246,11 @@ impl App {
             return;
         }
         if let Some(frame) = self.frame_mut_at(target.frame) {
-            let is_it =
-                |repeat: &Repeat| repeat.landmark == target.landmark && repeat.round == round;
-            if let Some(last) = frame.repeats.iter().rposition(is_it) {
+            let last = frame
+                .repeats
+                .iter()
+                .rposition(|repeat| repeat.landmark == target.landmark && repeat.round == round);
+            if let Some(last) = last {
                 frame.repeats.remove(last);
             }
         }

@@ -112,27 +112,31 @@ fn take_mask(
     list: MaskList,
     index: usize,
 ) -> Option<RangedMask> {
-    let by_hand = |pixel_box| RangedMask {
-        pixel_box,
-        from: None,
-        to: None,
-        source: MaskSource::ByHand,
-        extra: Extra::new(),
-    };
     let frame = document.frames.get_mut(shown)?;
     if list == MaskList::Frame {
-        return (index < frame.masks.len()).then(|| by_hand(frame.masks.remove(index)));
+        return (index < frame.masks.len()).then(|| mask_by_hand(frame.masks.remove(index)));
     }
     let camera = frame.camera.clone();
     let camera = document.camera_mut(&camera)?;
     match list {
         MaskList::Camera => {
-            (index < camera.masks.len()).then(|| by_hand(camera.masks.remove(index)))
+            (index < camera.masks.len()).then(|| mask_by_hand(camera.masks.remove(index)))
         }
         MaskList::Ranged => {
             (index < camera.ranged_masks.len()).then(|| camera.ranged_masks.remove(index))
         }
         MaskList::Frame => None,
+    }
+}
+
+/// A mask for all frames that a user drew.
+fn mask_by_hand(pixel_box: PixelBox) -> RangedMask {
+    RangedMask {
+        pixel_box,
+        from: None,
+        to: None,
+        source: MaskSource::ByHand,
+        extra: Extra::new(),
     }
 }
 
@@ -145,11 +149,10 @@ fn put_mask(
     scope: MaskScope,
     frames: &[usize],
 ) {
-    let number = |frame: &Frame| frame.video.as_ref().map(|video| video.frame_index);
     let Some(frame) = document.frames.get(shown) else {
         return;
     };
-    let (here, camera) = (number(frame), frame.camera.clone());
+    let (here, camera) = (index_in_video(frame), frame.camera.clone());
     // The first and last frame of the range; none for a mask of single frames. A range that the
     // mask has already is cut at the shown frame.
     let range = match scope {
@@ -160,7 +163,10 @@ fn put_mask(
         MaskScope::Shot | MaskScope::Selected => {
             let numbers: Option<Vec<u64>> = frames
                 .iter()
-                .map(|&index| document.frames.get(index).and_then(|frame| number(frame)))
+                .map(|&index| {
+                    let frame = document.frames.get(index)?;
+                    index_in_video(frame)
+                })
                 .collect();
             numbers.map(|numbers| (numbers.iter().min().copied(), numbers.iter().max().copied()))
         }
@@ -182,4 +188,9 @@ fn put_mask(
     } else {
         camera.ranged_masks.push(RangedMask { from, to, ..mask });
     }
+}
+
+/// The index of a frame in its video. `None` for a still image.
+fn index_in_video(frame: &Frame) -> Option<u64> {
+    frame.video.as_ref().map(|video| video.frame_index)
 }

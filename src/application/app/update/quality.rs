@@ -39,8 +39,8 @@ impl App {
 
     /// Shows a part of the time, or all of it. An invalid span counts as none.
     pub(super) fn show_span(&mut self, span: Option<[f64; 2]>) {
-        let is_one = |[from, upto]: &[f64; 2]| from.is_finite() && upto.is_finite() && from < upto;
-        self.session.quality.span = span.filter(is_one);
+        self.session.quality.span =
+            span.filter(|[from, upto]| from.is_finite() && upto.is_finite() && from < upto);
     }
 
     /// Closes the page, and shows a frame and optionally one of its clicks.

@@ -160,12 +160,11 @@ impl App {
         if is_stretch {
             self.session.frames_selected.clear();
         }
-        let waits = |frame: &Frame| is_suggested(frame) && frame.is_tracked();
-        if self
-            .open
-            .as_ref()
-            .is_some_and(|open| !open.document.frames.iter().any(|frame| waits(frame)))
-        {
+        let no_tracked_waits = self.open.as_ref().is_some_and(|open| {
+            let mut frames = open.document.frames.iter();
+            !frames.any(|frame| is_suggested(frame) && frame.is_tracked())
+        });
+        if no_tracked_waits {
             self.session.retract(Command::DiscardTracked);
         }
         let undo = self.settings.keys.key_label(Command::Undo);

@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::session::Level;
-use touchline_documents::document::{Document, Frame, ShotsError, VideoShots};
+use touchline_documents::document::{Document, ShotsError, VideoShots};
 
 impl App {
     /// Moves a cut of the shown frame's video. `cut` and `to` are frame numbers of the video.
@@ -48,19 +48,11 @@ impl App {
             starts.into_iter().find(|from| *from < here.frame_index)
         };
         let Some(to) = to else { return };
-        let of_video = |other: &Frame| {
-            other
-                .video
-                .as_ref()
-                .filter(|video| video.path == here.path)
-                .is_some_and(|video| video.frame_index >= to)
-        };
-        if let Some(position) = open
-            .document
-            .frames
-            .iter()
-            .position(|frame| of_video(frame))
-        {
+        let position = open.document.frames.iter().position(|other| {
+            let video = other.video.as_ref();
+            video.is_some_and(|video| video.path == here.path && video.frame_index >= to)
+        });
+        if let Some(position) = position {
             self.go_to(position);
         }
     }
@@ -89,21 +81,12 @@ impl App {
         let Some(video) = frame.video.clone() else {
             return;
         };
-        let last = || {
-            let of_video = open
-                .document
-                .frames
-                .iter()
-                .filter_map(|frame| frame.video.as_ref());
-            of_video
-                .filter(|other| other.path == video.path)
-                .map(|video| video.frame_index)
-                .max()
-                .unwrap_or(0)
-        };
         // A video without shots starts as one shot up to its last frame in the document.
-        let mut shots = VideoShots::from_document(&open.document, &video.path)
-            .unwrap_or_else(|| VideoShots::from_cuts(&open.document, &video.path, last(), &[]));
+        let mut shots =
+            VideoShots::from_document(&open.document, &video.path).unwrap_or_else(|| {
+                let last = last_frame_index(&open.document, &video.path);
+                VideoShots::from_cuts(&open.document, &video.path, last, &[])
+            });
         if let Err(error) = change(&mut shots, &open.document, video.frame_index) {
             self.session
                 .notify(Level::Info, crate::app::sentence(&error.to_string()));
@@ -117,4 +100,17 @@ impl App {
         }
         self.commit();
     }
+}
+
+/// The index in a video of its last frame that the document has; 0 if it has none.
+fn last_frame_index(document: &Document, path: &str) -> u64 {
+    let videos = document
+        .frames
+        .iter()
+        .filter_map(|frame| frame.video.as_ref());
+    videos
+        .filter(|video| video.path == path)
+        .map(|video| video.frame_index)
+        .max()
+        .unwrap_or(0)
 }

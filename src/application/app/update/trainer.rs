@@ -68,7 +68,7 @@ impl App {
     /// Informs the trainer that the document now shows some of its answers. The trainer must have
     /// had the document before; since nothing else changed, the document itself need not be sent.
     pub(super) fn tell_shown_answers(&mut self, edit: &Edit, generation: u64, is_tracked: bool) {
-        let key = |change: &Change| match change {
+        let keys = edit.changes.iter().filter_map(|change| match change {
             Change::Frame { id, revision, .. } => Some(AnswerKey {
                 frame: id.clone(),
                 revision: *revision,
@@ -76,8 +76,8 @@ impl App {
                 is_tracked,
             }),
             _ => None,
-        };
-        let shown = edit.changes.iter().filter_map(key).collect();
+        });
+        let shown = keys.collect();
         self.session.trainer.sent_version = self.open.as_ref().map(|open| open.document.version());
         self.effects
             .push(Effect::Trainer(TrainerOrder::Shown(shown)));

@@ -18,30 +18,32 @@ impl App {
         {
             return judgement;
         }
-        let check = |reason| Judgement {
-            verdict: Verdict::Check,
-            reason,
-        };
         let says = self
             .paint_says(self.session.frame)
             .filter(|says| says.verdict == LineVerdict::Contradicts);
-        let of_paint = says
-            .filter(|_| judgement.is_some())
-            .map(|says| check(says.describe()));
-        let is_reference = || {
-            self.frame()
-                .is_some_and(|frame| frame.status == FrameStatus::Reference)
-        };
-        let of_neighbours = || {
-            // The panel shows a proposal's disagreement with its neighbours elsewhere.
-            if judgement.is_none() && !is_reference() {
-                return None;
-            }
-            let apart_px = self.current.off_neighbours?.apart_px;
-            Some(check(format!(
-                "{apart_px:.0} px off the way between the frames before and after it"
-            )))
-        };
-        of_paint.or_else(of_neighbours).or(judgement)
+        if let Some(says) = says.filter(|_| judgement.is_some()) {
+            return Some(check(says.describe()));
+        }
+        // The panel shows a proposal's disagreement with its neighbours elsewhere.
+        let is_reference = self
+            .frame()
+            .is_some_and(|frame| frame.status == FrameStatus::Reference);
+        if let Some(off) = self.current.off_neighbours
+            && (judgement.is_some() || is_reference)
+        {
+            return Some(check(format!(
+                "{:.0} px off the way between the frames before and after it",
+                off.apart_px
+            )));
+        }
+        judgement
+    }
+}
+
+/// The verdict *check* with a reason.
+fn check(reason: String) -> Judgement {
+    Judgement {
+        verdict: Verdict::Check,
+        reason,
     }
 }

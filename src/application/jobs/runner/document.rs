@@ -100,23 +100,11 @@ impl Runner {
     pub fn close(&mut self) -> Vec<Action> {
         self.trainer = None;
         self.held = None;
-        let failure = |action: Action| match action {
-            Action::Disk(DiskReport::SaveFailed(_)) => Some(action),
-            // The document is closed, so that the user cannot choose between the versions any more.
-            Action::Disk(DiskReport::ChangedOutside {
-                path,
-                own: Some(own),
-            }) => Some(Action::View(ViewAction::Notify(
-                Level::Warning,
-                describe_kept_version(&path, &own),
-            ))),
-            _ => None,
-        };
         let reports = self.saver.take().map(Saver::close).unwrap_or_default();
         reports
             .into_iter()
             .flat_map(actions_of)
-            .filter_map(failure)
+            .filter_map(failure_at_close)
             .collect()
     }
 
@@ -140,6 +128,23 @@ impl Runner {
                 }
             }))
         });
+    }
+}
+
+/// What the user still has to see of an action when the document is closed: failures, and where
+/// the user's version of a conflicting document is.
+fn failure_at_close(action: Action) -> Option<Action> {
+    match action {
+        Action::Disk(DiskReport::SaveFailed(_)) => Some(action),
+        // The document is closed, so that the user cannot choose between the versions any more.
+        Action::Disk(DiskReport::ChangedOutside {
+            path,
+            own: Some(own),
+        }) => Some(Action::View(ViewAction::Notify(
+            Level::Warning,
+            describe_kept_version(&path, &own),
+        ))),
+        _ => None,
     }
 }
 

@@ -138,10 +138,14 @@ impl Saver {
         wake: Wake,
     ) -> std::io::Result<Self> {
         let mailbox = Mailbox::new(Orders::default(), MOST_REPORTS, wake);
-        let broke_down = |message| SaverReport::Broken { message };
-        let worker = Worker::spawn("saver", mailbox, broke_down, move |mailbox| {
-            Work::new(Box::new(store), opened, options, mailbox).run();
-        })?;
+        let worker = Worker::spawn(
+            "saver",
+            mailbox,
+            |message| SaverReport::Broken { message },
+            move |mailbox| {
+                Work::new(Box::new(store), opened, options, mailbox).run();
+            },
+        )?;
         Ok(Self { worker })
     }
 

@@ -152,10 +152,10 @@ impl AnswerCache {
 
     /// Records that the document shows an answer.
     pub(super) fn note_shown(&mut self, key: &AnswerKey) {
-        let is_it = |entry: &&mut Entry| {
-            entry.request.revision == key.revision && entry.by.generation == key.generation
-        };
-        if let Some(entry) = self.entries.get_mut(&key.frame).filter(is_it) {
+        if let Some(entry) = self.entries.get_mut(&key.frame)
+            && entry.request.revision == key.revision
+            && entry.by.generation == key.generation
+        {
             entry.recorded = true;
         }
     }
@@ -220,15 +220,12 @@ impl AnswerCache {
     }
 
     fn open<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = &'a Entry> {
-        let is_open = |id: &FrameId| {
-            document
-                .frames
-                .by_id(id)
-                .is_some_and(|frame| frame.is_open())
-        };
         self.entries
             .iter()
-            .filter(move |(id, _)| is_open(id))
+            .filter(move |(id, _)| {
+                let frame = document.frames.by_id(id);
+                frame.is_some_and(|frame| frame.is_open())
+            })
             .map(|(_, entry)| entry)
     }
 }

@@ -182,12 +182,11 @@ impl Backend for ForestBackend {
             .iter()
             .map(|sample| sample.fine.rays.len())
             .sum();
-        let frame = |index: usize| document.frames[index].id.clone();
         let failed = studied
             .failed
             .into_iter()
             .map(|(index, error)| UnusableReference {
-                frame: frame(index),
+                frame: document.frames[index].id.clone(),
                 error,
             });
         Ok(Some(Learnt {
@@ -339,10 +338,10 @@ impl Backend for ForestBackend {
             store: &self.store,
         };
         let used = pictures.each(&mut self.reader, &[frame], |index, _, found| {
-            let used = |found| {
+            let used = found.ok().map(|found| {
                 UsedFeatures::from_query(document, index, &found, model, &self.relocalizing)
-            };
-            ControlFlow::Continue(found.ok().map(used))
+            });
+            ControlFlow::Continue(used)
         });
         used?.pop()?
     }

@@ -43,10 +43,10 @@ impl GivenAnswers {
 
     /// Records in `document` the answer that the application shows, if it is the stored one.
     pub(super) fn show(&mut self, key: &AnswerKey, document: &mut Document) {
-        let is_meant = |given: &GivenAnswer| {
+        let is_meant = self.0.get(&key.frame).is_some_and(|given| {
             given.generation == key.generation && given.answered.is_tracked() == key.is_tracked
-        };
-        if !self.0.get(&key.frame).is_some_and(is_meant) {
+        });
+        if !is_meant {
             return;
         }
         let (given, position) = (

@@ -113,11 +113,15 @@ impl Trainer {
             .thread_name(|at| format!("trainer {at}"));
         let pool = pool.build().map_err(io::Error::other)?;
         let mailbox = Mailbox::new(Orders::default(), MOST_REPORTS, wake);
-        let broke_down = |message| TrainerReport::Broken { message };
-        let worker = Worker::spawn("trainer", mailbox, broke_down, move |mailbox| {
-            let mailbox = Arc::new(TrainerMailbox::new(Arc::clone(mailbox)));
-            pool.install(|| Work::new(Arc::clone(&mailbox), make(mailbox), options).run());
-        })?;
+        let worker = Worker::spawn(
+            "trainer",
+            mailbox,
+            |message| TrainerReport::Broken { message },
+            move |mailbox| {
+                let mailbox = Arc::new(TrainerMailbox::new(Arc::clone(mailbox)));
+                pool.install(|| Work::new(Arc::clone(&mailbox), make(mailbox), options).run());
+            },
+        )?;
         Ok(Self { worker })
     }
 

@@ -5,6 +5,7 @@ use crate::app::{Doing, TrainerStatus};
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::proposals::{TrainingFrames, TrainingSet};
+use touchline_documents::document::Document;
 
 /// Reports the progress of a step and ends it when its result is no longer needed.
 pub(super) struct Watch<'a> {
@@ -73,16 +74,10 @@ impl<'a> Watch<'a> {
         let Some(document) = document else {
             return true;
         };
-        let taught = || {
-            TrainingSet::from_frames(
-                &document,
-                &TrainingFrames::from_solved_frames(&document).frames,
-            )
-        };
         let wanted = match &self.until {
             Until::Done => true,
-            Until::Unlearnt(learning) => taught().contains(learning),
-            Until::Changed(learning) => taught() == *learning,
+            Until::Unlearnt(learning) => current_training_set(&document).contains(learning),
+            Until::Changed(learning) => current_training_set(&document) == *learning,
         };
         if !wanted {
             // The answer is cached by edition: make the other threads of the step compare again,
@@ -91,4 +86,10 @@ impl<'a> Watch<'a> {
         }
         wanted
     }
+}
+
+/// What a forest would be trained with now: the training samples of all solved frames.
+fn current_training_set(document: &Document) -> TrainingSet {
+    let training_frames = TrainingFrames::from_solved_frames(document);
+    TrainingSet::from_frames(document, &training_frames.frames)
 }

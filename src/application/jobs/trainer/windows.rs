@@ -135,14 +135,10 @@ impl Windows {
             .all
             .iter()
             .filter(|window| self.is_due(window, document, &wanted));
-        let distance = |window: &&KeyWindow| {
-            window
-                .between
-                .iter()
-                .map(|place| place.abs_diff(current))
-                .min()
-        };
-        due.min_by_key(distance)
+        due.min_by_key(|window| {
+            let places = window.between.iter();
+            places.map(|place| place.abs_diff(current)).min()
+        })
     }
 
     /// Whether all key frames have been queried, some camera is known, and it differs from the last
@@ -188,13 +184,10 @@ impl Windows {
                 .insert(first.id.clone(), known_frames(window, document));
         }
         // Cameras from an earlier propagation are replaced; those that the user tracked stay.
-        let is_news = |tracked: &TrackedProposal| {
-            let frame = document.frames.by_id(&tracked.frame);
-            frame.is_some_and(|frame| {
-                frame.is_open() && (!frame.is_tracked() || self.has_given(&frame.id))
-            })
-        };
-        let news: Vec<TrackedProposal> = tracked.into_iter().filter(is_news).collect();
+        let news: Vec<TrackedProposal> = tracked
+            .into_iter()
+            .filter(|tracked| self.may_replace_camera(document, &tracked.frame))
+            .collect();
         let keys: Vec<&Shared<Frame>> = window
             .keys
             .iter()
@@ -211,6 +204,14 @@ impl Windows {
         }
         news
     }
+
+    /// Whether a propagated camera may be recorded in a frame: it is undecided, and shows no camera
+    /// that the user had tracked.
+    fn may_replace_camera(&self, document: &Document, id: &FrameId) -> bool {
+        document.frames.by_id(id).is_some_and(|frame| {
+            frame.is_open() && (!frame.is_tracked() || self.has_given(&frame.id))
+        })
+    }
 }
 
 /// The frames from which cameras are propagated: key frames, and frames between that a person
@@ -223,12 +224,11 @@ fn known_frames(window: &KeyWindow, document: &Document) -> Vec<Known> {
         .iter()
         .filter_map(|of_clip| of_clip.place);
     let frames = places.filter_map(|place| Some((place, document.frames.get(place)?)));
-    let counts = |place: usize, frame: &Frame| !frame.is_open() || window.keys.contains(&place);
-    let known = frames
-        .filter(|(place, frame)| is_anchor(frame) && counts(*place, frame))
-        .map(|(_, frame)| frame);
+    let known = frames.filter(|(place, frame)| {
+        is_anchor(frame) && (!frame.is_open() || window.keys.contains(place))
+    });
     known
-        .map(|frame| Known {
+        .map(|(_, frame)| Known {
             frame: frame.id.clone(),
             ptz: frame.ptz.as_ref().map(FramePtz::ptz),
         })
@@ -237,18 +237,20 @@ fn known_frames(window: &KeyWindow, document: &Document) -> Vec<Known> {
 
 /// Whether two states of a document have the same frames of the same videos.
 fn has_the_same_pictures(before: &Document, now: &Document) -> bool {
-    let rejected = |frame: &Frame| frame.status == FrameStatus::Rejected;
-    let is_same = |one: &Frame, other: &Frame| {
-        one.camera == other.camera
-            && one.clip == other.clip
-            && one.video == other.video
-            && one.image == other.image
-            && rejected(one) == rejected(other)
-    };
     let changed = now.frames.changes_in_place(&before.frames);
     changed.is_some_and(|changed| {
         changed
             .iter()
-            .all(|at| is_same(&before.frames[*at], &now.frames[*at]))
+            .all(|at| shows_the_same_picture(&before.frames[*at], &now.frames[*at]))
     })
+}
+
+/// Whether two states of a frame have the same picture of the same shot, and both or neither are
+/// rejected.
+fn shows_the_same_picture(before: &Frame, now: &Frame) -> bool {
+    before.camera == now.camera
+        && before.clip == now.clip
+        && before.video == now.video
+        && before.image == now.image
+        && (before.status == FrameStatus::Rejected) == (now.status == FrameStatus::Rejected)
 }

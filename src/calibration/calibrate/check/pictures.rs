@@ -52,15 +52,15 @@ pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> 
         faults
     });
     let faults: Vec<Vec<Fault>> = faults.collect();
-    let of_frame = |(index, faults): (usize, Vec<Fault>)| {
+    let problems = faults.into_iter().enumerate().flat_map(|(index, faults)| {
         let place = place_of(index, &document.frames[index]);
         faults.into_iter().map(move |fault| Problem {
             place: place.clone(),
             frame: Some(index),
             fault,
         })
-    };
-    faults.into_iter().enumerate().flat_map(of_frame).collect()
+    });
+    problems.collect()
 }
 
 type Videos = BTreeMap<PathBuf, Result<VideoInfo, MediaError>>;

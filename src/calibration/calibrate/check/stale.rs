@@ -21,23 +21,18 @@ pub fn check_solutions(document: DocumentAt<'_>) -> Vec<Problem> {
         return Vec::new();
     };
     let lookup = FrameLookup::from_document(&document);
-    let check = |index: usize| {
-        let frame = &document.frames[index];
-        let fault = find_stale(
-            &document,
-            &lookup,
-            index,
-            fields.for_frame(&document, frame),
-        )?;
-        Some(Problem {
-            place: place_of(index, frame),
-            frame: Some(index),
-            fault,
-        })
-    };
     (0..document.frames.len())
         .into_par_iter()
-        .filter_map(check)
+        .filter_map(|index| {
+            let frame = &document.frames[index];
+            let field = fields.for_frame(&document, frame);
+            let fault = find_stale(&document, &lookup, index, field)?;
+            Some(Problem {
+                place: place_of(index, frame),
+                frame: Some(index),
+                fault,
+            })
+        })
         .collect()
 }
 

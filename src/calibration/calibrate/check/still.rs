@@ -16,28 +16,22 @@ const COMPARED: usize = 4;
 #[must_use]
 pub fn check_still_runs(document: DocumentAt<'_>) -> Vec<Problem> {
     let mut reader = FrameReader::new();
-    let mut picture = |index: usize| {
-        let source = document
-            .frames
-            .get(index)?
-            .picture_source(document.folder)?;
-        Some(ReducedPicture::new(&reader.read(&source).ok()?))
-    };
     let mut problems = Vec::new();
     for run in still_runs(document.document) {
         let [first, others @ ..] = &*run else {
             continue;
         };
-        let Some(shown) = picture(*first) else {
+        let Some(shown) = read_reduced(document, *first, &mut reader) else {
             continue;
         };
         // Compare pictures spread evenly over the run, the last one included.
         let compared = COMPARED.min(others.len());
         let mut spread = (1..=compared).map(|at| others[at * others.len() / compared - 1]);
-        if spread
-            .any(|other| picture(other).and_then(|other| has_moved(&shown, &other)) == Some(true))
-            && let Some(last) = run.last().and_then(|last| document.frames.get(*last))
-        {
+        let moves = spread.any(|other| {
+            read_reduced(document, other, &mut reader)
+                .is_some_and(|other| has_moved(&shown, &other) == Some(true))
+        });
+        if moves && let Some(last) = run.last().and_then(|last| document.frames.get(*last)) {
             let fault = Fault::StillCamera {
                 last: last.name(),
                 frames: run.len(),
@@ -50,6 +44,19 @@ pub fn check_still_runs(document: DocumentAt<'_>) -> Vec<Problem> {
         }
     }
     problems
+}
+
+/// The reduced picture of a frame; none if it cannot be read.
+fn read_reduced(
+    document: DocumentAt<'_>,
+    index: usize,
+    reader: &mut FrameReader,
+) -> Option<ReducedPicture> {
+    let source = document
+        .frames
+        .get(index)?
+        .picture_source(document.folder)?;
+    Some(ReducedPicture::new(&reader.read(&source).ok()?))
 }
 
 #[cfg(test)]

@@ -52,18 +52,18 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     }
     // Each camera by itself.
     for (index, camera) in document.cameras.iter().enumerate() {
-        let place = || format!("camera {}", camera.id);
+        let place = format!("camera {}", camera.id);
         if document.cameras[..index]
             .iter()
             .any(|other| other.id == camera.id)
         {
-            problem(place(), Fault::DuplicateCamera);
+            problem(place.clone(), Fault::DuplicateCamera);
         }
         if let Some(Err(message)) = camera.field.as_ref().map(|field| fields.model(field)) {
-            problem(place(), Fault::Field { message });
+            problem(place.clone(), Fault::Field { message });
         }
-        check_camera(camera, &mut |fault| problem(place(), fault));
-        check_place(camera, &mut |fault| problem(place(), fault));
+        check_camera(camera, &mut |fault| problem(place.clone(), fault));
+        check_place(camera, &mut |fault| problem(place.clone(), fault));
     }
     // Each frame, with its clicks and its solution.
     let duplicates = duplicates(&document);
@@ -152,17 +152,12 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
             what: "principal_point_px".to_owned(),
         });
     }
-    // A word is a user's note; a number other than zero is a coefficient that would change the
-    // picture.
-    let bends = |value: &Value| {
-        value.is_object() || value.is_array() || value.as_f64().is_some_and(|x| x != 0.0)
-    };
     for (key, value) in camera
         .distortion
         .iter()
         .flat_map(|distortion| &distortion.extra)
     {
-        if bends(value) {
+        if changes_picture(value) {
             problem(Fault::UnusedDistortion { key: key.clone() });
         }
     }
@@ -184,26 +179,33 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
     check_masks(&masks, camera.image_size, problem);
 }
 
+/// Whether an unknown value of a distortion would change the picture: a number other than zero is a
+/// coefficient, a word is a user's note.
+fn changes_picture(value: &Value) -> bool {
+    value.is_object() || value.is_array() || value.as_f64().is_some_and(|x| x != 0.0)
+}
+
 fn check_masks(masks: &[PixelBox], picture: ImageSize, problem: &mut dyn FnMut(Fault)) {
-    // A mask must have an area, part of it inside the picture.
-    let covers = |mask: &PixelBox| {
-        let (right, bottom) = (mask.x + mask.width, mask.y + mask.height);
-        mask.width > 0.0
-            && mask.height > 0.0
-            && right > 0.0
-            && bottom > 0.0
-            && mask.x < f64::from(picture.width)
-            && mask.y < f64::from(picture.height)
-    };
-    for (mask, _) in masks.iter().enumerate().filter(|(_, mask)| !covers(mask)) {
-        problem(Fault::EmptyMask { mask });
+    for (mask, pixel_box) in masks.iter().enumerate() {
+        if !covers_some_of(pixel_box, picture) {
+            problem(Fault::EmptyMask { mask });
+        }
     }
+}
+
+/// Whether a mask has an area, part of it inside the picture.
+fn covers_some_of(mask: &PixelBox, picture: ImageSize) -> bool {
+    let (right, bottom) = (mask.x + mask.width, mask.y + mask.height);
+    mask.width > 0.0
+        && mask.height > 0.0
+        && right > 0.0
+        && bottom > 0.0
+        && mask.x < f64::from(picture.width)
+        && mask.y < f64::from(picture.height)
 }
 
 /// Checks what is stored of the frame besides its clicks: the hash of its file and its last change.
 fn check_record(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
-    let is_sha256 =
-        |text: &String| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
     if frame.sha256.as_ref().is_some_and(|text| !is_sha256(text)) {
         problem(Fault::NoSha256);
     }
@@ -221,6 +223,10 @@ fn check_record(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
             value,
         });
     }
+}
+
+fn is_sha256(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
 fn check_frame(
@@ -291,11 +297,11 @@ fn check_clicks(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnM
         match &here.target {
             None => problem(Fault::UnnamedClick { click }),
             Some(Target::Landmark(id)) => {
-                let name = || id.as_str().to_owned();
-                if field.is_some_and(|field| field.landmark(id.as_str()).is_none()) {
+                let name = id.as_str();
+                if field.is_some_and(|field| field.landmark(name).is_none()) {
                     problem(Fault::UnknownLandmark {
                         click,
-                        name: name(),
+                        name: name.to_owned(),
                     });
                 }
                 // A landmark is one point, so that a second click on it contradicts the first. A
@@ -307,7 +313,7 @@ fn check_clicks(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnM
                     problem(Fault::DuplicateLandmark {
                         first,
                         second: click,
-                        name: name(),
+                        name: name.to_owned(),
                     });
                 }
             }

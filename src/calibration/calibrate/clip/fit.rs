@@ -140,10 +140,9 @@ impl ClipFit<'_> {
         report(progress, ClipProgress::Adjusting)?;
         // A known camera that was itself aligned to paint repeats the evidence of the new alignment
         // of that picture. Only the new one is used, so that no paint counts twice.
-        let is_same_paint = |anchor: &PosePrior| {
-            anchor.source == PriorSource::Paint && aligned.contains_key(&anchor.frame)
-        };
-        let known = self.known.iter().filter(|anchor| !is_same_paint(anchor));
+        let known = self.known.iter().filter(|anchor| {
+            anchor.source != PriorSource::Paint || !aligned.contains_key(&anchor.frame)
+        });
         let mut anchors: Vec<PosePrior> = known.chain(aligned.values()).copied().collect();
         // Frames with the same view share the errors of their paint (and those of a forest's
         // proposals), so their weight is reduced.

@@ -101,32 +101,28 @@ pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -
 /// The clip that a frame of the document belongs to, by the frame's index.
 #[must_use]
 pub fn clip_of_frame(document: DocumentAt<'_>, index: usize) -> Option<ClipFrames> {
-    let has_frame = |clip: &ClipFrames| clip.frames.iter().any(|frame| frame.place == Some(index));
-    clips(document, None).into_iter().find(has_frame)
+    clips(document, None)
+        .into_iter()
+        .find(|clip| clip.frames.iter().any(|frame| frame.place == Some(index)))
 }
 
 /// Splits the frames of one video or folder into clips without large gaps, and adds the frames in
 /// between that the document leaves out.
 fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFrames> {
-    let number = |source: &FrameRef| {
-        if let FrameRef::Video { index, .. } = source {
-            Some(*index)
-        } else {
-            None
-        }
-    };
     // A video is sorted by frame number, of equal numbers the first in the document is kept. Images
     // have no number and keep their order.
-    frames.sort_by_key(|(place, source)| (number(source), *place));
-    frames.dedup_by_key(|(place, source)| number(source).unwrap_or(*place));
+    frames.sort_by_key(|(place, source)| (video_frame_number(source), *place));
+    frames.dedup_by_key(|(place, source)| video_frame_number(source).unwrap_or(*place));
     let mut clips: Vec<ClipFrames> = Vec::new();
     for (place, source) in frames {
         // The frame numbers that the document leaves out before this frame; none for images.
         let between = match (
-            number(&source),
+            video_frame_number(&source),
             clips.last().and_then(|clip| clip.frames.last()),
         ) {
-            (Some(index), Some(last)) => number(&last.source).map_or(0..0, |last| last + 1..index),
+            (Some(index), Some(last)) => {
+                video_frame_number(&last.source).map_or(0..0, |last| last + 1..index)
+            }
             _ => 0..0,
         };
         // A gap of `GAP` frames or more begins a new clip.
@@ -135,27 +131,22 @@ fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFra
             _ => {
                 clips.push(ClipFrames {
                     camera: camera.clone(),
-                    frames: Vec::new(),
+                    frames: vec![ClipFrame {
+                        source,
+                        place: Some(place),
+                    }],
                 });
-                let frames = vec![ClipFrame {
-                    source,
-                    place: Some(place),
-                }];
-                if let Some(clip) = clips.last_mut() {
-                    clip.frames = frames;
-                }
                 continue;
             }
         };
         if let FrameRef::Video { path, .. } = &source {
-            let left_out = |index| ClipFrame {
+            clip.frames.extend(between.map(|index| ClipFrame {
                 source: FrameRef::Video {
                     path: path.clone(),
                     index,
                 },
                 place: None,
-            };
-            clip.frames.extend(between.map(left_out));
+            }));
         }
         clip.frames.push(ClipFrame {
             source,
@@ -163,6 +154,14 @@ fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFra
         });
     }
     clips
+}
+
+/// The number of a frame in its video; none for an image.
+fn video_frame_number(source: &FrameRef) -> Option<usize> {
+    match source {
+        FrameRef::Video { index, .. } => Some(*index),
+        FrameRef::Image(_) => None,
+    }
 }
 
 #[cfg(test)]

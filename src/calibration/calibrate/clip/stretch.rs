@@ -73,17 +73,21 @@ fn doubtful_span(
     clip: &ClipFrames,
     corrected: usize,
 ) -> RangeInclusive<usize> {
-    let ends_stretch = |index: &usize| {
-        let place = clip.frames.get(*index).and_then(|frame| frame.place);
-        place
-            .and_then(|place| document.frames.get(place))
-            .is_some_and(|frame| !is_doubtful(frame))
-    };
     let first = corrected.saturating_sub(MOST);
     let last = (corrected + MOST).min(clip.frames.len().saturating_sub(1));
-    let before = (first..corrected).rev().find(ends_stretch);
-    let after = (corrected + 1..=last).find(ends_stretch);
+    let before = (first..corrected)
+        .rev()
+        .find(|index| is_trusted_at(document, clip, *index));
+    let after = (corrected + 1..=last).find(|index| is_trusted_at(document, clip, *index));
     before.unwrap_or(first)..=after.unwrap_or(last)
+}
+
+/// Whether the document has this frame of the clip, and its camera is not doubtful.
+fn is_trusted_at(document: &Document, clip: &ClipFrames, index: usize) -> bool {
+    let place = clip.frames.get(index).and_then(|frame| frame.place);
+    place
+        .and_then(|place| document.frames.get(place))
+        .is_some_and(|frame| !is_doubtful(frame))
 }
 
 #[cfg(test)]

@@ -19,11 +19,11 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
 use touchline_core::solve::Uncertainty;
-use touchline_documents::document::{DocumentAt, FieldSize, FrameStatus};
+use touchline_documents::document::{Document, DocumentAt, FieldSize, FrameStatus};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::track::{
-    AdjustedClip, ClipCamera, ClipLens, Jitter, PosePrior, PropagatedClip, PropagationStop,
-    SmoothOptions, Unsmoothed, propagate, smooth,
+    AdjustedClip, ClipCamera, ClipLens, Jitter, PosePrior, PropagatedClip, SmoothOptions,
+    Unsmoothed, propagate, smooth,
 };
 
 /// Above this share of paint on no line, the assumed length of the field is suspect. With the right
@@ -131,8 +131,10 @@ pub fn track_clip(
         .cameras
         .iter()
         .find(|camera| camera.id == clip.camera);
-    let frame_at = |place: usize| document.frames.get(place).map(|frame| &**frame);
-    let one = clip.frames.iter().find_map(|frame| frame_at(frame.place?));
+    let one = clip
+        .frames
+        .iter()
+        .find_map(|frame| document.frames.get(frame.place?));
     let (base, size) = camera
         .zip(one)
         .and_then(|(camera, frame)| {
@@ -231,7 +233,7 @@ pub fn track_clip(
     for (frame, of_clip) in clip.frames.iter().enumerate() {
         let Some((place, document_frame)) = of_clip
             .place
-            .and_then(|place| Some((place, frame_at(place)?)))
+            .and_then(|place| Some((place, document.frames.get(place)?)))
         else {
             continue;
         };
@@ -324,30 +326,43 @@ fn known_lenses(
     base: &CameraBase,
     options: &TrackClipOptions,
 ) -> Vec<Option<ClipLens>> {
-    let lens_of = |frame: &ClipFrame| {
-        let lens = at.document.frames.get(frame.place?)?.lens.as_ref()?;
-        let CameraBase {
-            principal_point,
-            distortion,
-            ..
-        } = lens.base_with(base);
-        let focal_px = Some(lens.focal_px).filter(|_| !options.seek_focal);
-        Some(ClipLens {
-            principal_point,
-            distortion,
-            focal_px,
-        })
-    };
-    clip.frames.iter().map(lens_of).collect()
+    clip.frames
+        .iter()
+        .map(|frame| known_lens(at.document, frame, base, options))
+        .collect()
+}
+
+/// The lens that a frame of a clip states; see [`known_lenses`].
+fn known_lens(
+    document: &Document,
+    frame: &ClipFrame,
+    base: &CameraBase,
+    options: &TrackClipOptions,
+) -> Option<ClipLens> {
+    let lens = document.frames.get(frame.place?)?.lens.as_ref()?;
+    let CameraBase {
+        principal_point,
+        distortion,
+        ..
+    } = lens.base_with(base);
+    let focal_px = Some(lens.focal_px).filter(|_| !options.seek_focal);
+    Some(ClipLens {
+        principal_point,
+        distortion,
+        focal_px,
+    })
 }
 
 fn stops(clip: &ClipFrames, propagated: &PropagatedClip) -> Vec<ClipStop> {
-    let stop = |stop: &PropagationStop| ClipStop {
-        picture: clip.frames[stop.frame].source.to_string(),
-        seen: stop.seen,
-        agreeing: stop.agreeing,
-    };
-    propagated.stops.iter().map(stop).collect()
+    propagated
+        .stops
+        .iter()
+        .map(|stop| ClipStop {
+            picture: clip.frames[stop.frame].source.to_string(),
+            seen: stop.seen,
+            agreeing: stop.agreeing,
+        })
+        .collect()
 }
 
 /// The smoothed cameras. Each run of reached frames without a gap is smoothed as one motion.
@@ -356,12 +371,6 @@ fn smooth_cameras(
     clip: &ClipFrames,
     adjusted: &AdjustedClip,
 ) -> Vec<Option<Ptz>> {
-    let is_reference = |frame: usize| {
-        let of_document = clip.frames[frame]
-            .place
-            .and_then(|place| at.document.frames.get(place));
-        of_document.is_some_and(|frame| frame.status == FrameStatus::Reference)
-    };
     let mut smoothed = vec![None; adjusted.frames.len()];
     let mut frame = 0;
     while frame < smoothed.len() {
@@ -373,7 +382,7 @@ fn smooth_cameras(
             .map(|(place, adjusted)| Unsmoothed {
                 ptz: adjusted.ptz,
                 covariance: adjusted.covariance,
-                is_reference: is_reference(frame + place),
+                is_reference: is_reference(at.document, &clip.frames[frame + place]),
             })
             .collect();
         for (place, ptz) in smooth(&stretch, &SmoothOptions::default())
@@ -385,4 +394,9 @@ fn smooth_cameras(
         frame += stretch.len() + 1;
     }
     smoothed
+}
+
+fn is_reference(document: &Document, frame: &ClipFrame) -> bool {
+    let of_document = frame.place.and_then(|place| document.frames.get(place));
+    of_document.is_some_and(|frame| frame.status == FrameStatus::Reference)
 }

@@ -114,15 +114,15 @@ impl Shot {
         let (from, frames) = self.nearest(moment)?;
         // The 90th percentile of the speeds, times the number of frames. It assumes that the camera
         // keeps one direction, so it is an upper estimate of the motion.
-        let usual = |which: usize| {
+        let [pan_deg, tilt_deg, log_focal] = [0, 1, 2].map(|which: usize| {
             let broken: Vec<f64> = broken.iter().map(|rates| rates[which]).collect();
             let made = made.map(|rates| rates[which]);
             self.rates[which].nth_of_changed(count * 9 / 10, &broken, made) * frames as f64
-        };
+        });
         let usual = PtzStep {
-            pan: Angle::from_degrees(usual(0)),
-            tilt: Angle::from_degrees(usual(1)),
-            log_focal: usual(2),
+            pan: Angle::from_degrees(pan_deg),
+            tilt: Angle::from_degrees(tilt_deg),
+            log_focal,
         };
         Some(Motion {
             from,
@@ -135,14 +135,6 @@ impl Shot {
     /// distance in frames, at least 1. None within [`WITHIN_FRAMES`].
     fn nearest(&self, moment: Moment) -> Option<(Ptz, u64)> {
         let number = moment.0;
-        // Frames with the same number are represented by the first of them, the frame itself
-        // excluded.
-        let first_of = |at: u64| {
-            let mut of_number = self.solved.range((at, 0)..=(at, usize::MAX));
-            of_number
-                .find(|(other, _)| **other != moment)
-                .map(|(_, ptz)| *ptz)
-        };
         let earlier = self
             .solved
             .range(..(number, 0))
@@ -156,10 +148,19 @@ impl Shot {
         let found = [earlier, Some(number), later]
             .into_iter()
             .flatten()
-            .filter_map(|at| Some((at, first_of(at)?)));
+            .filter_map(|at| Some((at, self.first_at(at, moment)?)));
         let (at, ptz) = found.min_by_key(|(at, _)| at.abs_diff(number))?;
         let frames = at.abs_diff(number).max(1);
         (frames <= WITHIN_FRAMES).then_some((ptz, frames))
+    }
+
+    /// The first of the solved frames with this number, which represents them, the frame of the
+    /// moment itself excluded.
+    fn first_at(&self, number: u64, moment: Moment) -> Option<Ptz> {
+        let mut of_number = self.solved.range((number, 0)..=(number, usize::MAX));
+        of_number
+            .find(|(other, _)| **other != moment)
+            .map(|(_, ptz)| *ptz)
     }
 }
 

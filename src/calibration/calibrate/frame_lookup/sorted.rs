@@ -1,5 +1,7 @@
 //! Sorted numbers that answer for one number left out without being copied.
 
+use std::cmp::Ordering;
+
 /// Numbers in ascending order; equal ones are allowed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sorted(Vec<f64>);
@@ -49,28 +51,34 @@ impl Sorted {
     /// The number at index `place` after removing at most two numbers and adding one, without
     /// changing the list. Zero if the index is out of range.
     pub(super) fn nth_of_changed(&self, place: usize, removed: &[f64], added: Option<f64>) -> f64 {
-        // The number of values below (`is_lt`) or not above (`is_le`) a value in the changed list.
-        let rank = |value: f64, counts: fn(std::cmp::Ordering) -> bool| {
-            let counts_value = |known: &f64| counts(known.total_cmp(&value));
-            let before = self.0.partition_point(counts_value)
-                + usize::from(added.as_ref().is_some_and(counts_value));
-            before
-                - removed
-                    .iter()
-                    .filter(|removed| counts_value(removed))
-                    .count()
-        };
         // The answer is the added value or an element of the list: that at index `place` − 1 if the
         // insertion shifted it up, or up to `place` + 2 if both removals shifted it down. It is the
         // one whose range of ranks contains `place`.
         let near = self.0.iter().skip(place.saturating_sub(1)).take(4);
         let found = near.copied().chain(added).find(|value| {
-            let (below, upto) = (
-                rank(*value, std::cmp::Ordering::is_lt),
-                rank(*value, std::cmp::Ordering::is_le),
-            );
+            let below = self.rank_in_changed(*value, Ordering::is_lt, removed, added);
+            let upto = self.rank_in_changed(*value, Ordering::is_le, removed, added);
             (below..upto).contains(&place)
         });
         found.unwrap_or(0.0)
+    }
+
+    /// The number of values below (`is_lt`) or not above (`is_le`) a value, in the list changed as
+    /// by [`Self::nth_of_changed`].
+    fn rank_in_changed(
+        &self,
+        value: f64,
+        counts: fn(Ordering) -> bool,
+        removed: &[f64],
+        added: Option<f64>,
+    ) -> usize {
+        let counts_value = |known: &f64| counts(known.total_cmp(&value));
+        let before = self.0.partition_point(counts_value)
+            + usize::from(added.as_ref().is_some_and(counts_value));
+        before
+            - removed
+                .iter()
+                .filter(|removed| counts_value(removed))
+                .count()
     }
 }

@@ -200,24 +200,19 @@ fn name_disputes(
     scale: f64,
     lie_together: impl Fn(&LandmarkId, &LandmarkId) -> bool,
 ) -> Vec<NameDispute> {
-    let limit = SAME_SPOT_PX * scale;
-    let has_namesake_near =
-        |id: &LandmarkId, at: ImagePoint, among: &[(&LandmarkId, ImagePoint, usize)]| {
-            among
-                .iter()
-                .any(|(other, there, _)| *other == id && there.distance_px(at) <= limit)
-        };
+    let limit_px = SAME_SPOT_PX * scale;
     let mut found = Vec::new();
     for (id, at, click) in ones
         .iter()
-        .filter(|(id, at, _)| !has_namesake_near(id, *at, others))
+        .filter(|(id, at, _)| !has_namesake_near(id, *at, others, limit_px))
     {
         // The nearest click of the other with another name that is disputed as well.
         let near = others
             .iter()
-            .filter(|(other, there, _)| other != id && !has_namesake_near(other, *there, ones))
+            .filter(|(other, _, _)| other != id)
+            .filter(|(other, there, _)| !has_namesake_near(other, *there, ones, limit_px))
             .map(|(other, there, other_click)| (there.distance_px(*at), *other, *other_click))
-            .filter(|(apart, other, _)| *apart <= limit && !lie_together(id, other))
+            .filter(|(apart, other, _)| *apart <= limit_px && !lie_together(id, other))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((apart, other, other_click)) = near {
             let names = [(*id).clone(), other.clone()];
@@ -231,6 +226,18 @@ fn name_disputes(
     found
 }
 
+/// Whether one of some clicks on the same landmark lies within `limit_px` of a point.
+fn has_namesake_near(
+    id: &LandmarkId,
+    at: ImagePoint,
+    among: &[(&LandmarkId, ImagePoint, usize)],
+    limit_px: f64,
+) -> bool {
+    among
+        .iter()
+        .any(|(other, there, _)| *other == id && there.distance_px(at) <= limit_px)
+}
+
 /// Whether a camera projects two landmarks so close together that clicks do not separate them.
 fn lie_together(
     camera: &PtzCamera,
@@ -239,36 +246,36 @@ fn lie_together(
     b: &LandmarkId,
     scale: f64,
 ) -> bool {
-    let at = |id: &LandmarkId| {
+    let [a, b] = [a, b].map(|id| {
         let landmark = field.landmark(id.as_str())?;
         camera
             .image_from_world(field.landmark_in_world(landmark))
             .ok()
-    };
-    at(a)
-        .zip(at(b))
+    });
+    a.zip(b)
         .is_some_and(|(a, b)| a.distance_px(b) <= 2.0 * SAME_SPOT_PX * scale)
 }
 
 /// The distance, px, between a corner of the picture and the projection by the other camera of the
 /// ground point that the first one shows there, for the worst corner.
 fn worst_corner_px(one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
-    let off = |corner: ImagePoint| {
-        let position = one.base().position_m;
-        // The ground point at the corner, if it is near enough, else a point far along the ray.
-        let on_ground = one
-            .plane_from_image(corner, 0.0)
-            .filter(|point| (point - position).norm() <= FAR_M);
-        let far = || {
-            one.world_direction_from_image(corner)
-                .ok()
-                .map(|way| position + way.normalize() * FAR_M)
-        };
-        let image = other.image_from_world(on_ground.or_else(far)?).ok()?;
-        Some(image.distance_px(corner))
-    };
     size.corners()
         .into_iter()
-        .map(|corner| off(corner).unwrap_or(f64::INFINITY))
+        .map(|corner| corner_distance_px(one, other, corner).unwrap_or(f64::INFINITY))
         .fold(0.0, f64::max)
+}
+
+/// [`worst_corner_px`] for one corner; none if one of the cameras does not show the point.
+fn corner_distance_px(one: &PtzCamera, other: &PtzCamera, corner: ImagePoint) -> Option<f64> {
+    let position = one.base().position_m;
+    // The ground point at the corner, if it is near enough, else a point far along the ray.
+    let seen = one
+        .plane_from_image(corner, 0.0)
+        .filter(|point| (point - position).norm() <= FAR_M)
+        .or_else(|| {
+            let direction = one.world_direction_from_image(corner).ok()?;
+            Some(position + direction.normalize() * FAR_M)
+        })?;
+    let image = other.image_from_world(seen).ok()?;
+    Some(image.distance_px(corner))
 }

@@ -187,11 +187,15 @@ fn lone_frame(
 /// Computes the statistics of all frames and of each landmark. Copied clicks are left out, because
 /// they are not independent measurements.
 fn summarise(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
-    let pairs = || frames.iter().flat_map(|frame| &frame.clicks);
-    let own = || pairs().filter(|pair| !pair.is_copy());
-    let differences: Vec<Vec2> = own().map(ClickPair::difference).collect();
+    let (copies, own): (Vec<&ClickPair>, Vec<&ClickPair>) = frames
+        .iter()
+        .flat_map(|frame| &frame.clicks)
+        .partition(|pair| pair.is_copy());
+    let copies = copies.len();
+    let differences: Vec<Vec2> = own.iter().map(|pair| pair.difference()).collect();
+    let distances: Vec<f64> = own.iter().map(|pair| pair.apart_px()).collect();
     let mut by_landmark: BTreeMap<&LandmarkId, Vec<&ClickPair>> = BTreeMap::new();
-    for pair in own() {
+    for pair in own {
         by_landmark.entry(&pair.landmark).or_default().push(pair);
     }
     let mut landmarks: Vec<LandmarkAgreement> = by_landmark
@@ -199,14 +203,13 @@ fn summarise(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
         .map(|(landmark, pairs)| landmark_agreement(landmark, &pairs))
         .collect();
     landmarks.sort_by(|a, b| b.median_px.total_cmp(&a.median_px));
-    let distances: Vec<f64> = own().map(ClickPair::apart_px).collect();
     Agreement {
         landmarks,
         distances: Summary::from_values(&distances, 0),
         noise: ClickScatter::from_differences(&differences),
         noise_by_axis: [0, 1]
             .map(|axis| ClickScatter::along(differences.iter().map(|difference| difference[axis]))),
-        copies: pairs().filter(|pair| pair.is_copy()).count(),
+        copies,
         frames,
         lone,
     }
@@ -214,12 +217,7 @@ fn summarise(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
 
 /// The statistics of one landmark.
 fn landmark_agreement(landmark: &LandmarkId, pairs: &[&ClickPair]) -> LandmarkAgreement {
-    let sorted = |values: &dyn Fn(&ClickPair) -> f64| {
-        let mut values: Vec<f64> = pairs.iter().map(|pair| values(pair)).collect();
-        values.sort_by(f64::total_cmp);
-        values
-    };
-    let distances = sorted(&ClickPair::apart_px);
+    let distances = sorted_values(pairs, ClickPair::apart_px);
     let differences: Vec<Vec2> = pairs.iter().map(|pair| pair.difference()).collect();
     LandmarkAgreement {
         landmark: landmark.clone(),
@@ -227,9 +225,16 @@ fn landmark_agreement(landmark: &LandmarkId, pairs: &[&ClickPair]) -> LandmarkAg
         median_px: quantile(&distances, 0.5),
         p90_px: quantile(&distances, 0.9),
         offset_px: Vec2::new(
-            quantile(&sorted(&|pair| pair.offset_px.x), 0.5),
-            quantile(&sorted(&|pair| pair.offset_px.y), 0.5),
+            quantile(&sorted_values(pairs, |pair| pair.offset_px.x), 0.5),
+            quantile(&sorted_values(pairs, |pair| pair.offset_px.y), 0.5),
         ),
         noise: ClickScatter::from_differences(&differences),
     }
+}
+
+/// A value of each pair, in ascending order.
+fn sorted_values(pairs: &[&ClickPair], value: impl Fn(&ClickPair) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> = pairs.iter().map(|pair| value(pair)).collect();
+    values.sort_by(f64::total_cmp);
+    values
 }

@@ -85,29 +85,13 @@ impl FrameGroup {
             .iter()
             .filter_map(|frame| frame.scores.as_ref().ok())
             .collect();
-        // Clicks are pooled over frames, so that frames with many clicks count for more; measures
-        // are one value per frame.
-        let pooled = |of: fn(&FrameScores) -> &[f64]| {
-            let values: Vec<f64> = scored
-                .iter()
-                .flat_map(|scores| of(scores))
-                .copied()
-                .collect();
-            Summary::from_values(&values, seed)
-        };
-        let values = |measure: Measure| -> Vec<f64> {
-            scored
-                .iter()
-                .filter_map(|scores| scores.get(measure))
-                .collect()
-        };
         let summaries = Measure::ALL.into_iter().filter_map(|measure| {
-            let summary = Summary::from_values(&values(measure), seed)?;
+            let summary = Summary::from_values(&values_of(&scored, measure), seed)?;
             Some((measure, summary))
         });
         // The measure is the root mean square over three parameters; the coverage needs their sum,
         // χ² with three degrees of freedom.
-        let squared: Vec<f64> = values(Measure::Sigmas)
+        let squared: Vec<f64> = values_of(&scored, Measure::Sigmas)
             .iter()
             .map(|sigmas| 3.0 * sigmas * sigmas)
             .collect();
@@ -117,12 +101,35 @@ impl FrameGroup {
             frames: frames.len(),
             scored: scored.len(),
             measures: summaries.collect(),
-            clicks_px: pooled(|scores| &scores.clicks_px),
-            held_out_px: pooled(|scores| &scores.held_out_px),
-            held_out_m: pooled(|scores| &scores.held_out_m),
+            clicks_px: summarise_pooled(&scored, |scores| &scores.clicks_px, seed),
+            held_out_px: summarise_pooled(&scored, |scores| &scores.held_out_px, seed),
+            held_out_m: summarise_pooled(&scored, |scores| &scores.held_out_m, seed),
             coverage: SigmaCoverage::from_squared_distances(&squared),
         }
     }
+}
+
+/// A measure of the frames, one value per frame that has it.
+fn values_of(scored: &[&FrameScores], measure: Measure) -> Vec<f64> {
+    scored
+        .iter()
+        .filter_map(|scores| scores.get(measure))
+        .collect()
+}
+
+/// The summary of distances of clicks. They are pooled over frames, so that frames with many clicks
+/// count for more.
+fn summarise_pooled(
+    scored: &[&FrameScores],
+    distances: fn(&FrameScores) -> &[f64],
+    seed: u64,
+) -> Option<Summary> {
+    let values: Vec<f64> = scored
+        .iter()
+        .flat_map(|scores| distances(scores))
+        .copied()
+        .collect();
+    Summary::from_values(&values, seed)
 }
 
 impl Evaluation {

@@ -120,11 +120,8 @@ pub fn evaluate(
     truth: DocumentAt<'_>,
     estimate: DocumentAt<'_>,
 ) -> Result<Evaluation, EvaluationError> {
-    let fields = |document: DocumentAt<'_>, which: &'static str| {
-        Fields::from_document(document).map_err(|source| EvaluationError::Field { which, source })
-    };
-    let true_fields = fields(truth, "truth")?;
-    let estimated_fields = fields(estimate, "estimate")?;
+    let true_fields = fields_of(truth, "truth")?;
+    let estimated_fields = fields_of(estimate, "estimate")?;
     let partners = match_frames(truth, estimate);
     // The frames for which the truth has a camera or clicks. Without any, there is nothing to
     // evaluate.
@@ -134,7 +131,7 @@ pub fn evaluate(
     if known.is_empty() {
         return Err(EvaluationError::NoTruth);
     }
-    let one = |&index: &usize| {
+    let frames = known.par_iter().map(|&index| {
         let frame = &*truth.frames[index];
         let known = TrueFrame {
             frame,
@@ -155,8 +152,8 @@ pub fn evaluate(
             view: focal_px.map(|focal_px| horizontal_view(focal_px, frame.image_size)),
             scores: score_frame(&known, &estimate, partner, &estimated_fields),
         }
-    };
-    let frames: Vec<FrameResult> = known.par_iter().map(one).collect();
+    });
+    let frames: Vec<FrameResult> = frames.collect();
     // The estimate's frames to which no such frame was matched.
     let mut has_truth = vec![false; estimate.frames.len()];
     for partner in known.iter().filter_map(|&index| partners[index]) {
@@ -172,6 +169,10 @@ pub fn evaluate(
         frames,
         without_truth,
     })
+}
+
+fn fields_of(document: DocumentAt<'_>, which: &'static str) -> Result<Fields, EvaluationError> {
+    Fields::from_document(document).map_err(|source| EvaluationError::Field { which, source })
 }
 
 /// Whether the truth has a camera or a named click for a frame that is not rejected.

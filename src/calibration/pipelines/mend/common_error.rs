@@ -59,11 +59,11 @@ impl fmt::Display for CommonError {
 impl CommonError {
     /// The lengths of the field that contradict the assumed ones.
     pub(super) fn from_field_sizes(sizes: &[FittedSize]) -> impl Iterator<Item = Self> {
-        let is_other = |size: &&FittedSize| {
+        let others = sizes.iter().filter(|size| {
             let off_m = (size.value_m - size.assumed_m).abs();
             !size.is_open && off_m > OTHER_SIZE_M && off_m > OTHER_SIZE_SIGMAS * size.sigma_m
-        };
-        sizes.iter().filter(is_other).cloned().map(Self::FieldSize)
+        });
+        others.cloned().map(Self::FieldSize)
     }
 
     /// The lens that a base has and another one lacks, if it matters in the frames of its camera.
@@ -77,20 +77,25 @@ impl CommonError {
             .frames
             .iter()
             .filter(|frame| frame.camera == *camera);
-        let moved_px = |frame: &Frame| {
-            let focal_px = frame.ptz.as_ref()?.focal_px;
-            // The corner lies at a radius r of the ideal picture and is displaced by the lens to
-            // r · stretch(r²), in focal lengths.
-            let corner = found.principal_point.distance_px(ImagePoint::new(0.0, 0.0));
-            let radius = corner / focal_px;
-            let [before, after] = [given, found].map(|base| {
-                let lens = base.distortion.radial_at(focal_px);
-                corner * lens.stretch(radius * radius)
-            });
-            Some((after - before).abs() / frame.image_size.scale_from_1920())
-        };
-        let mut moved: Vec<f64> = of_camera.filter_map(|frame| moved_px(frame)).collect();
+        let mut moved: Vec<f64> = of_camera
+            .filter_map(|frame| corner_moved_px(frame, given, found))
+            .collect();
         let corner_px = median(&mut moved)?;
         (corner_px >= SMALL_LENS_PX).then_some(Self::Lens { corner_px })
     }
+}
+
+/// How far a corner of a frame's picture moves from one lens to the other, px at 1920 px width;
+/// none without a camera.
+fn corner_moved_px(frame: &Frame, given: &CameraBase, found: &CameraBase) -> Option<f64> {
+    let focal_px = frame.ptz.as_ref()?.focal_px;
+    // The corner lies at a radius r of the ideal picture and is displaced by the lens to
+    // r · stretch(r²), in focal lengths.
+    let corner = found.principal_point.distance_px(ImagePoint::new(0.0, 0.0));
+    let radius = corner / focal_px;
+    let [before, after] = [given, found].map(|base| {
+        let lens = base.distortion.radial_at(focal_px);
+        corner * lens.stretch(radius * radius)
+    });
+    Some((after - before).abs() / frame.image_size.scale_from_1920())
 }

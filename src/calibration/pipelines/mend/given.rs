@@ -45,6 +45,14 @@ impl GivenCamera {
         }
     }
 
+    pub(super) const fn is_missing(&self) -> bool {
+        matches!(self, Self::Missing)
+    }
+
+    pub(super) const fn is_mirrored(&self) -> bool {
+        matches!(self, Self::Mirrored(_))
+    }
+
     /// What makes it impossible, if it is.
     #[must_use]
     pub const fn fault(&self) -> Option<&GivenFault> {
@@ -57,17 +65,22 @@ impl GivenCamera {
 
 /// The given camera of each frame of a document. Frames that people decided on count as possible.
 pub(super) fn given_cameras(document: &Document, fields: &Fields) -> Vec<GivenCamera> {
-    let given = |frame: &Frame| {
-        let Some(camera) = document.ptz_camera(frame) else {
-            return GivenCamera::Missing;
-        };
-        let field = fields.for_frame(document, frame);
-        match impossible_camera(document, frame, Some(field)) {
-            Some(fault) => GivenCamera::Impossible(GivenFault(fault)),
-            None => GivenCamera::Possible(Box::new(camera)),
-        }
+    document
+        .frames
+        .iter()
+        .map(|frame| given_camera(document, frame, fields))
+        .collect()
+}
+
+fn given_camera(document: &Document, frame: &Frame, fields: &Fields) -> GivenCamera {
+    let Some(camera) = document.ptz_camera(frame) else {
+        return GivenCamera::Missing;
     };
-    document.frames.iter().map(|frame| given(frame)).collect()
+    let field = fields.for_frame(document, frame);
+    match impossible_camera(document, frame, Some(field)) {
+        Some(fault) => GivenCamera::Impossible(GivenFault(fault)),
+        None => GivenCamera::Possible(Box::new(camera)),
+    }
 }
 
 /// The camera of the world reflected at the plane x = 0 that gives the reflected picture: position

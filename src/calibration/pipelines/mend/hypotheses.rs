@@ -50,14 +50,14 @@ impl Sample {
         reader: &mut dyn ReadFrames,
         progress: &Progress<'_, MendEvent>,
     ) -> Result<Self, MendError> {
-        let motion_px = |index: usize| {
-            let camera = given[index].usable()?;
-            let after = given.get(index + 1)?.usable()?;
-            shots.place_of(index)?;
-            ground_moved_px(camera, after, document.frames[index].image_size)
-        };
         let mut moving: Vec<(f64, usize)> = (0..given.len())
-            .filter_map(|index| Some((motion_px(index)?, index)))
+            .filter_map(|index| {
+                let camera = given[index].usable()?;
+                let after = given.get(index + 1)?.usable()?;
+                shots.place_of(index)?;
+                let image_size = document.frames[index].image_size;
+                Some((ground_moved_px(camera, after, image_size)?, index))
+            })
             .collect();
         moving.sort_by(|(one, _), (other, _)| other.total_cmp(one));
         moving.truncate(moving.len().div_ceil(2).max(PICTURES));
@@ -126,8 +126,10 @@ impl Test<'_> {
         for (lacks_lens, is_mirrored) in
             [(false, false), (true, false), (false, true), (true, true)]
         {
-            let is_enough = |agreement: &Agreement| agreement.aligned >= enough;
-            if tried.iter().any(|(.., agreement)| is_enough(agreement)) {
+            if tried
+                .iter()
+                .any(|(.., agreement)| agreement.aligned >= enough)
+            {
                 break;
             }
             for &shift in shifts {
@@ -194,30 +196,36 @@ impl Test<'_> {
 
     /// Aligns the sample's frames from corrected cameras, each on the place of its shot.
     fn agreement(&self, corrected: &Corrected) -> Agreement {
-        let Corrected { given, shots, lens } = corrected;
-        let moved = |(index, picture): &(usize, Picture)| {
-            let frame = &self.document.frames[*index];
-            let base = with_lens(&shots.as_ref()?.place_of(*index)?.base, *lens);
-            let (ptz, _) = ptz_on_base(given[*index].usable()?, &base, frame.image_size)?;
-            let ground = GroundPicture::new(picture, &self.document.masks_of(frame));
-            let field = self.fields.for_frame(self.document, frame);
-            let snapped = snap(
-                &ground,
-                field,
-                &base,
-                ptz,
-                &[],
-                &SnapOptions::for_unknown_lens(),
-            )
-            .ok()?;
-            let [before, after] = [ptz, snapped.ptz].map(|ptz| PtzCamera::new(base, ptz));
-            ground_moved_px(&before, &after, frame.image_size)
-        };
-        let mut moved: Vec<f64> = self.sample.pictures.par_iter().filter_map(moved).collect();
+        let pictures = self.sample.pictures.par_iter();
+        let mut moved: Vec<f64> = pictures
+            .filter_map(|(index, picture)| self.moved_px(corrected, *index, picture))
+            .collect();
         Agreement {
             aligned: moved.len(),
             moved_px: median(&mut moved).unwrap_or(f64::INFINITY),
         }
+    }
+
+    /// How far the alignment to paint moves the ground in a frame from its corrected camera, px.
+    /// None if the frame has no camera or place, or cannot be aligned.
+    fn moved_px(&self, corrected: &Corrected, index: usize, picture: &Picture) -> Option<f64> {
+        let frame = &self.document.frames[index];
+        let place = corrected.shots.as_ref()?.place_of(index)?;
+        let base = with_lens(&place.base, corrected.lens);
+        let (ptz, _) = ptz_on_base(corrected.given[index].usable()?, &base, frame.image_size)?;
+        let ground = GroundPicture::new(picture, &self.document.masks_of(frame));
+        let field = self.fields.for_frame(self.document, frame);
+        let snapped = snap(
+            &ground,
+            field,
+            &base,
+            ptz,
+            &[],
+            &SnapOptions::for_unknown_lens(),
+        )
+        .ok()?;
+        let [before, after] = [ptz, snapped.ptz].map(|ptz| PtzCamera::new(base, ptz));
+        ground_moved_px(&before, &after, frame.image_size)
     }
 }
 
@@ -241,15 +249,13 @@ fn shift_frames(document: &Document, given: Vec<GivenCamera>, shift: i64) -> Vec
         .enumerate()
         .filter_map(|(index, frame)| Some((number(frame)?, index)))
         .collect();
-    let source = |frame: &Frame| {
-        let (path, number) = number(frame)?;
-        by_number
-            .get(&(path, number - shift))
-            .map(|index| given[*index].clone())
-    };
     let frames = document.frames.iter();
     frames
-        .map(|frame| source(frame).unwrap_or(GivenCamera::Missing))
+        .map(|frame| {
+            let source =
+                number(frame).and_then(|(path, number)| by_number.get(&(path, number - shift)));
+            source.map_or(GivenCamera::Missing, |index| given[*index].clone())
+        })
         .collect()
 }
 

@@ -123,7 +123,7 @@ pub(super) fn compare_frames(
     given: &[GivenCamera],
     aligned: &BTreeSet<usize>,
 ) -> Vec<MendedFrame> {
-    let frame = |(index, given): (usize, &GivenCamera)| {
+    let frames = given.iter().enumerate().map(|(index, given)| {
         let frame = &after.frames[index];
         let now = after.ptz_camera(frame);
         let camera = given
@@ -139,8 +139,8 @@ pub(super) fn compare_frames(
             outcome: outcome(frame, now.as_ref(), moved_px, aligned.contains(&index)),
             moved_px,
         }
-    };
-    given.iter().enumerate().map(frame).collect()
+    });
+    frames.collect()
 }
 
 impl Mended {
@@ -215,8 +215,12 @@ pub(super) fn wants_check(frame: &Frame) -> bool {
 
 /// Whether an open frame's camera is contradicted by its paint or uncertain.
 pub(super) fn is_doubted(frame: &Frame) -> bool {
-    let is_doubtful = |known: &Solution| is_contradicted(known) || is_uncertain(known);
-    frame.is_open() && frame.ptz.is_some() && frame.solution.as_ref().is_some_and(is_doubtful)
+    frame.is_open()
+        && frame.ptz.is_some()
+        && frame
+            .solution
+            .as_ref()
+            .is_some_and(|known| is_contradicted(known) || is_uncertain(known))
 }
 
 fn is_contradicted(solution: &Solution) -> bool {

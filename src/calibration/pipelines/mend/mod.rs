@@ -350,19 +350,18 @@ impl Mending<'_> {
             let mut stream = PictureStream::new(document.at(self.folder), unchecked)
                 .with_reader(&mut *self.reader)
                 .with_progress(self.progress.part(MendEvent::Checking));
-            let check = |read: &FramePicture<'_>| {
-                let field = fields.for_frame(document, read.frame);
-                let picture = read.picture.as_ref().ok()?;
-                let check = check_frame(document, read.frame, field, picture)?;
-                Some((read.index, check))
-            };
             // A few pictures are in memory at the same time.
             loop {
                 let some: Vec<FramePicture<'_>> = stream.by_ref().take(AT_ONCE).collect();
                 if some.is_empty() {
                     break;
                 }
-                checks.par_extend(some.par_iter().filter_map(check));
+                checks.par_extend(some.par_iter().filter_map(|read| {
+                    let field = fields.for_frame(document, read.frame);
+                    let picture = read.picture.as_ref().ok()?;
+                    let check = check_frame(document, read.frame, field, picture)?;
+                    Some((read.index, check))
+                }));
             }
         }
         for (index, check) in checks {
@@ -391,8 +390,9 @@ impl Mending<'_> {
 /// Removes the cameras of open frames that could not be aligned to their paint, in shots where
 /// others could: their neighbours know better. Returns the indices of the aligned frames.
 fn drop_unaligned(document: &mut Document, shots: &Shots) -> BTreeSet<usize> {
-    let is_aligned = |index: &usize| document.frames[*index].is_snapped();
-    let aligned: BTreeSet<usize> = (0..document.frames.len()).filter(is_aligned).collect();
+    let aligned: BTreeSet<usize> = (0..document.frames.len())
+        .filter(|index| document.frames[*index].is_snapped())
+        .collect();
     for shot in &shots.ranges {
         if aligned.range(shot.clone()).next().is_none() {
             continue;

@@ -9,14 +9,14 @@
 //!
 //! No claim of a confidence follows from this: a stretch of frames that are wrong alike is smooth.
 
-use super::given::{GivenCamera, given_cameras};
+use super::given::given_cameras;
 use super::places::{Shots, mirror_back};
 use super::{MendError, count_usable};
 use crate::calibrate::{Disagreement, Disagreements, withdraw};
 use std::path::Path;
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::{
-    Camera, Clip, Document, Fields, Frame, FrameId, FramePtz, FrameStatus, Solution, SolutionSource,
+    Camera, Clip, Document, Fields, FrameId, FramePtz, FrameStatus, Solution, SolutionSource,
 };
 
 /// A camera is out of line if it is farther than this from what its neighbours predict, px at
@@ -64,13 +64,11 @@ pub fn mend_numbers(document: &mut Document, folder: &Path) -> Result<MendedNumb
     shots.place_cameras(&mut mended, &given, None);
     let out_of_line = drop_out_of_line(&mut mended);
     let interpolated = interpolate_gaps(&mut mended);
-    let has_camera = |given: &&GivenCamera| !matches!(given, GivenCamera::Missing);
-    let is_mirrored = |given: &&GivenCamera| matches!(given, GivenCamera::Mirrored(_));
     let left = mended.frames.iter().filter(|frame| frame.ptz.is_none());
     let result = MendedNumbers {
-        came: given.iter().filter(has_camera).count(),
+        came: given.iter().filter(|given| !given.is_missing()).count(),
         impossible: given.iter().filter(|given| given.fault().is_some()).count(),
-        mirrored: given.iter().filter(is_mirrored).count(),
+        mirrored: given.iter().filter(|given| given.is_mirrored()).count(),
         out_of_line,
         interpolated,
         left: left.map(|frame| frame.id.clone()).collect(),
@@ -83,9 +81,9 @@ pub fn mend_numbers(document: &mut Document, folder: &Path) -> Result<MendedNumb
 /// Puts frames that belong to neither a shot nor a video into one shot: cameras of single files are
 /// those of a sequence, in the order of the files.
 fn join_shots(document: &mut Document) {
-    let is_alone = |frame: &Frame| frame.clip.is_none() && frame.video.is_none();
     for index in 0..document.frames.len() {
-        if is_alone(&document.frames[index]) {
+        let frame = &document.frames[index];
+        if frame.clip.is_none() && frame.video.is_none() {
             document.frames[index].clip = Some(Clip::Number(1));
         }
     }
@@ -94,15 +92,15 @@ fn join_shots(document: &mut Document) {
 /// Takes away the cameras that are out of line with those of their neighbours, the farthest first:
 /// its neighbours seem out of line only as long as it is there. Returns their number.
 fn drop_out_of_line(document: &mut Document) -> usize {
-    let is_out = |found: &Disagreement| {
-        found.apart_px > OUT_OF_LINE_PX && found.apart_px > found.neighbours_px
-    };
     let mut disagreements = Disagreements::from_document(document);
     let mut dropped = 0;
     loop {
         let out = (0..document.frames.len())
             .filter(|index| document.frames[*index].is_open())
-            .filter_map(|index| Some((index, disagreements.for_frame(index).filter(is_out)?)));
+            .filter_map(|index| {
+                let found = disagreements.for_frame(index)?;
+                is_out_of_line(&found).then_some((index, found))
+            });
         let worst = out.max_by(|(_, a), (_, b)| a.apart_px.total_cmp(&b.apart_px));
         let Some((index, _)) = worst else {
             return dropped;
@@ -111,6 +109,10 @@ fn drop_out_of_line(document: &mut Document) -> usize {
         dropped += 1;
         disagreements.update(document);
     }
+}
+
+fn is_out_of_line(found: &Disagreement) -> bool {
+    found.apart_px > OUT_OF_LINE_PX && found.apart_px > found.neighbours_px
 }
 
 /// Interpolates pan, tilt and the logarithm of the focal length over short gaps between frames of
@@ -133,6 +135,7 @@ fn interpolate_gaps(document: &mut Document) -> usize {
         }
         let base = document.camera(&first.camera).and_then(Camera::base);
         let camera = first.camera.clone();
+        // The camera is taken to move uniformly from one end of the gap to the other.
         for index in before + 1..after {
             let share = (index - before) as f64 / (after - before) as f64;
             let ptz = from.interpolate(&to, share);
@@ -159,7 +162,7 @@ mod tests {
     use super::*;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, Radial};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{CameraId, FieldSpec};
+    use touchline_documents::document::{CameraId, FieldSpec, Frame};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 

@@ -49,12 +49,9 @@ impl Shots {
             let counts = places.iter().map(|place| members_in(place, range));
             // The first of equals, which has the most frames in all.
             let most = counts.enumerate().rev().max_by_key(|(_, count)| *count);
-            let is_enough =
-                |count: usize| count as f64 >= enough && count >= FEWEST_IN_SHOT.min(range.len());
-            of_shot.push(
-                most.filter(|(_, count)| is_enough(*count))
-                    .map(|(place, _)| place),
-            );
+            let fewest = FEWEST_IN_SHOT.min(range.len());
+            let most = most.filter(|(_, count)| *count as f64 >= enough && *count >= fewest);
+            of_shot.push(most.map(|(place, _)| place));
         }
         of_shot.iter().any(Option::is_some).then_some(Self {
             cuts,
@@ -129,9 +126,9 @@ impl Shots {
 
 /// The places that given cameras share, with the indices of the given cameras as members.
 pub(super) fn places_of_given(given: &[GivenCamera]) -> Vec<SharedPlace> {
-    let usable = |index: usize| Some((index, given[index].usable().copied()?));
-    let (indices, cameras): (Vec<usize>, Vec<PtzCamera>) =
-        (0..given.len()).filter_map(usable).unzip();
+    let (indices, cameras): (Vec<usize>, Vec<PtzCamera>) = (0..given.len())
+        .filter_map(|index| Some((index, given[index].usable().copied()?)))
+        .unzip();
     let mut places = shared_places(&cameras);
     for place in &mut places {
         for member in &mut place.members {
@@ -190,29 +187,38 @@ pub(super) fn with_lens(base: &CameraBase, lens: Option<FocalCurve>) -> CameraBa
 /// The given cameras with those mirrored back, or turned round, that then stand at a place and do
 /// not now.
 pub(super) fn mirror_back(given: &[GivenCamera], places: &[SharedPlace]) -> Vec<GivenCamera> {
-    let stands = |camera: &PtzCamera| {
-        let position_m = camera.base().position_m;
-        places.iter().any(|place| place.contains(position_m))
+    given
+        .iter()
+        .map(|given| mirror_one_back(given, places))
+        .collect()
+}
+
+/// The given camera as it is if it stands at a place; else turned round, mirrored, or mirrored and
+/// turned round, the first of these that does; as it is if none does.
+fn mirror_one_back(given: &GivenCamera, places: &[SharedPlace]) -> GivenCamera {
+    let GivenCamera::Possible(camera) = given else {
+        return given.clone();
     };
-    let back = |given: &GivenCamera| {
-        let GivenCamera::Possible(camera) = given else {
-            return given.clone();
-        };
-        if stands(camera) {
-            return given.clone();
-        }
-        let turned = camera.after_half_turn();
-        if stands(&turned) {
-            return GivenCamera::Possible(Box::new(turned));
-        }
-        let reflected = [mirror(camera), mirror(&turned)];
-        let at_place = reflected.into_iter().find(|camera| stands(camera));
-        at_place.map_or_else(
-            || given.clone(),
-            |camera| GivenCamera::Mirrored(Box::new(camera)),
-        )
-    };
-    given.iter().map(back).collect()
+    if stands_at_one_of(places, camera) {
+        return given.clone();
+    }
+    let turned = camera.after_half_turn();
+    if stands_at_one_of(places, &turned) {
+        return GivenCamera::Possible(Box::new(turned));
+    }
+    let reflected = [mirror(camera), mirror(&turned)];
+    let at_place = reflected
+        .into_iter()
+        .find(|camera| stands_at_one_of(places, camera));
+    at_place.map_or_else(
+        || given.clone(),
+        |camera| GivenCamera::Mirrored(Box::new(camera)),
+    )
+}
+
+fn stands_at_one_of(places: &[SharedPlace], camera: &PtzCamera) -> bool {
+    let position_m = camera.base().position_m;
+    places.iter().any(|place| place.contains(position_m))
 }
 
 #[cfg(test)]

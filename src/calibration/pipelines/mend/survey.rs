@@ -60,13 +60,11 @@ pub fn survey_cameras(at: DocumentAt<'_>) -> Result<CameraSurvey, FieldError> {
             })
         });
     let impossible = impossible.collect();
-    let is_there = |given: &&GivenCamera| !matches!(given, GivenCamera::Missing);
-    let is_mirrored = |given: &&GivenCamera| matches!(given, GivenCamera::Mirrored(_));
     let mirrored = mirror_back(&given, &places);
     Ok(CameraSurvey {
-        cameras: given.iter().filter(is_there).count(),
+        cameras: given.iter().filter(|given| !given.is_missing()).count(),
         impossible,
-        mirrored: mirrored.iter().filter(is_mirrored).count(),
+        mirrored: mirrored.iter().filter(|given| given.is_mirrored()).count(),
         places,
     })
 }

@@ -9,7 +9,7 @@ use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, Prescri
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, Mat3, Vec2, Vec3};
-use crate::solve::{Loss, Observation};
+use crate::solve::Loss;
 
 /// Priors of a broadcast camera. They are weak, and matter only where the clicks are few.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,12 +106,14 @@ pub fn adjust_base(
 ) -> AdjustedBase {
     let CameraClicks { field, frames, .. } = *clicks;
     let image_width_px = clicks.image_size.width;
-    let on_ground = |observation: &Observation| BaseClick::new(observation, field.crown());
     // The equations of a frame without clicks would be singular.
     let start_ptz = cameras_with_clicks(frames, start_ptz);
-    let clicks = frames
-        .iter()
-        .map(|frame| frame.used_clicks().map(on_ground).collect());
+    let clicks = frames.iter().map(|frame| {
+        frame
+            .used_clicks()
+            .map(|click| BaseClick::new(click, field.crown()))
+            .collect()
+    });
     let (clicks, ptz): (_, Vec<Ptz>) = clicks
         .zip(&start_ptz)
         .filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?)))
@@ -170,10 +172,9 @@ pub fn adjust_base(
 
 /// The cameras of the frames that have clicks or paint to be adjusted to.
 pub(super) fn cameras_with_clicks(frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> Vec<Option<Ptz>> {
-    let has_clicks = |frame: &FrameClicks| frame.used_clicks().next().is_some();
     let frames = frames.iter().zip(ptz);
     frames
-        .map(|(frame, ptz)| ptz.filter(|_| has_clicks(frame)))
+        .map(|(frame, ptz)| ptz.filter(|_| frame.used_clicks().next().is_some()))
         .collect()
 }
 
@@ -255,13 +256,19 @@ impl UsualView {
                 focal_px: None,
             };
         }
-        let along = (-base.position_m.xy())
-            .try_normalize(1e-9)
-            .unwrap_or(Vec2::new(0.0, 1.0));
+        let along = direction_to_field(base.position_m);
         let logs: f64 = ptz.iter().map(|ptz| ptz.focal_px.ln()).sum();
         let focal_px = Some((logs / ptz.len() as f64).exp());
         Self { along, focal_px }
     }
+}
+
+/// The direction from a camera to the middle of the field, seen from above (`world` x and y, unit);
+/// that of the main stand for a camera above the middle.
+pub(in crate::solve) fn direction_to_field(position_m: Vec3) -> Vec2 {
+    (-position_m.xy())
+        .try_normalize(1e-9)
+        .unwrap_or(Vec2::new(0.0, 1.0))
 }
 
 impl BasePriors {
@@ -288,10 +295,9 @@ impl BasePriors {
         view: &UsualView,
     ) -> Vec<SharedPrior> {
         let per_1920 = per_1920(image_width_px);
-        let prior = |of: Expected, sigma: f64| SharedPrior { of, sigma };
         let mut found = vec![
-            prior(Expected::Pitch(view.along), self.pitch.radians()),
-            prior(Expected::Roll(view.along), self.roll.radians()),
+            SharedPrior::new(Expected::Pitch(view.along), self.pitch.radians()),
+            SharedPrior::new(Expected::Roll(view.along), self.roll.radians()),
         ];
         if model.lens != LensModel::Pinhole {
             // A constant k₁ is that of the frames' mean focal length: evaluate the usual curve of
@@ -300,28 +306,36 @@ impl BasePriors {
             // The distance of that focal length from the reference one, px of a frame 1920 px wide.
             let beyond_px = own_px.map_or(0.0, |own_px| own_px / per_1920 - LENS_FOCAL_PX);
             let expected = self.k1.0 + self.k1_slope.0 * beyond_px / 1000.0;
-            found.push(prior(
+            found.push(SharedPrior::new(
                 Expected::K1(expected),
                 self.k1.1.hypot(self.k1_slope.1 * beyond_px / 1000.0),
             ));
         }
         if model.lens.follows_focal() {
-            found.push(prior(
+            found.push(SharedPrior::new(
                 Expected::Slope(self.k1_slope.0 / per_1920),
                 self.k1_slope.1 / per_1920,
             ));
         }
         if let Some((position_m, sigma_m)) = self.position_m {
-            let along = |axis: usize| prior(Expected::Position(position_m, axis), sigma_m[axis]);
-            found.extend((0..3).map(along));
+            found.extend(
+                (0..3).map(|axis| {
+                    SharedPrior::new(Expected::Position(position_m, axis), sigma_m[axis])
+                }),
+            );
         }
         if model.crown == CrownModel::Free {
-            found.push(prior(Expected::Crown(self.crown_m.0), self.crown_m.1));
+            found.push(SharedPrior::new(
+                Expected::Crown(self.crown_m.0),
+                self.crown_m.1,
+            ));
         }
         if let Some(nominal) = model.principal_point {
             let sigma_px = self.principal_point_px * per_1920;
             found.extend(
-                (0..2).map(|axis| prior(Expected::PrincipalPoint(nominal, axis), sigma_px)),
+                (0..2).map(|axis| {
+                    SharedPrior::new(Expected::PrincipalPoint(nominal, axis), sigma_px)
+                }),
             );
         }
         found

@@ -123,28 +123,27 @@ impl<const SHARED: usize> Bundle<SHARED> {
     pub fn noise_scale(&self, at: &BundleState) -> f64 {
         /// Medians of χ² with one and two degrees of freedom.
         const MEDIANS: [f64; 2] = [0.455, 1.386];
-        let equations =
-            |clicks: &[BaseClick]| clicks.iter().map(BaseClick::equations).sum::<usize>() as f64;
-        let all: f64 = self.frames.iter().map(|clicks| equations(clicks)).sum();
+        let all: f64 = self
+            .frames
+            .iter()
+            .map(|clicks| count_equations(clicks))
+            .sum();
         let free = self.free.iter().filter(|free| **free).count() as f64;
         let mut scales: Vec<f64> = Vec::new();
         for (clicks, ptz) in self.frames.iter().zip(&at.ptz) {
             let view = FrameView::new(&at.shared, *ptz);
             // The factor of the doc comment, with the free shared parameters divided among frames
             // by equations.
-            let own = equations(clicks);
+            let own = count_equations(clicks);
             let left = (own - 3.0 - free * own / all) / own;
             if left <= 0.0 {
                 // Without surplus equations the residuals are zero, whatever the noise.
                 continue;
             }
-            let scale = |click: &BaseClick| {
-                Some(
-                    click.squared_sigmas(&view)?
-                        / (left * MEDIANS[click.equations().clamp(1, 2) - 1]),
-                )
-            };
-            scales.extend(clicks.iter().filter_map(scale));
+            scales.extend(clicks.iter().filter_map(|click| {
+                let expected = left * MEDIANS[click.equations().clamp(1, 2) - 1];
+                Some(click.squared_sigmas(&view)? / expected)
+            }));
         }
         median(&mut scales).map_or(1.0, |scale| scale.max(1.0))
     }
@@ -164,20 +163,21 @@ impl<const SHARED: usize> Bundle<SHARED> {
         let mut scatter = Scatter::default();
         let BundleState { shared, ptz } = at;
         for ((clicks, ptz), block) in self.frames.iter().zip(ptz).zip(&equations.blocks) {
-            let alone = |click: &BaseClick| {
-                let equations =
-                    frame_equations(shared, *ptz, std::slice::from_ref(click), self.loss);
-                (
-                    Residual::<2, SHARED, 3>::element(click),
-                    click.equations(),
-                    equations,
-                )
-            };
-            scatter.add_frame(block, clicks.iter().map(alone));
+            let alone = clicks.iter().map(|click| {
+                let element = Residual::<2, SHARED, 3>::element(click);
+                let own = frame_equations(shared, *ptz, std::slice::from_ref(click), self.loss);
+                (element, click.equations(), own)
+            });
+            scatter.add_frame(block, alone);
         }
         let free = self.free.iter().filter(|free| **free).count();
         let mut covariance = scatter.covariance(&inverse, noise_scale, free, shared.crown.width_m);
         clear_fixed(&mut covariance, &self.free);
         covariance
     }
+}
+
+/// The number of equations that some clicks give.
+fn count_equations(clicks: &[BaseClick]) -> f64 {
+    clicks.iter().map(BaseClick::equations).sum::<usize>() as f64
 }

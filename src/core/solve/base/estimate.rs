@@ -45,18 +45,14 @@ impl BaseEstimate {
         /// f.
         const SAME: [f64; 2] = [3.0, 0.1];
         let solved: Vec<&FrameFit> = self.frames.iter().flatten().collect();
-        let span = |of: &dyn Fn(&Ptz) -> f64| {
-            let values = solved.iter().map(|fit| of(&fit.ptz));
-            let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-                (a.min(x), b.max(x))
-            });
-            most - least
-        };
         let pan_deg = AngleRange::smallest(solved.iter().map(|fit| fit.ptz.pan))?
             .width()
             .degrees();
-        let same =
-            solved.len() > 1 && pan_deg < SAME[0] && span(&|ptz| ptz.focal_px.ln()) < SAME[1];
+        let log_focals = solved.iter().map(|fit| fit.ptz.focal_px.ln());
+        let (least, most) = log_focals.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(x), b.max(x))
+        });
+        let same = solved.len() > 1 && pan_deg < SAME[0] && most - least < SAME[1];
         let sigma_m = self.base.sigma.position_m.norm();
         same.then(|| {
             format!(
@@ -378,17 +374,10 @@ fn summary(
     let base = adjusted.base;
     let mut errors = distances(&base, frames, ptz);
     errors.sort_by(f64::total_cmp);
-    let at = |share| {
-        if errors.is_empty() {
-            f64::INFINITY
-        } else {
-            quantile(&errors, share)
-        }
-    };
 
     // Reject a base that does not explain half of the clicks, whose position is not determined, or
     // that stands below the ground. Comparisons are written so that NaN is rejected.
-    let median_px = at(0.5);
+    let median_px = quantile_or_infinite(&errors, 0.5);
     let has_clicks = frames.iter().any(|frame| frame.equations() > 0);
     if has_clicks && !(median_px < NO_FIT_PX * image_size.scale_from_1920()) {
         return Err(BaseError::NoFit { median_px });
@@ -432,12 +421,21 @@ fn summary(
         position_covariance: adjusted.position_covariance,
         frames: frame_fits,
         median_px,
-        p90_px: at(0.9),
+        p90_px: quantile_or_infinite(&errors, 0.9),
         previous_median_px: None,
         one_more_frame: None,
         disputed,
         mirrored,
     })
+}
+
+/// A quantile of errors in ascending order; infinite without any.
+fn quantile_or_infinite(ascending: &[f64], share: f64) -> f64 {
+    if ascending.is_empty() {
+        f64::INFINITY
+    } else {
+        quantile(ascending, share)
+    }
 }
 
 /// How many times the pinhole is adjusted before models are compared.
@@ -469,14 +467,16 @@ fn models(
         None if field.may_be_crowned() => vec![CrownModel::Fixed(field.crown_m), CrownModel::Free],
         None => vec![CrownModel::Fixed(field.crown_m)],
     };
-    let of_crown = |crown| {
-        lenses.iter().map(move |&lens| BaseModel {
-            lens,
-            crown,
-            principal_point,
+    crowns
+        .into_iter()
+        .flat_map(|crown| {
+            lenses.iter().map(move |&lens| BaseModel {
+                lens,
+                crown,
+                principal_point,
+            })
         })
-    };
-    crowns.into_iter().flat_map(of_crown).collect()
+        .collect()
 }
 
 /// The same clicks on the same field with another crown.

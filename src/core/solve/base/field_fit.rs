@@ -142,15 +142,15 @@ pub fn fit_field_size(
             let noise_scale = bundle.noise_scale(&found.state);
             let (information, _) = found.equations.eliminate_blocks(0.0)?;
             let covariance = information.try_inverse()?;
-            let of = |size: usize| {
+            let known = (0..values.len()).map(|size| {
                 let variance = covariance[(SIZE + size, SIZE + size)];
                 // The most likely change of the position per change of the length (conditional mean
                 // of the Gaussian), m per m.
                 let position_by_size =
                     Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
                 (variance * noise_scale, position_by_size)
-            };
-            return fit.fitted_sizes(&values, (0..values.len()).map(of));
+            });
+            return fit.fitted_sizes(&values, known);
         }
         state = found.state;
     }
@@ -212,27 +212,19 @@ impl SizeFit<'_> {
         for (size, (larger, by_m)) in changed.iter().enumerate() {
             shared.width_by_size[size] = (larger.width_m - field.width_m) / by_m;
         }
-        // Each click carries the derivative of its shape by each size. Clicks without an element of
-        // the field, which do not depend on its size, are left out.
-        let on_field = |click: &Observation| {
-            let element = click.element?;
-            let sized = BaseClick::new(&click.with_element(&field, element)?, field.crown());
-            changed
-                .iter()
-                .enumerate()
-                .try_fold(sized, |sized, (size, (larger, by_m))| {
-                    let shape = ObservedShape::from_element(larger, element)?
-                        .change_crown(larger.crown(), Crown::FLAT);
-                    Some(sized.growing(size, &shape, *by_m))
-                })
-        };
+        // Clicks without an element of the field, which do not depend on its size, are left out.
         let solved = start
             .frames
             .iter()
             .zip(start.ptz)
             .filter(|(_, ptz)| ptz.is_some());
         let frames = solved
-            .map(|(frame, _)| frame.used_clicks().filter_map(on_field).collect())
+            .map(|(frame, _)| {
+                frame
+                    .used_clicks()
+                    .filter_map(|click| click_with_sizes(click, &field, &changed))
+                    .collect()
+            })
             .collect();
 
         // The priors of the base, and one for each size. The parameter is the change from the
@@ -273,22 +265,25 @@ impl SizeFit<'_> {
     ) -> Option<Vec<FittedSize>> {
         let displaced = self.displacement_variances(values)?;
         let known = variances.zip(displaced);
-        let of = |((param, value), ((variance, position_by_size), displaced)): (
-            (&SizeParam, &f64),
-            (Known, f64),
-        )| {
+        let mut sizes = Vec::with_capacity(values.len());
+        for ((param, value), ((variance, position_by_size), displaced)) in
+            self.params.iter().zip(values).zip(known)
+        {
+            if !(variance.is_finite() && variance > 0.0) {
+                return None;
+            }
             // Observations cannot make a length less certain than its prior.
             let sigma_m = (variance + displaced).sqrt().min(param.sigma_m);
-            (variance.is_finite() && variance > 0.0).then(|| FittedSize {
+            sizes.push(FittedSize {
                 name: param.name.clone(),
                 assumed_m: param.assumed_m,
                 value_m: *value,
                 sigma_m,
                 position_sigma_m: position_by_size * sigma_m,
                 is_open: sigma_m > OPEN_M,
-            })
-        };
-        self.params.iter().zip(values).zip(known).map(of).collect()
+            });
+        }
+        Some(sizes)
     }
 
     /// The variance of each length, m², from landmarks and lines that are painted off their nominal
@@ -306,17 +301,37 @@ impl SizeFit<'_> {
         clicked.sort_unstable();
         clicked.dedup();
         let variance = (USUAL_DISPLACEMENT * field.width_m).powi(2);
-        let of = |size: usize| {
+        let mut variances = Vec::with_capacity(values.len());
+        for size in 0..values.len() {
             let (changed, by_m) = self.perturb_length(values, size)?;
             let slopes = clicked.iter().filter_map(|&element| {
                 let by = nominal_m(&changed, element)? - nominal_m(&field, element)?;
                 Some(by.norm_squared() / (by_m * by_m))
             });
-            Some(variance / slopes.sum::<f64>().max(f64::MIN_POSITIVE))
-        };
-        (0..values.len()).map(of).collect()
+            variances.push(variance / slopes.sum::<f64>().max(f64::MIN_POSITIVE));
+        }
+        Some(variances)
     }
 }
+
+/// A click with the derivative of its shape by each size, from the field of the current size and
+/// one with each length changed, with the change, m. None for a click without an element of the
+/// field.
+fn click_with_sizes(
+    click: &Observation,
+    field: &FieldModel,
+    changed: &[(FieldModel, f64)],
+) -> Option<BaseClick> {
+    let element = click.element?;
+    let mut sized = BaseClick::new(&click.with_element(field, element)?, field.crown());
+    for (size, (larger, by_m)) in changed.iter().enumerate() {
+        let shape =
+            ObservedShape::from_element(larger, element)?.change_crown(larger.crown(), Crown::FLAT);
+        sized = sized.growing(size, &shape, *by_m);
+    }
+    Some(sized)
+}
+
 /// The position of a landmark, or of the middle of a line, on flat ground, `world`, m.
 fn nominal_m(field: &FieldModel, element: FieldElement) -> Option<Vec3> {
     Some(match element {

@@ -122,23 +122,10 @@ impl CrossValidation<'_> {
     /// Holds out groups of frames, or of clicks where frames are few.
     fn score(&self, model: &BaseModel) -> ModelScore {
         let enough = self.start_ptz.iter().flatten().count() >= MIN_FRAMES;
-        let hold_out = |fold| {
-            if self.adjustments.are_cancelled() {
-                return Fold {
-                    errors: Errors::default(),
-                    shared: SharedError::zeros(),
-                };
-            }
-            let tried = if enough {
-                self.evaluate_frame_fold(model, fold)
-            } else {
-                self.evaluate_click_fold(model, fold)
-            };
-            // A cancellation is noticed by the next fold.
-            let _ = self.adjustments.count();
-            tried
-        };
-        let folds: Vec<Fold> = (0..FOLDS).into_par_iter().map(hold_out).collect();
+        let folds: Vec<Fold> = (0..FOLDS)
+            .into_par_iter()
+            .map(|fold| self.evaluate_fold(model, fold, enough))
+            .collect();
         let errors = folds
             .iter()
             .fold(Errors::default(), |sum, fold| sum.and(&fold.errors));
@@ -172,6 +159,24 @@ impl CrossValidation<'_> {
         }
     }
 
+    /// Holds out one group: of frames, or of clicks. Without errors once cancelled.
+    fn evaluate_fold(&self, model: &BaseModel, fold: usize, of_frames: bool) -> Fold {
+        if self.adjustments.are_cancelled() {
+            return Fold {
+                errors: Errors::default(),
+                shared: SharedError::zeros(),
+            };
+        }
+        let tried = if of_frames {
+            self.evaluate_frame_fold(model, fold)
+        } else {
+            self.evaluate_click_fold(model, fold)
+        };
+        // A cancellation is noticed by the next fold.
+        let _ = self.adjustments.count();
+        tried
+    }
+
     /// Adjusts the base to the frames of the other groups. Each frame of this group is refined on
     /// half of its clicks and evaluated on the other half, and the reverse.
     fn evaluate_frame_fold(&self, model: &BaseModel, fold: usize) -> Fold {
@@ -201,24 +206,13 @@ impl CrossValidation<'_> {
     /// Adjusts base and frames to the clicks of the other groups, and evaluates them on the clicks
     /// of this group.
     fn evaluate_click_fold(&self, model: &BaseModel, fold: usize) -> Fold {
-        let part = |(index, frame): (usize, &FrameClicks)| {
-            // Stagger the groups from frame to frame; otherwise one fold would hold out the first
-            // click of every frame, and frames with few clicks would miss the later folds.
-            let held_out = |group: usize| (group + index) % FOLDS == fold;
-            let hold = |(group, click): (usize, &Observation)| {
-                if held_out(group) {
-                    click.hold_out()
-                } else {
-                    *click
-                }
-            };
-            let observations = group_observations(frame).map(hold).collect();
-            FrameClicks {
-                observations,
-                start: frame.start,
-            }
-        };
-        let frames: Vec<FrameClicks> = self.clicks.frames.iter().enumerate().map(part).collect();
+        let frames: Vec<FrameClicks> = self
+            .clicks
+            .frames
+            .iter()
+            .enumerate()
+            .map(|(index, frame)| hold_out_clicks(frame, index, fold))
+            .collect();
 
         // A frame needs three equations for pan, tilt and focal length.
         let ptz: Vec<Option<Ptz>> = frames
@@ -287,10 +281,9 @@ impl HeldOutErrors {
     /// Summarises errors (px, in any order); none if there are none.
     fn from_errors(mut errors: Vec<f64>) -> Option<Self> {
         errors.sort_by(f64::total_cmp);
-        let at = |share| quantile(&errors, share);
         (!errors.is_empty()).then(|| Self {
-            median_px: at(0.5),
-            p90_px: at(0.9),
+            median_px: quantile(&errors, 0.5),
+            p90_px: quantile(&errors, 0.9),
             count: errors.len(),
         })
     }
@@ -327,13 +320,12 @@ impl Errors {
         from: &FieldModel,
         to: &FieldModel,
     ) {
-        let half = |half: usize| -> Vec<Observation> {
+        let [even, odd] = [0, 1].map(|half: usize| -> Vec<Observation> {
             let of_half = group_observations(frame).filter(|(group, _)| group % 2 == half);
             of_half
                 .map(|(_, observation)| observation.change_crown(from, to))
                 .collect()
-        };
-        let (even, odd) = (half(0), half(1));
+        });
         for (fitted, held_out) in [(&even, &odd), (&odd, &even)] {
             let refined = refine(base, start, fitted, Loss::default(), None);
             self.add(
@@ -361,17 +353,33 @@ impl Errors {
 
 /// The observations of a frame that are used, each with the number of its hold-out group.
 fn group_observations(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
-    let group = |(index, observation): (usize, &Observation)| {
-        if observation.is_paint() {
+    frame.used_clicks().enumerate().map(|(index, observation)| {
+        let group = if observation.is_paint() {
             index / PAINT_BLOCK
         } else {
             index
-        }
-    };
-    frame
-        .used_clicks()
-        .enumerate()
-        .map(move |item| (group(item), item.1))
+        };
+        (group, observation)
+    })
+}
+
+/// The used clicks of a frame, those of one fold held out. `index` is that of the frame.
+fn hold_out_clicks(frame: &FrameClicks, index: usize, fold: usize) -> FrameClicks {
+    let observations = group_observations(frame)
+        .map(|(group, click)| {
+            // Stagger the groups from frame to frame; otherwise one fold would hold out the first
+            // click of every frame, and frames with few clicks would miss the later folds.
+            if (group + index) % FOLDS == fold {
+                click.hold_out()
+            } else {
+                *click
+            }
+        })
+        .collect();
+    FrameClicks {
+        observations,
+        start: frame.start,
+    }
 }
 
 /// The shared parameters of an adjusted base, with position and rotation relative to the start.
@@ -449,17 +457,10 @@ pub(super) fn choose(
     } else {
         // One or two frames cannot distinguish the two lenses that change with the focal length;
         // the later one in the list has smaller errors in that case.
-        let apart = |score: &&ModelScore| {
+        let others = scores.iter().rev().filter(|score| {
             score.model.lens != LensModel::K1FocalK2 || score.model.lens == richest.model.lens
-        };
-        (
-            richest,
-            better_by(
-                BETTER_IN_TWO_FRAMES,
-                richest,
-                scores.iter().rev().filter(apart),
-            ),
-        )
+        });
+        (richest, better_by(BETTER_IN_TWO_FRAMES, richest, others))
     };
     let as_usual = chosen == usual.model;
     let reason = if as_usual {
@@ -477,12 +478,11 @@ fn better_by<'a>(
     start: &'a ModelScore,
     others: impl Iterator<Item = &'a ModelScore>,
 ) -> BaseModel {
-    let better = |best: &'a ModelScore, other: &'a ModelScore| {
+    let mut best = start;
+    for other in others {
         if other.clipped_rms_px < best.clipped_rms_px * (1.0 - share) {
-            other
-        } else {
-            best
+            best = other;
         }
-    };
-    others.fold(start, better).model
+    }
+    best.model
 }

@@ -62,67 +62,92 @@ pub(super) fn one_more_frame(
     known_m: f64,
 ) -> Option<OneMoreFrame> {
     let seen = AngleRange::smallest(ptz.iter().flatten().map(|ptz| ptz.pan))?;
-    // The estimated noise scale is divided out, because exact points of the new frame would make
-    // the noise seem smaller than it is.
-    let sigma_m = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
-        let adjusted = adjust_base(
-            &CameraClicks { frames, ..*clicks },
-            base,
-            ptz,
-            model,
-            options,
-        );
-        (adjusted.position_covariance.trace() / adjusted.noise_scale).sqrt()
+    let prediction = Prediction {
+        clicks,
+        base,
+        model,
+        options,
     };
     // The relative gain is predicted; it scales the σ that is stated now.
-    let now = sigma_m(clicks.frames, ptz);
-    let gain = |side: BesideFrames| {
-        let at = if side == BesideFrames::Left {
-            seen.start()
-        } else {
-            seen.end()
+    let now = prediction.position_sigma_m(clicks.frames, ptz);
+    let sides = [BesideFrames::Left, BesideFrames::Right]
+        .into_iter()
+        .filter_map(|side| {
+            let there = view_beside(ptz, &seen, side, clicks.image_size)?;
+            let share = prediction.position_sigma_m_with(there, ptz)? / now;
+            (share <= WORTH_A_FRAME).then_some(OneMoreFrame {
+                side,
+                now_m: known_m,
+                then_m: share * known_m,
+            })
+        });
+    sides.min_by(|a, b| a.then_m.total_cmp(&b.then_m))
+}
+
+/// The outermost frame on a side, panned outwards by half its field of view; none without a frame.
+///
+/// `seen` are the pans of all frames.
+fn view_beside(
+    ptz: &[Option<Ptz>],
+    seen: &AngleRange,
+    side: BesideFrames,
+    image_size: ImageSize,
+) -> Option<Ptz> {
+    let at = match side {
+        BesideFrames::Left => seen.start(),
+        BesideFrames::Right => seen.end(),
+    };
+    let (_, outermost) = ptz
+        .iter()
+        .flatten()
+        .map(|ptz| (ptz.pan.turn_from(at).abs().radians(), ptz))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let half_view =
+        Angle::from_radians((0.5 * f64::from(image_size.width) / outermost.focal_px).atan());
+    let pan = match side {
+        BesideFrames::Left => at - half_view,
+        BesideFrames::Right => at + half_view,
+    };
+    Some(Ptz {
+        pan: pan.wrap(),
+        ..*outermost
+    })
+}
+
+/// The adjustment that predicts how certain the position is with one more frame.
+struct Prediction<'a> {
+    clicks: &'a CameraClicks<'a>,
+    base: &'a CameraBase,
+    model: &'a BaseModel,
+    options: &'a AdjustOptions,
+}
+
+impl Prediction<'_> {
+    /// 1-σ of the position after an adjustment to some frames, m. The estimated noise scale is
+    /// divided out, because exact points of the new frame would make the noise seem smaller than it
+    /// is.
+    fn position_sigma_m(&self, frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> f64 {
+        let clicks = CameraClicks {
+            frames,
+            ..*self.clicks
         };
-        let outermost = ptz.iter().flatten().min_by(|a, b| {
-            let off = |ptz: &&Ptz| ptz.pan.turn_from(at).abs().radians();
-            off(a).total_cmp(&off(b))
-        })?;
-        // The outermost frame on this side, panned outwards by half its field of view.
-        let half_view = Angle::from_radians(
-            (0.5 * f64::from(clicks.image_size.width) / outermost.focal_px).atan(),
-        );
-        let pan = if side == BesideFrames::Left {
-            at - half_view
-        } else {
-            at + half_view
-        };
-        let there = Ptz {
-            pan: pan.wrap(),
-            ..*outermost
-        };
-        let observations = points_shown(
-            clicks.field,
-            &PtzCamera::new(*base, there),
-            clicks.image_size,
-        )?;
-        // Adjust again with exact points of this frame: they carry the usual click noise in their
-        // σ.
-        let (mut frames, mut ptz) = (clicks.frames.to_vec(), ptz.to_vec());
+        let adjusted = adjust_base(&clicks, self.base, ptz, self.model, self.options);
+        (adjusted.position_covariance.trace() / adjusted.noise_scale).sqrt()
+    }
+
+    /// The same with exact points of one more frame, which have the usual click noise as their σ.
+    /// None if that frame shows too few.
+    fn position_sigma_m_with(&self, there: Ptz, ptz: &[Option<Ptz>]) -> Option<f64> {
+        let camera = PtzCamera::new(*self.base, there);
+        let observations = points_shown(self.clicks.field, &camera, self.clicks.image_size)?;
+        let (mut frames, mut ptz) = (self.clicks.frames.to_vec(), ptz.to_vec());
         frames.push(FrameClicks {
             observations,
             start: None,
         });
         ptz.push(Some(there));
-        let share = sigma_m(&frames, &ptz) / now;
-        (share <= WORTH_A_FRAME).then_some(OneMoreFrame {
-            side,
-            now_m: known_m,
-            then_m: share * known_m,
-        })
-    };
-    let sides = [BesideFrames::Left, BesideFrames::Right]
-        .into_iter()
-        .filter_map(gain);
-    sides.min_by(|a, b| a.then_m.total_cmp(&b.then_m))
+        Some(self.position_sigma_m(&frames, &ptz))
+    }
 }
 
 /// Exact clicks on the landmarks nearest to the corners of a picture; none where it shows fewer
@@ -132,21 +157,32 @@ fn points_shown(
     camera: &PtzCamera,
     image_size: ImageSize,
 ) -> Option<Vec<Observation>> {
-    let click = |landmark: &Landmark| {
-        let image = camera
-            .image_from_world(field.landmark_in_world(landmark))
-            .ok()?;
-        let click =
-            Observation::from_landmark(field, landmark.id.as_str(), image, image_size, 0).ok()?;
-        image_size.contains(image).then_some(click)
-    };
-    let mut shown: Vec<Observation> = field.landmarks.iter().filter_map(click).collect();
+    let mut shown: Vec<Observation> = field
+        .landmarks
+        .iter()
+        .filter_map(|landmark| exact_click(field, landmark, camera, image_size))
+        .collect();
     let mut chosen = Vec::with_capacity(POINTS);
     for corner in image_size.corners() {
-        let off_px = |click: &Observation| click.image.distance_px(corner);
-        let nearest =
-            (0..shown.len()).min_by(|&a, &b| off_px(&shown[a]).total_cmp(&off_px(&shown[b])))?;
+        let (_, nearest) = (0..shown.len())
+            .map(|index| (shown[index].image.distance_px(corner), index))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
         chosen.push(shown.swap_remove(nearest));
     }
     Some(chosen)
+}
+
+/// A click on a landmark exactly where a camera shows it; none outside the picture.
+fn exact_click(
+    field: &FieldModel,
+    landmark: &Landmark,
+    camera: &PtzCamera,
+    image_size: ImageSize,
+) -> Option<Observation> {
+    let image = camera
+        .image_from_world(field.landmark_in_world(landmark))
+        .ok()?;
+    let click =
+        Observation::from_landmark(field, landmark.id.as_str(), image, image_size, 0).ok()?;
+    image_size.contains(image).then_some(click)
 }

@@ -108,12 +108,13 @@ pub fn shared_places(cameras: &[PtzCamera]) -> Vec<SharedPlace> {
 fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Option<SharedPlace> {
     let position = |index: &usize| cameras[*index].base().position_m;
     // The mode of the positions, by counting neighbours of a subsample.
-    let near = |middle: Vec3| {
-        let is_near = |index: &&usize| (position(index) - middle).norm() <= NEAR_M;
-        open.iter().filter(is_near).count()
-    };
     let candidates = subsample(open, MOST_CANDIDATES).map(position);
-    let mut middle = candidates.max_by_key(|candidate| near(*candidate))?;
+    let mut middle = candidates.max_by_key(|candidate| {
+        let near = open
+            .iter()
+            .filter(|index| (position(index) - *candidate).norm() <= NEAR_M);
+        near.count()
+    })?;
     let mut scatter_m = Vec3::repeat(NEAR_M / MEMBER_SIGMAS);
     let mut members = Vec::new();
     for _ in 0..ROUNDS {
@@ -122,13 +123,12 @@ fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Op
         if of_place.len() < fewest {
             return None;
         }
-        let along = |axis: usize| {
+        for axis in 0..3 {
             let mut at: Vec<f64> = of_place.iter().map(|index| position(index)[axis]).collect();
-            middle_and_sigma(&mut at)
-        };
-        let [x, y, z] = [along(0)?, along(1)?, along(2)?];
-        middle = Vec3::new(x.0, y.0, z.0);
-        scatter_m = Vec3::new(x.1, y.1, z.1).map(|sigma| sigma.clamp(SCATTER_M[0], SCATTER_M[1]));
+            let (middle_m, sigma_m) = middle_and_sigma(&mut at)?;
+            middle[axis] = middle_m;
+            scatter_m[axis] = sigma_m.clamp(SCATTER_M[0], SCATTER_M[1]);
+        }
         if of_place == members {
             break;
         }
@@ -188,22 +188,27 @@ fn shared_lens(cameras: &[&PtzCamera]) -> Option<FocalCurve> {
     // Each camera is paired with the one half of all cameras further on, so that focal lengths
     // differ as much as they do in the clip.
     let (short, long) = by_focal.split_at(by_focal.len() / 2);
-    let slope = |([short_px, short_k1], [long_px, long_k1]): (&[f64; 2], &[f64; 2])| {
-        let per_px = (long_k1 - short_k1) / (long_px - short_px);
-        per_px.is_finite().then_some(per_px)
-    };
-    let mut slopes: Vec<f64> = short.iter().zip(long).filter_map(slope).collect();
-    let ratio = |camera: &&PtzCamera| camera.lens().k2 / camera.k1().powi(2);
-    let mut ratios: Vec<f64> = cameras.iter().map(ratio).collect();
+    let mut slopes: Vec<f64> = short
+        .iter()
+        .zip(long)
+        .map(|([short_px, short_k1], [long_px, long_k1])| {
+            (long_k1 - short_k1) / (long_px - short_px)
+        })
+        .filter(|per_px| per_px.is_finite())
+        .collect();
+    let mut ratios: Vec<f64> = cameras
+        .iter()
+        .map(|camera| camera.lens().k2 / camera.k1().powi(2))
+        .collect();
     ratios.retain(|ratio| ratio.is_finite());
     let at_focal_px = median_of(cameras, |camera| camera.ptz().focal_px)?;
     let per_1000_px = 1000.0 * median(&mut slopes).unwrap_or(0.0);
-    let at_middle = |camera: &PtzCamera| {
+    let value = median_of(cameras, |camera| {
         camera.k1() - per_1000_px / 1000.0 * (camera.ptz().focal_px - at_focal_px)
-    };
+    })?;
     Some(FocalCurve {
         at_focal_px,
-        value: median_of(cameras, at_middle)?,
+        value,
         per_1000_px,
         k2_per_k1_squared: median(&mut ratios).unwrap_or(0.0),
     })
@@ -212,8 +217,10 @@ fn shared_lens(cameras: &[&PtzCamera]) -> Option<FocalCurve> {
 /// The direction upwards (`world`, of unit length) that is most nearly perpendicular to the x axes
 /// of all cameras, by iteratively reweighted least squares.
 fn pan_axis(cameras: &[&PtzCamera]) -> Option<Vec3> {
-    let right = |camera: &&PtzCamera| camera.cam_from_world().row(0).transpose();
-    let rights: Vec<Vec3> = cameras.iter().map(right).collect();
+    let rights: Vec<Vec3> = cameras
+        .iter()
+        .map(|camera| camera.cam_from_world().row(0).transpose())
+        .collect();
     let level = Angle::from_degrees(LEVEL_DEG).radians();
     let mut axis = Vec3::z();
     for _ in 0..ROUNDS {

@@ -16,6 +16,13 @@ pub(in crate::solve) struct SharedPrior {
     pub sigma: f64,
 }
 
+impl SharedPrior {
+    /// A prior of a number with its 1-σ.
+    pub const fn new(of: Expected, sigma: f64) -> Self {
+        Self { of, sigma }
+    }
+}
+
 /// Which number a prior is about, and its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solve) enum Expected {
@@ -45,7 +52,6 @@ impl Expected {
     fn off(&self, shared: &Shared) -> (f64, [(usize, f64); 2]) {
         let base = &shared.base;
         let down = base.base_from_world.row(1);
-        let alone = |value: f64, parameter: usize| (value, [(parameter, 1.0), (parameter, 0.0)]);
         match *self {
             // A rotation by ω (about world x and y) moves the downward axis d by d × ω, whose x and
             // y are −d_z ω_y and d_z ω_x.
@@ -69,15 +75,15 @@ impl Expected {
                     ],
                 )
             }
-            Self::K1(expected) => alone(base.distortion.value - expected, K1),
-            Self::Slope(expected) => alone(base.distortion.per_1000_px - expected, SLOPE),
-            Self::Crown(expected_m) => alone(shared.crown.height_m - expected_m, CROWN),
-            Self::PrincipalPoint(expected, axis) => alone(
+            Self::K1(expected) => off_in_one(base.distortion.value - expected, K1),
+            Self::Slope(expected) => off_in_one(base.distortion.per_1000_px - expected, SLOPE),
+            Self::Crown(expected_m) => off_in_one(shared.crown.height_m - expected_m, CROWN),
+            Self::PrincipalPoint(expected, axis) => off_in_one(
                 base.principal_point.offset_from(expected)[axis],
                 PRINCIPAL_POINT + axis,
             ),
             Self::Position(expected_m, axis) => {
-                alone(base.position_m[axis] - expected_m[axis], axis)
+                off_in_one(base.position_m[axis] - expected_m[axis], axis)
             }
             Self::Turn(from, axis) => {
                 let other = CameraBase {
@@ -95,10 +101,16 @@ impl Expected {
                 )
             }
             Self::Larger(expected_m, size) => {
-                alone(shared.larger_m[size] - expected_m, SIZE + size)
+                off_in_one(shared.larger_m[size] - expected_m, SIZE + size)
             }
         }
     }
+}
+
+/// The result of [`Expected::off`] for a number that is a parameter itself: the difference, and its
+/// derivatives.
+const fn off_in_one(value: f64, parameter: usize) -> (f64, [(usize, f64); 2]) {
+    (value, [(parameter, 1.0), (parameter, 0.0)])
 }
 
 /// The derivative of a rotation vector by a further rotation on its right, for angles below π: the
@@ -159,13 +171,10 @@ pub(super) fn near(
         base_from_world,
         ..
     } = *base;
-    let position = (0..3).map(move |axis| SharedPrior {
-        of: Expected::Position(position_m, axis),
-        sigma: sigma_m,
-    });
-    let turn = (0..2).map(move |axis| SharedPrior {
-        of: Expected::Turn(base_from_world, axis),
-        sigma: sigma_turn.radians(),
+    let position =
+        (0..3).map(move |axis| SharedPrior::new(Expected::Position(position_m, axis), sigma_m));
+    let turn = (0..2).map(move |axis| {
+        SharedPrior::new(Expected::Turn(base_from_world, axis), sigma_turn.radians())
     });
     position.chain(turn)
 }

@@ -5,6 +5,7 @@ use crate::field::Curve;
 use crate::geometry::Vec3;
 use crate::solve::Observation;
 use crate::solve::drawn_line::DrawnLine;
+use crate::solve::observation::landmark_observations;
 
 /// Unknowns that the lines have to determine: position, rotation, focal length.
 const NEEDED_EQUATIONS: usize = 7;
@@ -21,10 +22,7 @@ pub(super) fn check_observations(used: &[Observation]) -> Result<(), FromLinesEr
         return Err(FromLinesError::NotFinite { click: bad.click });
     }
     let lines = DrawnLine::group(used);
-    let landmarks = used
-        .iter()
-        .filter(|observation| observation.shape.point().is_some())
-        .count();
+    let landmarks = landmark_observations(used).count();
     let equations = 2 * landmarks + lines.iter().map(line_equations).sum::<usize>();
     if equations < NEEDED_EQUATIONS {
         return Err(FromLinesError::TooFewLines {

@@ -9,8 +9,7 @@ use super::starts::Start;
 use super::{FromLinesOptions, LinePicture};
 use crate::camera::{CameraBase, Ptz, PtzCamera, SharedCovariance};
 use crate::field::Crown;
-use crate::geometry::Vec2;
-use crate::solve::base::adjust::UsualView;
+use crate::solve::base::adjust::{UsualView, direction_to_field};
 use crate::solve::base::base_click::BaseClick;
 use crate::solve::base::bundle::frame_equations;
 use crate::solve::base::parameters::{OF_BASE, Shared, clear_fixed, free_parameters};
@@ -93,11 +92,8 @@ impl PictureFit {
             crown: options.crown(picture.field),
             principal_point: Some(picture.image_size.centre()),
         };
-        let along = (-near.shared.base.position_m.xy())
-            .try_normalize(1e-9)
-            .unwrap_or(Vec2::new(0.0, 1.0));
         let view = UsualView {
-            along,
+            along: direction_to_field(near.shared.base.position_m),
             focal_px: None,
         };
         let width_px = picture.image_size.width;

@@ -49,14 +49,19 @@ fn mean_distance_px(camera: &PtzCamera, curve: &WorldCurve, points: &[ImagePoint
             camera.image_from_world(at).ok()
         })
         .collect();
-    let distance_px = |point: &ImagePoint| {
-        let distances = projected
-            .windows(2)
-            .map(|piece| point.distance_from_segment_px(piece[0], piece[1]));
-        distances.min_by(f64::total_cmp)
-    };
-    let distances: Vec<f64> = points.iter().map(distance_px).collect::<Option<_>>()?;
+    let distances: Vec<f64> = points
+        .iter()
+        .map(|point| distance_from_polyline_px(*point, &projected))
+        .collect::<Option<_>>()?;
     mean(&distances)
+}
+
+/// The distance of a point from a polyline, px; none if that has fewer than two points.
+fn distance_from_polyline_px(point: ImagePoint, polyline: &[ImagePoint]) -> Option<f64> {
+    polyline
+        .windows(2)
+        .map(|piece| point.distance_from_segment_px(piece[0], piece[1]))
+        .min_by(f64::total_cmp)
 }
 
 /// The mean distance of a line's points from the line that it names, px; infinite where the camera
@@ -67,8 +72,10 @@ fn as_named_px(camera: &PtzCamera, line: &DrawnLine) -> f64 {
 
 /// Whether so many lines are far from where they are named that the names may be mirrored.
 pub(super) fn many_are_far(camera: &PtzCamera, lines: &[DrawnLine]) -> bool {
-    let is_far = |line: &&DrawnLine| as_named_px(camera, line) > FAR_SIGMAS * line.sigma_px;
-    lines.iter().filter(is_far).count() as f64 > MANY_SHARE * lines.len() as f64
+    let far = lines
+        .iter()
+        .filter(|line| as_named_px(camera, line) > FAR_SIGMAS * line.sigma_px);
+    far.count() as f64 > MANY_SHARE * lines.len() as f64
 }
 
 /// Other names for the lines that are far off and lie on another line of the field.
@@ -78,23 +85,24 @@ pub(super) fn find_new_names(
     lines: &[DrawnLine],
     observations: &[Observation],
 ) -> Vec<NewName> {
-    let named = |line: &DrawnLine| observations[line.indices[0]].element;
     let off_px: Vec<f64> = lines.iter().map(|line| as_named_px(camera, line)).collect();
+    // A line that is drawn where it is keeps its name; two that are exchanged may swap theirs.
+    let taken: Vec<Option<FieldElement>> = lines
+        .iter()
+        .zip(&off_px)
+        .filter(|(line, off_px)| **off_px <= FAR_SIGMAS * line.sigma_px)
+        .map(|(line, _)| named_element(line, observations))
+        .collect();
     let mut found = Vec::new();
     for (line, as_named_px) in lines.iter().zip(&off_px) {
-        let Some(element) = named(line).filter(|_| *as_named_px > FAR_SIGMAS * line.sigma_px)
+        let Some(element) =
+            named_element(line, observations).filter(|_| *as_named_px > FAR_SIGMAS * line.sigma_px)
         else {
             continue;
         };
-        // A line that is drawn where it is keeps its name; two that are exchanged may swap theirs.
-        let is_taken = |other: &FieldElement| {
-            lines.iter().zip(&off_px).any(|(known, off_px)| {
-                named(known) == Some(*other) && *off_px <= FAR_SIGMAS * known.sigma_px
-            })
-        };
         let fitting = element
             .alike(field)
-            .filter(|other| *other != element && !is_taken(other))
+            .filter(|other| *other != element && !taken.contains(&Some(*other)))
             .filter_map(|other| {
                 let ObservedShape::Curve(curve) = ObservedShape::from_element(field, other)? else {
                     return None;
@@ -119,6 +127,11 @@ pub(super) fn find_new_names(
     found
 }
 
+/// What a drawn line is named.
+fn named_element(line: &DrawnLine, observations: &[Observation]) -> Option<FieldElement> {
+    observations[line.indices[0]].element
+}
+
 /// The observations with a line's new name; none if the field has no such line.
 pub(super) fn rename(
     field: &FieldModel,
@@ -140,10 +153,12 @@ pub(super) fn mirror(
     observations: &[Observation],
     symmetry: Symmetry,
 ) -> Option<Vec<Observation>> {
-    let twin = |observation: &Observation| {
-        observation.with_element(field, observation.element?.twin(symmetry, field)?)
-    };
-    observations.iter().map(twin).collect()
+    observations
+        .iter()
+        .map(|observation| {
+            observation.with_element(field, observation.element?.twin(symmetry, field)?)
+        })
+        .collect()
 }
 
 /// What is wrong with names that are exchanged for new ones.

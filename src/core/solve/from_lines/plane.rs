@@ -44,15 +44,11 @@ pub(super) fn camera_from_ground_lines(
         .flatten()
         .map(|end| end.xy().norm())
         .fold(1.0, f64::max);
-    let in_units = |point: &ImagePoint| {
-        let offset = point.offset_from(centre) / half_width_px;
-        Vec3::new(offset.x, offset.y, 1.0)
-    };
-
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
     for (of_field, line) in &ground {
         let of_field = Vec3::new(of_field.x, of_field.y, of_field.z / unit_m);
-        for pixel in line.points.iter().map(in_units) {
+        for point in &line.points {
+            let pixel = pixel_in_units(*point, centre, half_width_px);
             let products = of_field * pixel.transpose();
             let row = SVector::<f64, 9>::from_column_slice(products.as_slice());
             normal += row * row.transpose();
@@ -65,13 +61,19 @@ pub(super) fn camera_from_ground_lines(
         .iter()
         .flat_map(|(_, line)| &line.points)
         .map(|point| {
-            let on_ground = ground_from_image * in_units(point);
+            let on_ground = ground_from_image * pixel_in_units(*point, centre, half_width_px);
             (on_ground.xy() / on_ground.z * unit_m, *point)
         })
         .filter(|(ground, _)| ground.iter().all(|x| x.is_finite()))
         .collect();
     let pose = pose_from_plane(&pairs, centre).ok()?;
     (pose.position_m.z > 0.0).then(|| split(&pose, centre))
+}
+
+/// A pixel from the middle of the picture in halves of its width, homogeneous.
+fn pixel_in_units(pixel: ImagePoint, centre: ImagePoint, half_width_px: f64) -> Vec3 {
+    let offset = pixel.offset_from(centre) / half_width_px;
+    Vec3::new(offset.x, offset.y, 1.0)
 }
 
 /// The line through two points of the ground, a x + b y + c = 0 with a² + b² = 1; none for a curve,

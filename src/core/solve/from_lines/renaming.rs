@@ -54,14 +54,15 @@ fn rename_lines(
     if fitted.found.cost > as_named.found.cost + MAX_RISE {
         return None;
     }
-    let farthest_px = |px: fn(&names::NewName) -> f64| new_names.iter().map(px).fold(0.0, f64::max);
+    let as_named_px = new_names.iter().map(|name| name.as_named_px);
+    let renamed_px = new_names.iter().map(|name| name.renamed_px);
     let finding = IdentityFinding {
         kind: names::kind_of(&new_names),
         evidence: Evidence::Clicks,
         renames: names::renames(picture.field, used, &observations),
         ptz: fitted.found.state.ptz,
-        as_named_px: farthest_px(|name| name.as_named_px),
-        renamed_px: farthest_px(|name| name.renamed_px),
+        as_named_px: as_named_px.fold(0.0, f64::max),
+        renamed_px: renamed_px.fold(0.0, f64::max),
     };
     Some(Renamed { fitted, finding })
 }

@@ -13,7 +13,7 @@
 
 use super::LinePicture;
 use super::plane::camera_from_ground_lines;
-use super::priors::{PicturePriors, scale_of};
+use super::priors::{FocalPrior, PicturePriors, PlacePrior, scale_of};
 use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, Vec3, keep_distinct};
 use crate::solve::crossings::Crossing;
@@ -51,17 +51,13 @@ pub(super) fn find_starts(
     priors: &PicturePriors,
 ) -> Vec<Start> {
     let centre = picture.image_size.centre();
-    let place = priors.place(picture.field);
-    let focal = priors.focal(picture.image_size.width);
-    let rank = |base: CameraBase, ptz: Ptz| Start {
-        base,
-        ptz,
-        cost: cost(&PtzCamera::new(base, ptz), ranking, RANKING_LOSS)
-            + place.cost(base.position_m)
-            + focal.cost(ptz.focal_px),
+    let ranking = Ranking {
+        observations: ranking,
+        place: priors.place(picture.field),
+        focal: priors.focal(picture.image_size.width),
     };
     let mut starts: Vec<Start> = camera_from_ground_lines(lines, picture.image_size)
-        .map(|(base, ptz)| rank(base, ptz))
+        .map(|(base, ptz)| ranking.rank(&base, ptz))
         .into_iter()
         .collect();
 
@@ -76,7 +72,7 @@ pub(super) fn find_starts(
         let level = BaseAngles::default().base_from_world();
         let base = CameraBase::new(position_m, level, centre);
         let cameras = pairs.iter().filter_map(|pair| solve_pair(&base, pair));
-        let ranked = cameras.flat_map(|found| found.iter().map(|ptz| rank(base, ptz)));
+        let ranked = cameras.flat_map(|found| found.iter().map(|ptz| ranking.rank(&base, ptz)));
         starts.extend(ranked.min_by(|a, b| a.cost.total_cmp(&b.cost)));
     }
     starts.retain(|start| start.cost.is_finite());
@@ -86,6 +82,28 @@ pub(super) fn find_starts(
         camera_distance(&one.ptz, &other.ptz) > SAME_CAMERA
             || (one.base.position_m - other.base.position_m).norm() > same_place_m
     })
+}
+
+/// What starts are ranked by: the points of the lines, and the priors of place and focal length.
+struct Ranking<'a> {
+    observations: &'a [Observation],
+    place: PlacePrior,
+    focal: FocalPrior,
+}
+
+impl Ranking<'_> {
+    /// A start with its cost, sigmas².
+    fn rank(&self, base: &CameraBase, ptz: Ptz) -> Start {
+        let camera = PtzCamera::new(*base, ptz);
+        let cost = cost(&camera, self.observations, RANKING_LOSS)
+            + self.place.cost(base.position_m)
+            + self.focal.cost(ptz.focal_px);
+        Start {
+            base: *base,
+            ptz,
+            cost,
+        }
+    }
 }
 
 /// Places of cameras around a field, `world`, m; `scale` is its size.
@@ -107,8 +125,8 @@ fn bowl(scale: f64) -> Vec<Vec3> {
     for step in 0..AROUND {
         let (sin, cos) = Angle::from_degrees(360.0 * f64::from(step) / f64::from(AROUND)).sin_cos();
         for far in FAR {
-            let around = |z: f64| Vec3::new(52.5 * far * cos, 38.0 * far * sin, z) * scale;
-            places.extend(HEIGHT.map(around));
+            let (x, y) = (52.5 * far * cos, 38.0 * far * sin);
+            places.extend(HEIGHT.map(|z| Vec3::new(x, y, z) * scale));
         }
     }
     places

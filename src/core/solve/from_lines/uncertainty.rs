@@ -73,8 +73,10 @@ fn displacement_px(
 /// How many points share the displacement of an observation's line, for each direction in which the
 /// line can be displaced.
 fn points_together(observation: &Observation, observations: &[Observation]) -> f64 {
-    let on_line = |other: &&Observation| other.shape == observation.shape;
-    let count = observations.iter().filter(on_line).count() as f64;
+    let on_line = observations
+        .iter()
+        .filter(|other| other.shape == observation.shape);
+    let count = on_line.count() as f64;
     match observation.shape {
         ObservedShape::Curve(curve) if matches!(curve.nominal(), Curve::Arc { .. }) => {
             (0.5 * count).max(1.0)

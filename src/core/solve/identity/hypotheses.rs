@@ -2,7 +2,7 @@
 //! them.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::field::{Curve, FieldElement, FieldLine, FieldModel, Symmetry};
+use crate::field::{Curve, FieldElement, FieldModel, Symmetry};
 use crate::solve::frame::{best_fit, fit_from};
 use crate::solve::{
     ClickResidual, Evidence, FrameSolution, IdentityFinding, IdentityKind, Loss, Name, Observation,
@@ -113,12 +113,14 @@ impl Search<'_> {
         // Under a heavy-tailed loss the clicks that agree determine the camera; the misnamed ones
         // show as large residuals.
         let majority = self.camera_of(self.clicks, Loss::Cauchy { c: 2.0 })?;
-        let sigmas = |click: &Observation| {
-            click
-                .distance_px(&majority)
-                .map_or(f64::INFINITY, |px| px / click.sigma_px)
-        };
-        let off: Vec<f64> = self.clicks.iter().map(sigmas).collect();
+        let off: Vec<f64> = self
+            .clicks
+            .iter()
+            .map(|click| {
+                let distance_px = click.distance_px(&majority);
+                distance_px.map_or(f64::INFINITY, |px| px / click.sigma_px)
+            })
+            .collect();
         let found = self
             .by_majority(&majority, &off)
             .into_iter()
@@ -244,18 +246,20 @@ impl Search<'_> {
     }
 
     fn swap(&self, i: usize, j: usize) -> Option<Hypothesis> {
-        let landmark = |index: usize| {
-            self.clicks[index]
-                .element
-                .filter(|element| matches!(element, FieldElement::Landmark(_)))
-        };
-        let (one, two) = (landmark(i)?, landmark(j)?);
+        let (one, two) = (self.landmark_of(i)?, self.landmark_of(j)?);
         let named = (0..self.clicks.len()).map(|index| match index {
             _ if index == i => Some(two),
             _ if index == j => Some(one),
             _ => None,
         });
         self.with_names(IdentityKind::Swapped, named)
+    }
+
+    /// The landmark that a click is named; none for a line.
+    fn landmark_of(&self, index: usize) -> Option<FieldElement> {
+        self.clicks[index]
+            .element
+            .filter(|element| matches!(element, FieldElement::Landmark(_)))
     }
 
     /// Leaves out each click in turn, solves the camera from the others, and names the click by
@@ -431,13 +435,12 @@ impl Search<'_> {
             let Some(named) = self.field.lines.get(line) else {
                 continue;
             };
-            let parallel = |other: &FieldLine| are_parallel(&named.curve, &other.curve);
             for (other, _) in self
                 .field
                 .lines
                 .iter()
                 .enumerate()
-                .filter(|(_, other)| parallel(other))
+                .filter(|(_, other)| are_parallel(&named.curve, &other.curve))
             {
                 let renamed = self
                     .clicks

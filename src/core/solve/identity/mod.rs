@@ -111,60 +111,90 @@ pub fn check_identity(
         };
     }
 
-    // A hypothesis must lower χ² + surprise by a constant and by a factor, and fit in absolute
-    // terms. Under an uncertain base χ² is expected to be larger; `expected` includes that.
-    let as_named = solution.chi_squared + surprise;
-    let expected = search.redundancy() as f64
-        * (solution.expected_chi_squared / solution.redundancy as f64).max(1.0);
-    let convinces = |scored: &ScoredHypothesis| {
-        let renamed = scored.chi_squared + scored.surprise;
-        let renamed_misfit = (scored.chi_squared / expected).sqrt();
-        renamed + MIN_GAIN < as_named
-            && (renamed < MAX_SHARE * as_named && renamed_misfit < MAX_RENAMED_MISFIT
-                || renamed < CLEAR_SHARE * as_named && renamed_misfit < MAX_CLEAR_MISFIT)
+    let as_named = FitAsNamed {
+        cost: solution.chi_squared + surprise,
+        expected_chi_squared: search.redundancy() as f64
+            * (solution.expected_chi_squared / solution.redundancy as f64).max(1.0),
     };
-    let best = |hypotheses: Vec<Hypothesis>| {
-        let scored = hypotheses
-            .into_iter()
-            .filter_map(|hypothesis| search.score(hypothesis))
-            .filter(convinces);
-        scored.min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
-    };
-
-    // Hypotheses 1 and 2 of the module page: rename the outliers of the majority, or mirror the
-    // field.
-    let by_majority = || {
-        if clicks.len() < MAJORITY_CLICKS {
-            return None;
-        }
-        let Some((majority, odd_ones)) = search.odd_ones() else {
-            return best(search.sides().collect());
-        };
-        let fits = |hypothesis: &Hypothesis| {
-            let chi_squared = search.chi_squared_near(&majority, hypothesis);
-            chi_squared
-                .is_some_and(|chi_squared| (chi_squared / expected).sqrt() < MAX_RENAMED_MISFIT)
-        };
-        // If a few new names make all clicks fit the majority's camera, the mirrored sides need not
-        // be tested.
-        let (fitting, others): (Vec<_>, Vec<_>) = odd_ones.into_iter().partition(fits);
-        best(fitting).or_else(|| best(search.sides().chain(others).collect()))
-    };
-    // Hypotheses 3 and 4 take longer, and are tested only if no simpler one explains the clicks.
-    let one_by_one = || {
-        if clicks.len() <= FEW_CLICKS {
-            best(search.single_mistakes())
-        } else {
-            None
-        }
-    };
-    let found = by_majority()
-        .or_else(one_by_one)
-        .or_else(|| best(search.group_mistakes()))?;
+    // Hypotheses 3 and 4 of the module page take longer, and are tested only if no simpler one
+    // explains the clicks.
+    let found = rename_outliers_or_mirror(&search, &as_named)
+        .or_else(|| rename_one_by_one(&search, &as_named))
+        .or_else(|| best_hypothesis(&search, &as_named, search.group_mistakes()))?;
     let evidence = if contradicted {
         Evidence::Clicks
     } else {
         Evidence::MotionPrior
     };
     Some(found.finding(evidence, base, solution))
+}
+
+/// How well the clicks fit as they are named: what other names are compared with.
+struct FitAsNamed {
+    /// χ² plus the cost of the camera under the motion prior.
+    cost: f64,
+    /// The expected χ² of clicks with the right names; larger under an uncertain base.
+    expected_chi_squared: f64,
+}
+
+impl FitAsNamed {
+    /// How many times larger than expected the residuals of renamed clicks are.
+    fn renamed_misfit(&self, chi_squared: f64) -> f64 {
+        (chi_squared / self.expected_chi_squared).sqrt()
+    }
+
+    /// Whether a hypothesis lowers the cost by a constant and by a factor, and fits in absolute
+    /// terms.
+    fn is_beaten_by(&self, scored: &ScoredHypothesis) -> bool {
+        let renamed = scored.chi_squared + scored.surprise;
+        let renamed_misfit = self.renamed_misfit(scored.chi_squared);
+        renamed + MIN_GAIN < self.cost
+            && (renamed < MAX_SHARE * self.cost && renamed_misfit < MAX_RENAMED_MISFIT
+                || renamed < CLEAR_SHARE * self.cost && renamed_misfit < MAX_CLEAR_MISFIT)
+    }
+}
+
+/// The convincing hypothesis of the lowest penalty; none if none convinces.
+fn best_hypothesis(
+    search: &Search<'_>,
+    as_named: &FitAsNamed,
+    hypotheses: impl IntoIterator<Item = Hypothesis>,
+) -> Option<ScoredHypothesis> {
+    hypotheses
+        .into_iter()
+        .filter_map(|hypothesis| search.score(hypothesis))
+        .filter(|scored| as_named.is_beaten_by(scored))
+        .min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
+}
+
+/// The best of hypotheses 1 and 2 of the module page: the outliers of the majority renamed, or the
+/// field mirrored. None for few clicks.
+fn rename_outliers_or_mirror(
+    search: &Search<'_>,
+    as_named: &FitAsNamed,
+) -> Option<ScoredHypothesis> {
+    if search.clicks.len() < MAJORITY_CLICKS {
+        return None;
+    }
+    let Some((majority, odd_ones)) = search.odd_ones() else {
+        return best_hypothesis(search, as_named, search.sides());
+    };
+    // If a few new names make all clicks fit the majority's camera, the mirrored sides need not be
+    // tested.
+    let (fitting, others): (Vec<_>, Vec<_>) = odd_ones.into_iter().partition(|hypothesis| {
+        let chi_squared = search.chi_squared_near(&majority, hypothesis);
+        chi_squared
+            .is_some_and(|chi_squared| as_named.renamed_misfit(chi_squared) < MAX_RENAMED_MISFIT)
+    });
+    best_hypothesis(search, as_named, fitting)
+        .or_else(|| best_hypothesis(search, as_named, search.sides().chain(others)))
+}
+
+/// The best of hypothesis 3 of the module page: a single mistake. None for many clicks.
+fn rename_one_by_one(search: &Search<'_>, as_named: &FitAsNamed) -> Option<ScoredHypothesis> {
+    if search.clicks.len() <= FEW_CLICKS {
+        best_hypothesis(search, as_named, search.single_mistakes())
+    } else {
+        None
+    }
 }

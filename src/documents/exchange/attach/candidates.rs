@@ -84,9 +84,8 @@ impl<'a> NumberedCameras<'a> {
                 trials.extend(self.trials(counting));
             }
         }
-        let fits_all = |trial: &Trial| trial.inside == self.numbers.len();
-        if trials.iter().any(fits_all) {
-            trials.retain(fits_all);
+        if trials.iter().any(|trial| self.fits_all(trial)) {
+            trials.retain(|trial| self.fits_all(trial));
         }
         trials.sort_by_key(|trial| {
             let candidate = &trial.candidate;
@@ -97,6 +96,11 @@ impl<'a> NumberedCameras<'a> {
             )
         });
         trials.into_iter().map(|trial| trial.candidate).collect()
+    }
+
+    /// Whether the number of every camera lies within the video.
+    const fn fits_all(&self, trial: &Trial) -> bool {
+        trial.inside == self.numbers.len()
     }
 
     /// Whether the document has each frame up to its last one.
@@ -142,7 +146,7 @@ impl<'a> NumberedCameras<'a> {
             let fits = if rank < usual {
                 is_most(trial.inside, self.numbers.len())
             } else {
-                trial.inside == self.numbers.len()
+                self.fits_all(&trial)
             };
             if fits && !trial.candidate.pairs.is_empty() {
                 trials.push(trial);

@@ -196,15 +196,13 @@ impl Attachment {
         let Some(first) = self.candidates.first() else {
             return vec![0];
         };
-        let alike = |other: &&AttachmentCandidate| other.counting == first.counting;
-        let shift = |other: &AttachmentCandidate| {
-            let [from, to] = [first, other].map(|way| i64::try_from(way.first_number).ok());
-            from?.checked_sub(to?)
-        };
         self.candidates
             .iter()
-            .filter(alike)
-            .filter_map(shift)
+            .filter(|other| other.counting == first.counting)
+            .filter_map(|other| {
+                let [from, to] = [first, other].map(|way| i64::try_from(way.first_number).ok());
+                from?.checked_sub(to?)
+            })
             .collect()
     }
 
@@ -219,13 +217,15 @@ impl Attachment {
             .clone()
             .relocate(&imported.folder, &self.video.folder);
         let before = std::mem::take(&mut document.frames);
-        let attach = |pair: &AttachedPair| {
-            self.video
-                .attach(before.get(pair.imported)?, pair.frame_index)
-        };
-        document.frames = candidate.pairs.iter().filter_map(attach).collect();
-        let is_solved = |frame: &Shared<Frame>| frame.ptz.is_some();
-        let kind = if before.iter().all(is_solved) {
+        document.frames = candidate
+            .pairs
+            .iter()
+            .filter_map(|pair| {
+                self.video
+                    .attach(before.get(pair.imported)?, pair.frame_index)
+            })
+            .collect();
+        let kind = if before.iter().all(|frame| frame.ptz.is_some()) {
             "camera"
         } else {
             "frame"
@@ -362,8 +362,10 @@ impl OnlyVideo {
 
     /// An imported frame as a frame of this video.
     fn attach(&self, imported: &Frame, frame_index: u64) -> Option<Shared<Frame>> {
-        let by_index = |frame: &VideoFrame| frame.frame_index.cmp(&frame_index);
-        let at = self.frames.binary_search_by(by_index).ok()?;
+        let at = self
+            .frames
+            .binary_search_by_key(&frame_index, |frame| frame.frame_index)
+            .ok()?;
         let (camera, size) = (imported.camera.clone(), imported.image_size);
         let frame = Frame::from_video(self.frames[at].clone(), camera, size);
         let labelled = Frame {

@@ -87,21 +87,9 @@ pub fn read_authors_folder(
 
 /// The MAT files of a folder, by name.
 fn mat_files(folder: &Path) -> Result<Vec<PathBuf>, AuthorsError> {
-    let read = |source: io::Error| {
-        let is_file = source.kind() == io::ErrorKind::NotADirectory;
-        let source = if is_file {
-            io::Error::other("it is a file; give the folder that it lies in")
-        } else {
-            source
-        };
-        AuthorsError::Read {
-            path: folder.to_path_buf(),
-            source,
-        }
-    };
     let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(read)? {
-        let path = entry.map_err(read)?.path();
+    for entry in fs::read_dir(folder).map_err(|source| cannot_list(folder, source))? {
+        let path = entry.map_err(|source| cannot_list(folder, source))?.path();
         if path.is_file()
             && path
                 .extension()
@@ -114,6 +102,20 @@ fn mat_files(folder: &Path) -> Result<Vec<PathBuf>, AuthorsError> {
     Ok(files)
 }
 
+/// The error that a folder's files cannot be listed.
+fn cannot_list(folder: &Path, source: io::Error) -> AuthorsError {
+    let is_file = source.kind() == io::ErrorKind::NotADirectory;
+    let source = if is_file {
+        io::Error::other("it is a file; give the folder that it lies in")
+    } else {
+        source
+    };
+    AuthorsError::Read {
+        path: folder.to_path_buf(),
+        source,
+    }
+}
+
 /// The first file with a `model_size`, in the folder, in its `util` or in the `util` beside it.
 /// Within one folder, files whose names share the longest prefix with the folder's name come first.
 fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsError> {
@@ -122,17 +124,6 @@ fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsErro
         .unwrap_or_default()
         .to_string_lossy()
         .to_lowercase();
-    let begins_alike = |path: &PathBuf| {
-        let stem = path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .to_lowercase();
-        name.chars()
-            .zip(stem.chars())
-            .take_while(|(a, b)| a == b)
-            .count()
-    };
     let beside = folder.parent().map(|parent| parent.join(MODELS));
     for place in [
         Some(folder.to_path_buf()),
@@ -146,7 +137,7 @@ fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsErro
             continue;
         }
         let mut files = mat_files(&place)?;
-        files.sort_by_key(|path| std::cmp::Reverse(begins_alike(path)));
+        files.sort_by_key(|path| std::cmp::Reverse(common_prefix_letters(&name, path)));
         for path in files {
             let bytes = read_named(&path, MAX_MAT_BYTES).map_err(|source| AuthorsError::Read {
                 path: path.clone(),
@@ -162,6 +153,20 @@ fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsErro
         }
     }
     Ok(None)
+}
+
+/// The number of letters with which both a folder's name (in lower case) and a file's name begin.
+fn common_prefix_letters(folder_name: &str, file: &Path) -> usize {
+    let stem = file
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
+    folder_name
+        .chars()
+        .zip(stem.chars())
+        .take_while(|(a, b)| a == b)
+        .count()
 }
 
 /// Length and width of a field's model, yards: the larger number is the length.

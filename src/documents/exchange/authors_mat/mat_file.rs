@@ -278,6 +278,7 @@ impl<'a> Reader<'a> {
             .collect())
     }
 
+    /// A number from its bytes, which are at most eight, in the file's order.
     fn number(&self, kind: ElementType, bytes: &[u8]) -> f64 {
         let mut low_first = [0u8; 8];
         for (place, byte) in low_first.iter_mut().zip(bytes) {
@@ -421,16 +422,13 @@ impl<'a> Reader<'a> {
             what: "an array has no size",
         })?;
         let mut values = self.matrices(total, depth)?.into_iter();
-        let element = |_| {
-            names
-                .iter()
-                .cloned()
-                .zip(values.by_ref().take(names.len()))
-                .collect()
-        };
         // Elements without fields contain nothing.
         let count = if names.is_empty() { 0 } else { count };
-        Ok(MatValue::Structures((0..count).map(element).collect()))
+        let elements = (0..count).map(|_| {
+            let of_element = values.by_ref().take(names.len());
+            names.iter().cloned().zip(of_element).collect()
+        });
+        Ok(MatValue::Structures(elements.collect()))
     }
 
     /// The first row of a character array, which is stored column by column.

@@ -67,24 +67,15 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
     let Some(annotation) = find_by_name(&variables, "annotation") else {
         return Ok(None);
     };
-    let missing = |what: String| AuthorsError::Missing {
-        path: path.to_path_buf(),
-        what,
-    };
     let meta = find_by_name(&variables, "meta")
         .and_then(MatValue::structures)
-        .and_then(<[_]>::first);
-    let meta = meta.ok_or_else(|| missing("meta".to_owned()))?;
-    let three = |name: &str| {
-        let numbers = find_by_name(meta, name).and_then(MatValue::numbers);
-        numbers
-            .and_then(vector)
-            .ok_or_else(|| missing(format!("three numbers meta.{name}")))
-    };
-    let (position_m, base_rotation) = (three("cc")?, three("base_rotation")?);
+        .and_then(<[_]>::first)
+        .ok_or_else(|| missing(path, "meta"))?;
+    let position_m = meta_vector(meta, "cc", path)?;
+    let base_rotation = meta_vector(meta, "base_rotation", path)?;
     let frames = annotation
         .structures()
-        .ok_or_else(|| missing("structures in annotation".to_owned()))?;
+        .ok_or_else(|| missing(path, "structures in annotation"))?;
 
     let name = name_of(path);
     let mut sequence = AuthorsSequence {
@@ -102,77 +93,115 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
         name,
     };
     for (index, fields) in frames.iter().enumerate() {
-        let missing = |what: &str| missing(format!("{what} in annotation {}", index + 1));
-        let image = find_by_name(fields, "image_name")
-            .and_then(MatValue::words)
-            .ok_or_else(|| missing("image_name"))?;
-        let camera = find_by_name(fields, "camera")
-            .and_then(MatValue::numbers)
-            .filter(|numbers| is_row(numbers, 9));
-        let camera = camera.ok_or_else(|| missing("nine numbers of a camera"))?;
-        let ptz = find_by_name(fields, "ptz")
-            .and_then(MatValue::numbers)
-            .filter(|numbers| is_row(numbers, 3));
-        let ptz = ptz.ok_or_else(|| missing("pan, tilt and focal length (ptz)"))?;
-        if !(ptz[2] > 0.0) {
-            return Err(missing("a focal length above 0"));
-        }
-        let principal = ImagePoint::new(
-            camera[0] + CORNER_FROM_CENTRE,
-            camera[1] + CORNER_FROM_CENTRE,
-        );
-        // Without an image, the picture size is derived from the principal point.
-        if ![principal.x, principal.y]
-            .iter()
-            .all(|middle| ImageSize::is_side_px(2.0 * middle - 1.0))
-        {
-            return Err(missing("a principal point in the middle of a picture"));
-        }
+        let annotation = Annotation::from_fields(fields)
+            .map_err(|what| missing(path, &format!("{what} in annotation {}", index + 1)))?;
         if index == 0 {
-            sequence.base_from_corner.principal_point = principal;
+            sequence.base_from_corner.principal_point = annotation.principal_point;
         }
-        let ptz = Ptz::from_degrees(ptz[0], ptz[1], ptz[2]);
-        let turn = sequence.check(path, image, camera, principal, ptz)?;
+        let turn = sequence.check(path, &annotation)?;
         sequence.worst_turn = if turn > sequence.worst_turn {
             turn
         } else {
             sequence.worst_turn
         };
         sequence.frames.push(AuthorsFrame {
-            image: image.to_owned(),
-            ptz,
+            image: annotation.image.to_owned(),
+            ptz: annotation.ptz,
         });
     }
     if sequence.frames.is_empty() {
-        return Err(missing("a frame in annotation".to_owned()));
+        return Err(missing(path, "a frame in annotation"));
     }
     Ok(Some(sequence))
+}
+
+/// The error that something is not in a file.
+fn missing(path: &Path, what: &str) -> AuthorsError {
+    AuthorsError::Missing {
+        path: path.to_path_buf(),
+        what: what.to_owned(),
+    }
+}
+
+/// The three numbers of a field of `meta`.
+fn meta_vector(
+    meta: &[(Arc<str>, MatValue)],
+    name: &str,
+    path: &Path,
+) -> Result<Vec3, AuthorsError> {
+    find_by_name(meta, name)
+        .and_then(MatValue::numbers)
+        .and_then(vector)
+        .ok_or_else(|| missing(path, &format!("three numbers meta.{name}")))
+}
+
+/// What `annotation` states of a frame.
+struct Annotation<'a> {
+    image: &'a str,
+    /// The full camera: principal point, focal length, rotation vector, centre.
+    camera: &'a [f64],
+    /// That of the camera, in corner coordinates.
+    principal_point: ImagePoint,
+    ptz: Ptz,
+}
+
+impl<'a> Annotation<'a> {
+    /// Reads the fields of a frame; the error names what is missing.
+    fn from_fields(fields: &'a [(Arc<str>, MatValue)]) -> Result<Self, &'static str> {
+        let image = find_by_name(fields, "image_name")
+            .and_then(MatValue::words)
+            .ok_or("image_name")?;
+        let camera = find_by_name(fields, "camera")
+            .and_then(MatValue::numbers)
+            .filter(|numbers| is_row(numbers, 9))
+            .ok_or("nine numbers of a camera")?;
+        let ptz = find_by_name(fields, "ptz")
+            .and_then(MatValue::numbers)
+            .filter(|numbers| is_row(numbers, 3))
+            .ok_or("pan, tilt and focal length (ptz)")?;
+        if !(ptz[2] > 0.0) {
+            return Err("a focal length above 0");
+        }
+        let principal_point = ImagePoint::new(
+            camera[0] + CORNER_FROM_CENTRE,
+            camera[1] + CORNER_FROM_CENTRE,
+        );
+        // Without an image, the picture size is derived from the principal point.
+        if ![principal_point.x, principal_point.y]
+            .iter()
+            .all(|middle| ImageSize::is_side_px(2.0 * middle - 1.0))
+        {
+            return Err("a principal point in the middle of a picture");
+        }
+        Ok(Self {
+            image,
+            camera,
+            principal_point,
+            ptz: Ptz::from_degrees(ptz[0], ptz[1], ptz[2]),
+        })
+    }
 }
 
 impl AuthorsSequence {
     /// Checks that a frame's full camera agrees with the base and the frame's pan and tilt, and
     /// returns the angle between them.
-    fn check(
-        &self,
-        path: &Path,
-        image: &str,
-        camera: &[f64],
-        principal: ImagePoint,
-        ptz: Ptz,
-    ) -> Result<Angle, AuthorsError> {
-        let pointed = PtzCamera::new(self.base_from_corner, ptz);
+    fn check(&self, path: &Path, annotation: &Annotation<'_>) -> Result<Angle, AuthorsError> {
+        let camera = annotation.camera;
+        let pointed = PtzCamera::new(self.base_from_corner, annotation.ptz);
         let cam_from_world: Mat3 = from_rotation_vector(Vec3::new(camera[3], camera[4], camera[5]));
         let turn = angle_between(&pointed.cam_from_world(), &cam_from_world);
         let apart_m =
             (Vec3::new(camera[6], camera[7], camera[8]) - self.base_from_corner.position_m).norm();
-        let same_principal =
-            principal.distance_px(self.base_from_corner.principal_point) < CORNER_FROM_CENTRE;
+        let same_principal = annotation
+            .principal_point
+            .distance_px(self.base_from_corner.principal_point)
+            < CORNER_FROM_CENTRE;
         if turn.degrees() <= MOST_APART_DEG && apart_m <= MOST_APART_M && same_principal {
             return Ok(turn);
         }
         Err(AuthorsError::Disagrees {
             path: path.to_path_buf(),
-            image: image.to_owned(),
+            image: annotation.image.to_owned(),
             turn_deg: turn.degrees(),
             apart_m,
         })

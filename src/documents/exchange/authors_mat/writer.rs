@@ -34,45 +34,26 @@ pub enum Out {
 }
 
 fn element(kind: u32, bytes: &[u8], big: bool) -> Vec<u8> {
-    let word = |number: u32| {
-        if big {
-            number.to_be_bytes()
-        } else {
-            number.to_le_bytes()
-        }
-    };
     if (1..=4).contains(&bytes.len()) {
-        let mut out = word(kind | (bytes.len() as u32) << 16).to_vec();
+        let mut out = word(kind | (bytes.len() as u32) << 16, big).to_vec();
         out.extend_from_slice(bytes);
         out.resize(8, 0);
         return out;
     }
-    let mut out = [word(kind), word(bytes.len() as u32)].concat();
+    let mut out = [word(kind, big), word(bytes.len() as u32, big)].concat();
     out.extend_from_slice(bytes);
     out.resize(out.len().next_multiple_of(8), 0);
     out
 }
 
 fn matrix(name: &str, value: &Out, big: bool) -> Vec<u8> {
-    let ints = |numbers: &[i32]| -> Vec<u8> {
-        numbers
-            .iter()
-            .flat_map(|n| {
-                if big {
-                    n.to_be_bytes()
-                } else {
-                    n.to_le_bytes()
-                }
-            })
-            .collect()
-    };
     let (class, count) = match value {
         Out::Doubles(numbers) => (6, numbers.len()),
         Out::Words(words) => (4, words.chars().count()),
         Out::Structures(all) => (2, all.len()),
     };
-    let mut inner = element(6, &ints(&[class, 0]), big);
-    inner.extend(element(5, &ints(&[1, count as i32]), big));
+    let mut inner = element(6, &ints(&[class, 0], big), big);
+    inner.extend(element(5, &ints(&[1, count as i32], big), big));
     inner.extend(element(1, name.as_bytes(), big));
     match value {
         Out::Doubles(numbers) => {
@@ -102,7 +83,7 @@ fn matrix(name: &str, value: &Out, big: bool) -> Vec<u8> {
             inner.extend(element(4, &letters, big));
         }
         Out::Structures(all) => {
-            inner.extend(element(5, &ints(&[32]), big));
+            inner.extend(element(5, &ints(&[32], big), big));
             let names: Vec<u8> = all[0]
                 .iter()
                 .flat_map(|(name, _)| {
@@ -117,14 +98,25 @@ fn matrix(name: &str, value: &Out, big: bool) -> Vec<u8> {
             }
         }
     }
-    let word = |number: u32| {
-        if big {
-            number.to_be_bytes()
-        } else {
-            number.to_le_bytes()
-        }
-    };
-    [word(14).to_vec(), word(inner.len() as u32).to_vec(), inner].concat()
+    let (kind, length) = (word(14, big), word(inner.len() as u32, big));
+    [kind.to_vec(), length.to_vec(), inner].concat()
+}
+
+/// The bytes of a number, the highest first if `big`.
+fn word(number: u32, big: bool) -> [u8; 4] {
+    if big {
+        number.to_be_bytes()
+    } else {
+        number.to_le_bytes()
+    }
+}
+
+/// The bytes of numbers one after the other.
+fn ints(numbers: &[i32], big: bool) -> Vec<u8> {
+    numbers
+        .iter()
+        .flat_map(|number| word(*number as u32, big))
+        .collect()
 }
 
 /// A file with these variables.
@@ -141,14 +133,7 @@ pub fn mat(variables: &[(&str, Out)], big: bool, compressed: bool) -> Vec<u8> {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
         encoder.write_all(&plain).unwrap();
         let folded = encoder.finish().unwrap();
-        let word = |number: u32| {
-            if big {
-                number.to_be_bytes()
-            } else {
-                number.to_le_bytes()
-            }
-        };
-        file.extend([word(15), word(folded.len() as u32)].concat());
+        file.extend([word(15, big), word(folded.len() as u32, big)].concat());
         file.extend(folded);
     }
     file

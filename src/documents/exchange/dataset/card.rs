@@ -1,15 +1,16 @@
 //! The dataset card: what a new user must know before using the dataset.
 
 use super::done::DatasetDone;
+use super::frames_table::{count_clicks, is_on_line};
 use super::matches::match_names;
 use super::options::{DatasetOptions, Pictures};
 use super::plan::PlannedFrame;
 use super::split::{Split, match_of};
-use crate::document::{DocumentAt, FieldSize, Fields, Frame};
+use crate::document::{Click, DocumentAt, FieldSize, Fields, FramePtz, Frames, Solution};
 use crate::exchange::error::ExchangeError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use touchline_core::field::{FieldModel, Landmark};
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::quantile;
 
 /// The inputs of the card.
@@ -79,45 +80,29 @@ fn count_occurrences<K: Ord>(keys: impl Iterator<Item = K>) -> BTreeMap<K, usize
 
 fn counts(card: &Card<'_>, text: &mut String) {
     let frames = &card.dataset.document.frames;
-    let clicks = || frames.iter().flat_map(|frame| frame.clicks.iter());
-    let of = |is_one: &dyn Fn(&crate::document::Click) -> bool| {
-        clicks().filter(|click| is_one(click)).count()
-    };
-    let mut rows = vec![("frames".to_owned(), card.frames.len().to_string())];
-    rows.push(("pictures".to_owned(), card.done.pictures.to_string()));
-    rows.push((
-        "with a camera".to_owned(),
-        frames
-            .iter()
-            .filter(|frame| frame.ptz.is_some())
-            .count()
-            .to_string(),
-    ));
-    rows.push(("clicks".to_owned(), clicks().count().to_string()));
-    rows.push((
-        "of them on lines".to_owned(),
-        of(&|click| {
-            click
-                .target
-                .as_ref()
-                .is_some_and(|target| target.line().is_some())
-        })
-        .to_string(),
-    ));
-    rows.push((
-        "held out (check)".to_owned(),
-        of(&|click| click.check).to_string(),
-    ));
-    rows.push((
-        "moved to the paint".to_owned(),
-        of(&|click| click.snapped_sigma_px.is_some()).to_string(),
-    ));
-    rows.push((
-        "requested and left out".to_owned(),
-        card.done.left_out.len().to_string(),
-    ));
+    let solved = frames.iter().filter(|frame| frame.ptz.is_some());
+    let rows = [
+        ("frames", card.frames.len()),
+        ("pictures", card.done.pictures),
+        ("with a camera", solved.count()),
+        ("clicks", count_all_clicks(frames, |_| true)),
+        ("of them on lines", count_all_clicks(frames, is_on_line)),
+        (
+            "held out (check)",
+            count_all_clicks(frames, |click| click.check),
+        ),
+        (
+            "moved to the paint",
+            count_all_clicks(frames, |click| click.snapped_sigma_px.is_some()),
+        ),
+        ("requested and left out", card.done.left_out.len()),
+    ];
     text.push_str("\n## Counts\n");
-    table(["what", "how many"], rows, text);
+    table(
+        ["what", "how many"],
+        rows.map(|(name, count)| (name.to_owned(), count.to_string())),
+        text,
+    );
     if let Some(splitting) = card.options.splitting {
         let rows = Split::ALL
             .into_iter()
@@ -156,6 +141,11 @@ fn counts(card: &Card<'_>, text: &mut String) {
             .map(|(camera, count)| (camera, count.to_string())),
         text,
     );
+}
+
+/// The number of clicks of all frames for which a condition is true.
+fn count_all_clicks(frames: &Frames, is_counted: impl Fn(&Click) -> bool) -> usize {
+    count_clicks(frames.iter().map(|frame| &**frame), is_counted)
 }
 
 fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
@@ -233,10 +223,14 @@ fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
                 .target
                 .as_ref()
                 .filter(|target| target.line().is_none());
-            let named = |landmark: &&Landmark| {
-                target.is_some_and(|target| landmark.id.as_str() == target.as_str())
+            let Some(target) = target else {
+                continue;
             };
-            let Some(landmark) = field.landmarks.iter().find(named) else {
+            let landmark = field
+                .landmarks
+                .iter()
+                .find(|landmark| landmark.id.as_str() == target.as_str());
+            let Some(landmark) = landmark else {
                 continue;
             };
             if let Ok(shown) = camera.image_from_world(field.landmark_in_world(landmark)) {
@@ -250,26 +244,11 @@ fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
 fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     let frames = &card.dataset.document.frames;
     let of = frames.len();
-    let values = |of: &dyn Fn(&Frame) -> Option<f64>| -> Vec<f64> {
-        frames.iter().filter_map(|frame| of(frame)).collect()
-    };
-    let in_solution = |of: fn(&crate::document::Solution) -> Option<f64>| {
-        values(&|frame| frame.solution.as_ref().and_then(of))
-    };
     let [solved, held_out] = misses(card, fields);
     let clicks: [usize; 2] = [false, true].map(|check| {
-        let on_landmark = |click: &&crate::document::Click| {
-            click
-                .target
-                .as_ref()
-                .is_some_and(|target| target.line().is_none())
-        };
-        frames
-            .iter()
-            .flat_map(|frame| frame.clicks.iter())
-            .filter(on_landmark)
-            .filter(|click| click.check == check)
-            .count()
+        count_all_clicks(frames, |click| {
+            click.target.is_some() && !is_on_line(click) && click.check == check
+        })
     });
     text.push_str("\n## Quality\n\nEach figure says in how many frames (or of how many clicks) it is known; what is not known is not counted as good.\n");
     let rows = [
@@ -280,20 +259,25 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
         ("the same of held-out clicks", spread(held_out, clicks[1])),
         (
             "residual of a frame (rms)",
-            spread(in_solution(|solution| solution.rms_px), of),
+            spread(solution_values(frames, |solution| solution.rms_px), of),
         ),
         (
             "1-σ of the overlay at the worst corner",
-            spread(in_solution(|solution| solution.worst_corner_sigma_px), of),
+            spread(
+                solution_values(frames, |solution| solution.worst_corner_sigma_px),
+                of,
+            ),
         ),
         (
             "confidence (overlay within 10 px at 1920 px width)",
-            probabilities(in_solution(|solution| solution.confidence), of),
+            probabilities(solution_values(frames, |solution| solution.confidence), of),
         ),
         (
             "the same by the painted lines alone",
             probabilities(
-                in_solution(|solution| solution.line_check.as_ref().map(|check| check.score)),
+                solution_values(frames, |solution| {
+                    solution.line_check.as_ref().map(|check| check.score)
+                }),
                 of,
             ),
         ),
@@ -321,16 +305,6 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
             text,
         );
     }
-    let range = |of: fn(&crate::document::FramePtz) -> f64| {
-        let values = values(&|frame| frame.ptz.as_ref().map(of));
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if values.is_empty() {
-            "not known".to_owned()
-        } else {
-            format!("{low:.1} to {high:.1}")
-        }
-    };
     let clicked: BTreeSet<&str> = frames
         .iter()
         .flat_map(|frame| frame.clicks.iter())
@@ -338,9 +312,9 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
         .map(crate::document::Target::as_str)
         .collect();
     let rows = [
-        ("pan, degrees", range(|ptz| ptz.pan_deg)),
-        ("tilt, degrees", range(|ptz| ptz.tilt_deg)),
-        ("focal length, px", range(|ptz| ptz.focal_px)),
+        ("pan, degrees", ptz_range(frames, |ptz| ptz.pan_deg)),
+        ("tilt, degrees", ptz_range(frames, |ptz| ptz.tilt_deg)),
+        ("focal length, px", ptz_range(frames, |ptz| ptz.focal_px)),
         (
             "different landmarks and lines clicked",
             clicked.len().to_string(),
@@ -353,11 +327,33 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     );
 }
 
+/// A number of the solutions, of those frames that state it.
+fn solution_values(frames: &Frames, value: fn(&Solution) -> Option<f64>) -> Vec<f64> {
+    frames
+        .iter()
+        .filter_map(|frame| frame.solution.as_ref().and_then(value))
+        .collect()
+}
+
+/// The smallest and the largest value of pan, tilt or focal length, in words.
+fn ptz_range(frames: &Frames, value: fn(&FramePtz) -> f64) -> String {
+    let values: Vec<f64> = frames
+        .iter()
+        .filter_map(|frame| frame.ptz.as_ref().map(value))
+        .collect();
+    if values.is_empty() {
+        return "not known".to_owned();
+    }
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    format!("{low:.1} to {high:.1}")
+}
+
 fn provenance(card: &Card<'_>, text: &mut String) {
     text.push_str("\n## Provenance\n");
-    let originals = || card.original.document.frames.iter().map(|frame| &**frame);
-    let names = match_names(originals());
-    let matches = count_occurrences(originals().map(|frame| {
+    let frames = &card.original.document.frames;
+    let names = match_names(frames.iter().map(|frame| &**frame));
+    let matches = count_occurrences(frames.iter().map(|frame| {
         match names.get(&match_of(frame)).map(String::as_str) {
             None | Some("") => "(the document's folder)".to_owned(),
             Some(name) => name.to_owned(),
@@ -370,10 +366,7 @@ fn provenance(card: &Card<'_>, text: &mut String) {
             .map(|(name, count)| (name, count.to_string())),
         text,
     );
-    let annotators: BTreeSet<String> = card
-        .original
-        .document
-        .frames
+    let annotators: BTreeSet<String> = frames
         .iter()
         .filter_map(|frame| frame.edited.as_ref()?.by.clone())
         .collect();

@@ -60,11 +60,13 @@ fn field_json(field: &FieldModel, cameras: &[String]) -> Value {
     })
 }
 
+/// Points of a line in world coordinates (m), evenly spaced and at most [`STEP_M`] apart.
 fn points(field: &FieldModel, line: &FieldLine) -> Vec<Value> {
     let steps = (line.curve.length_m() / STEP_M).ceil().max(1.0) as usize;
-    let point = |step: usize| {
-        let at = field.world_from_nominal(line.curve.point_at(step as f64 / steps as f64));
-        json!([at.x, at.y, at.z])
-    };
-    (0..=steps).map(point).collect()
+    (0..=steps)
+        .map(|step| {
+            let at = field.world_from_nominal(line.curve.point_at(step as f64 / steps as f64));
+            json!([at.x, at.y, at.z])
+        })
+        .collect()
 }

@@ -46,15 +46,6 @@ pub fn frames_table(frames: &[(&PlannedFrame, &Frame, &Frame)]) -> String {
 }
 
 fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: String) -> [String; 20] {
-    let count = |is_one: &dyn Fn(&Click) -> bool| {
-        frame
-            .clicks
-            .iter()
-            .filter(|click| is_one(click))
-            .count()
-            .to_string()
-    };
-    let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
     let solution = frame.solution.as_ref();
     let video = frame.video.as_ref();
     [
@@ -76,21 +67,39 @@ fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: String) -> [String;
         video
             .map(|video| video.frame_index.to_string())
             .unwrap_or_default(),
-        number(video.and_then(|video| video.pts_s)),
+        number_text(video.and_then(|video| video.pts_s)),
         frame.clicks.len().to_string(),
-        count(&|click| {
-            click
-                .target
-                .as_ref()
-                .is_some_and(|target| target.line().is_some())
-        }),
-        count(&|click| click.check),
-        count(&|click| click.snapped_sigma_px.is_some()),
-        number(solution.and_then(|solution| solution.confidence)),
-        number(solution.and_then(|solution| solution.rms_px)),
-        number(solution.and_then(|solution| solution.worst_corner_sigma_px)),
+        count_clicks([frame], is_on_line).to_string(),
+        count_clicks([frame], |click| click.check).to_string(),
+        count_clicks([frame], |click| click.snapped_sigma_px.is_some()).to_string(),
+        number_text(solution.and_then(|solution| solution.confidence)),
+        number_text(solution.and_then(|solution| solution.rms_px)),
+        number_text(solution.and_then(|solution| solution.worst_corner_sigma_px)),
         frame.sha256.clone().unwrap_or_default(),
         planned.undistorted.clone().unwrap_or_default(),
         frame.id.to_string(),
     ]
+}
+
+/// The number of clicks of frames for which a condition is true.
+pub fn count_clicks<'a>(
+    frames: impl IntoIterator<Item = &'a Frame>,
+    is_counted: impl Fn(&Click) -> bool,
+) -> usize {
+    frames
+        .into_iter()
+        .flat_map(|frame| &frame.clicks)
+        .filter(|click| is_counted(click))
+        .count()
+}
+
+/// Whether a click is on a line.
+pub fn is_on_line(click: &Click) -> bool {
+    let target = click.target.as_ref();
+    target.is_some_and(|target| target.line().is_some())
+}
+
+/// A number with all its digits; empty where it is not known.
+fn number_text(value: Option<f64>) -> String {
+    value.map(|value| value.to_string()).unwrap_or_default()
 }

@@ -11,14 +11,9 @@ pub fn match_names<'a>(frames: impl Iterator<Item = &'a Frame>) -> BTreeMap<Stri
     let mut taken = BTreeSet::new();
     let mut names = BTreeMap::new();
     for (path, own) in paths.iter().zip(&parts) {
-        let is_alone = |count: &usize| {
-            parts
-                .iter()
-                .filter(|other| last(other, *count) == last(own, *count))
-                .count()
-                < 2
-        };
-        let count = (1..own.len()).find(is_alone).unwrap_or(own.len());
+        let count = (1..own.len())
+            .find(|count| is_unique(last(own, *count), &parts))
+            .unwrap_or(own.len());
         let name = last(own, count).join("/");
         // For paths that differ only above the document's folder.
         let numbered = (2_usize..).map(|number| format!("{name} ({number})"));
@@ -30,12 +25,21 @@ pub fn match_names<'a>(frames: impl Iterator<Item = &'a Frame>) -> BTreeMap<Stri
     names
 }
 
+/// Whether at most one of the paths ends in these parts.
+fn is_unique(suffix: &[&str], paths: &[Vec<&str>]) -> bool {
+    let same = paths
+        .iter()
+        .filter(|path| last(path, suffix.len()) == suffix);
+    same.count() < 2
+}
+
 fn parts(path: &str) -> Vec<&str> {
     path.split(['/', '\\'])
         .filter(|part| !matches!(*part, "" | "." | ".."))
         .collect()
 }
 
+/// The last parts of a path.
 fn last<'a>(parts: &'a [&'a str], count: usize) -> &'a [&'a str] {
     &parts[parts.len().saturating_sub(count)..]
 }

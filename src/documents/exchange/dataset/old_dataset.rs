@@ -48,11 +48,9 @@ impl OldDataset {
                 path: folder.to_path_buf(),
             });
         }
-        let failed = |source| ExchangeError::Read {
-            path: folder.join(MANIFEST),
-            source,
-        };
-        let manifest = fs::read_to_string(folder.join(MANIFEST)).map_err(failed)?;
+        let path = folder.join(MANIFEST);
+        let manifest =
+            fs::read_to_string(&path).map_err(|source| ExchangeError::Read { path, source })?;
         let files = manifest.lines().filter_map(|line| line.split_once("  "));
         Ok(Self(
             files

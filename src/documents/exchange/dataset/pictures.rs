@@ -67,18 +67,17 @@ impl<'a> Folder<'a> {
         as_link: bool,
     ) -> Result<String, ExchangeError> {
         let path = self.file(name)?;
-        let failed = |source| self.write_error(name, source);
         if as_link {
-            let from = fs::canonicalize(from).map_err(failed)?;
+            let from = fs::canonicalize(from).map_err(|source| self.write_error(name, source))?;
             fs::hard_link(&from, &path).map_err(|source| match source.kind() {
                 io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk {
                     from,
                     to: self.place.join(name),
                 },
-                _ => failed(source),
+                _ => self.write_error(name, source),
             })?;
         } else {
-            fs::copy(from, &path).map_err(failed)?;
+            fs::copy(from, &path).map_err(|source| self.write_error(name, source))?;
         }
         let hash = sha256_of_file(&path)?;
         Ok(self.note(name, hash))

@@ -59,6 +59,11 @@ impl PlannedFrame {
     const fn takes_picture(&self) -> bool {
         self.picture.is_some() || self.undistorted.is_some()
     }
+
+    /// How many pictures of it the dataset gets.
+    pub(super) fn num_pictures(&self) -> usize {
+        usize::from(self.picture.is_some()) + usize::from(self.undistorted.is_some())
+    }
 }
 
 impl Source {
@@ -83,13 +88,7 @@ impl DatasetPlan {
     /// How many frames each split holds, in order; without splits the first holds all.
     #[must_use]
     pub fn counts(&self) -> [usize; 3] {
-        let of = |wanted: Split| {
-            self.frames
-                .iter()
-                .filter(|frame| frame.split.unwrap_or(Split::Train) == wanted)
-                .count()
-        };
-        Split::ALL.map(of)
+        count_by_split(self.frames.iter())
     }
 
     /// How many frames have a label of each origin.
@@ -114,11 +113,17 @@ impl DatasetPlan {
     /// The number of pictures that are written.
     #[must_use]
     pub fn pictures(&self) -> usize {
-        let of = |frame: &PlannedFrame| {
-            usize::from(frame.picture.is_some()) + usize::from(frame.undistorted.is_some())
-        };
-        self.frames.iter().map(of).sum()
+        self.frames.iter().map(PlannedFrame::num_pictures).sum()
     }
+}
+
+/// How many frames each split has, in order. A frame without a split counts for the first.
+pub(super) fn count_by_split<'a>(frames: impl Iterator<Item = &'a PlannedFrame>) -> [usize; 3] {
+    let mut counts = [0; 3];
+    for frame in frames {
+        counts[frame.split.unwrap_or(Split::Train) as usize] += 1;
+    }
+    counts
 }
 
 /// Plans a dataset: its frames, the names of their pictures, and its size.
@@ -159,21 +164,22 @@ pub fn plan_dataset(
         }
     }
     if frames.is_empty() {
-        let none_chosen = || "none has the requested status, camera and confidence".to_owned();
-        let why = left_out
-            .first()
-            .map(|(frame, why)| format!("{frame}: {why} ({} frames in all)", left_out.len()));
-        return Err(ExchangeError::EmptyDataset {
-            why: why.unwrap_or_else(none_chosen),
-        });
+        let why = match left_out.as_slice() {
+            [] => "none has the requested status, camera and confidence".to_owned(),
+            [(frame, why), ..] => format!("{frame}: {why} ({} frames in all)", left_out.len()),
+        };
+        return Err(ExchangeError::EmptyDataset { why });
     }
     if let Some(splitting) = options.splitting {
         let of: Vec<&Frame> = frames.iter().map(|(frame, _)| *frame).collect();
         for ((_, planned), part) in frames.iter_mut().zip(split(&of, splitting)) {
             planned.split = Some(part);
-            let below = |name: &String| format!("{part}/{name}");
-            planned.picture = planned.picture.as_ref().map(below);
-            planned.undistorted = planned.undistorted.as_ref().map(below);
+            for name in [&mut planned.picture, &mut planned.undistorted]
+                .into_iter()
+                .flatten()
+            {
+                *name = format!("{part}/{name}");
+            }
         }
     }
     for (_, planned) in &mut frames {
@@ -253,15 +259,15 @@ fn source_of(
     frame: &Frame,
     options: &DatasetOptions,
 ) -> Result<Source, String> {
-    let picture = || frame.picture_source(at.folder).ok_or("it has no picture");
+    let picture = frame.picture_source(at.folder).ok_or("it has no picture");
     let source = match (&frame.video, options.pictures) {
         (Some(video), Pictures::Extracted) => {
             let index =
                 usize::try_from(video.frame_index).map_err(|_| "its number is too large")?;
             Source::Decoded(FrameRef::video(video.file_path(at.folder), index))
         }
-        (_, Pictures::Extracted) => Source::Decoded(picture()?),
-        _ => match picture()? {
+        (_, Pictures::Extracted) => Source::Decoded(picture?),
+        _ => match picture? {
             FrameRef::Image(path) => Source::File(path.to_path_buf()),
             video @ FrameRef::Video { .. } => Source::Decoded(video),
         },

@@ -41,20 +41,17 @@ impl fmt::Display for Split {
 
 /// The match of a frame, as far as the document shows it: its video, else the folder of its image.
 pub fn match_of(frame: &Frame) -> String {
-    let folder = || {
-        let image = frame
-            .image
-            .as_deref()
-            .unwrap_or_default()
-            .replace('\\', "/");
-        image
-            .rsplit_once('/')
-            .map_or_else(String::new, |(folder, _)| folder.to_owned())
-    };
-    frame
-        .video
-        .as_ref()
-        .map_or_else(folder, |video| video.path.clone())
+    if let Some(video) = &frame.video {
+        return video.path.clone();
+    }
+    let image = frame
+        .image
+        .as_deref()
+        .unwrap_or_default()
+        .replace('\\', "/");
+    image
+        .rsplit_once('/')
+        .map_or_else(String::new, |(folder, _)| folder.to_owned())
 }
 
 /// The key of a frame's group; groups are never divided.
@@ -96,24 +93,27 @@ pub fn split(frames: &[&Frame], splitting: Splitting) -> Vec<Split> {
     let wanted = splitting
         .shares
         .map(|share| f64::from(share) / all.max(1.0) * frames.len() as f64);
-    let mut held = [0.0; 3];
+    let mut assigned = [0.0; 3];
     let mut of_frame = vec![Split::Train; frames.len()];
     for (_, members) in shuffled {
-        let is_wanted = |split: &usize| splitting.shares[*split] > 0;
-        let empty = (0..3).find(|split| is_wanted(split) && held[*split] == 0.0);
-        let missing = |split: usize| wanted[split] - held[split];
-        let neediest = || {
-            (0..3)
-                .filter(is_wanted)
-                .max_by(|a, b| missing(*a).total_cmp(&missing(*b)))
-        };
-        let to = empty.or_else(neediest).unwrap_or(0);
-        held[to] += members.len() as f64;
+        let to = next_split(splitting.shares, wanted, assigned);
+        assigned[to] += members.len() as f64;
         for member in members {
             of_frame[member] = Split::ALL[to];
         }
     }
     of_frame
+}
+
+/// The split of the next group: the first of those with a share that has no frame yet, else the one
+/// that lacks most frames.
+fn next_split(shares: [u32; 3], wanted: [f64; 3], assigned: [f64; 3]) -> usize {
+    let with_share = (0..Split::ALL.len()).filter(|split| shares[*split] > 0);
+    let empty = with_share.clone().find(|split| assigned[*split] == 0.0);
+    let missing = [0, 1, 2].map(|split: usize| wanted[split] - assigned[split]);
+    empty
+        .or_else(|| with_share.max_by(|a, b| missing[*a].total_cmp(&missing[*b])))
+        .unwrap_or(0)
 }
 
 /// The sort key of a group in the shuffled order: a hash of seed and group, so that added groups do

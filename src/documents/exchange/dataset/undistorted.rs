@@ -2,7 +2,7 @@
 
 use crate::document::{Camera, Document, Frame};
 use rayon::prelude::*;
-use touchline_core::camera::PtzCamera;
+use touchline_core::camera::{PtzCamera, Radial};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 use touchline_vision::media::{MediaError, Picture};
 
@@ -13,59 +13,68 @@ use touchline_vision::media::{MediaError, Picture};
 /// The size of the picture cannot be addressed.
 pub fn undistort_picture(picture: &Picture, camera: &PtzCamera) -> Result<Picture, MediaError> {
     let size = picture.size();
-    let (focal_px, principal_point, lens) = (
-        camera.ptz().focal_px,
-        camera.base().principal_point,
-        camera.lens(),
-    );
-    let fold = lens.fold_radius_squared();
-    let row = |y: u32| {
-        (0..size.width).flat_map(move |x| {
-            // Inverse mapping: distort the ideal point of each pixel of the result and sample the
-            // picture there. The forward direction of the lens model is closed-form.
-            let pixel = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let ideal: Vec2 = pixel.offset_from(principal_point) / focal_px;
-            let radius_squared = ideal.norm_squared();
-            if radius_squared >= fold {
-                return [0, 0, 0, 255];
-            }
-            let distorted = ideal * lens.stretch(radius_squared) * focal_px;
-            sample(
-                picture,
-                size,
-                ImagePoint::new(
-                    principal_point.x + distorted.x,
-                    principal_point.y + distorted.y,
-                ),
-            )
-        })
+    let lens = camera.lens();
+    let distorted = &DistortedPicture {
+        picture,
+        focal_px: camera.ptz().focal_px,
+        principal_point: camera.base().principal_point,
+        lens,
+        fold_radius_squared: lens.fold_radius_squared(),
     };
     let rgba: Vec<u8> = (0..size.height)
         .into_par_iter()
-        .flat_map_iter(row)
+        .flat_map_iter(|y| (0..size.width).flat_map(move |x| distorted.undistorted_pixel(x, y)))
         .collect();
     Picture::new(size, rgba)
 }
 
+/// The colour of pixels that the distorted picture does not show.
+const BLACK: [u8; 4] = [0, 0, 0, 255];
+
+/// A picture and the lens that it was taken with.
+struct DistortedPicture<'a> {
+    picture: &'a Picture,
+    focal_px: f64,
+    principal_point: ImagePoint,
+    lens: Radial,
+    /// The squared radius, on normalised coordinates, from which on the lens model folds back.
+    fold_radius_squared: f64,
+}
+
+impl DistortedPicture<'_> {
+    /// The colour of a pixel of the picture without distortion.
+    fn undistorted_pixel(&self, x: u32, y: u32) -> [u8; 4] {
+        // Inverse mapping: distort the ideal point of each pixel of the result and sample the
+        // picture there. The forward direction of the lens model is closed-form.
+        let pixel = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let ideal: Vec2 = pixel.offset_from(self.principal_point) / self.focal_px;
+        let radius_squared = ideal.norm_squared();
+        if radius_squared >= self.fold_radius_squared {
+            return BLACK;
+        }
+        let distorted = ideal * self.lens.stretch(radius_squared) * self.focal_px;
+        let at = ImagePoint::new(
+            self.principal_point.x + distorted.x,
+            self.principal_point.y + distorted.y,
+        );
+        sample(self.picture, at)
+    }
+}
+
 /// The colour at a point, interpolated bilinearly between the four nearest pixel centres; black
 /// outside the picture.
-fn sample(picture: &Picture, size: ImageSize, at: ImagePoint) -> [u8; 4] {
-    if !size.contains(at) {
-        return [0, 0, 0, 255];
+fn sample(picture: &Picture, at: ImagePoint) -> [u8; 4] {
+    if !picture.size().contains(at) {
+        return BLACK;
     }
     let (x, y) = (at.x - 0.5, at.y - 0.5);
     let (left, top) = (x.floor(), y.floor());
     let (to_right, to_below) = (x - left, y - top);
-    let colour = |column: f64, row: f64| {
-        let column = column.clamp(0.0, f64::from(size.width - 1)) as u32;
-        let row = row.clamp(0.0, f64::from(size.height - 1)) as u32;
-        picture.pixel(column, row).unwrap_or([0, 0, 0, 255])
-    };
     let corners = [
-        colour(left, top),
-        colour(left + 1.0, top),
-        colour(left, top + 1.0),
-        colour(left + 1.0, top + 1.0),
+        nearest_colour(picture, left, top),
+        nearest_colour(picture, left + 1.0, top),
+        nearest_colour(picture, left, top + 1.0),
+        nearest_colour(picture, left + 1.0, top + 1.0),
     ];
     std::array::from_fn(|channel| {
         let [a, b, c, d] = corners.map(|corner| f64::from(corner[channel]));
@@ -73,6 +82,14 @@ fn sample(picture: &Picture, size: ImageSize, at: ImagePoint) -> [u8; 4] {
         let below = c + (d - c) * to_right;
         (above + (below - above) * to_below).round() as u8
     })
+}
+
+/// The colour of a pixel; beyond an edge of the picture, that of the pixel at the edge.
+fn nearest_colour(picture: &Picture, column: f64, row: f64) -> [u8; 4] {
+    let ImageSize { width, height } = picture.size();
+    let column = column.clamp(0.0, f64::from(width - 1)) as u32;
+    let row = row.clamp(0.0, f64::from(height - 1)) as u32;
+    picture.pixel(column, row).unwrap_or(BLACK)
 }
 
 /// A document in the pixels of undistorted pictures: without a lens and with clicks undistorted.
@@ -102,16 +119,12 @@ pub fn undistort_document(document: &Document) -> Document {
     plain
 }
 
+/// Moves a frame's clicks to the undistorted picture and removes what has no place there.
 fn straighten(frame: &mut Frame, camera: &PtzCamera) {
-    let straight = |point: ImagePoint| {
-        let ideal = camera.cam_plane_from_image(point).ok()? * camera.ptz().focal_px;
-        let centre = camera.base().principal_point;
-        Some(ImagePoint::new(centre.x + ideal.x, centre.y + ideal.y))
-    };
     let is_shown = frame
         .clicks
         .iter()
-        .all(|click| straight(click.image).is_some());
+        .all(|click| undistort_point(click.image, camera).is_some());
     if !is_shown && let Some(solution) = &mut frame.solution {
         // Indices of clicks are no longer valid.
         solution.disputed.clear();
@@ -121,7 +134,7 @@ fn straighten(frame: &mut Frame, camera: &PtzCamera) {
         }
     }
     frame.clicks.retain_mut(|click| {
-        straight(click.image)
+        undistort_point(click.image, camera)
             .map(|point| click.image = point)
             .is_some()
     });
@@ -130,6 +143,13 @@ fn straighten(frame: &mut Frame, camera: &PtzCamera) {
     if let Some(ptz) = &mut frame.ptz {
         (ptz.k1, ptz.k2) = (None, None);
     }
+}
+
+/// The place of a point in the undistorted picture, px; none where the lens model has no inverse.
+fn undistort_point(point: ImagePoint, camera: &PtzCamera) -> Option<ImagePoint> {
+    let ideal = camera.cam_plane_from_image(point).ok()? * camera.ptz().focal_px;
+    let centre = camera.base().principal_point;
+    Some(ImagePoint::new(centre.x + ideal.x, centre.y + ideal.y))
 }
 
 #[cfg(test)]

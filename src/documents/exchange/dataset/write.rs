@@ -7,7 +7,7 @@ use super::frames_table::frames_table;
 use super::old_dataset::{DOCUMENT, MANIFEST, OldDataset};
 use super::options::{DatasetOptions, Pictures};
 use super::pictures::{Folder, encode_picture};
-use super::plan::{DatasetPlan, PlannedFrame, Source, other_size};
+use super::plan::{DatasetPlan, PlannedFrame, Source, count_by_split, other_size};
 use super::split::Split;
 use super::templates::with_templates;
 use super::undistorted::{undistort_document, undistort_picture};
@@ -58,11 +58,11 @@ pub fn write_dataset(
     refuse_other_files(folder, &|name, path| {
         ALWAYS_WRITTEN.contains(&name) || pictures.contains(name) || old.wrote(name, path)
     })?;
-    let failed = |source| ExchangeError::Write {
-        path: folder.clone(),
-        source,
-    };
-    let temporary = temporary_folder_in(folder_of(folder)).map_err(failed)?;
+    let temporary =
+        temporary_folder_in(folder_of(folder)).map_err(|source| ExchangeError::Write {
+            path: folder.clone(),
+            source,
+        })?;
     let mut files = Folder::new(temporary.path(), folder);
     let mut written = Written {
         of_frame: BTreeMap::new(),
@@ -154,11 +154,7 @@ pub fn write_dataset(
     let done = DatasetDone {
         frames: kept.len(),
         pictures: written.pictures,
-        counts: Split::ALL.map(|split| {
-            kept.iter()
-                .filter(|frame| frame.split.unwrap_or(Split::Train) == split)
-                .count()
-        }),
+        counts: count_by_split(kept.iter().copied()),
         left_out: written.left_out,
     };
     let card = card(&Card {
@@ -210,8 +206,7 @@ impl Written {
         };
         match write_pictures(at, planned, frame, options, reader, files)? {
             Ok(hashes) => {
-                self.pictures += usize::from(planned.picture.is_some())
-                    + usize::from(planned.undistorted.is_some());
+                self.pictures += planned.num_pictures();
                 self.of_frame.insert(planned.id.clone(), hashes);
             }
             Err(why) => self.left_out.push((planned.name.clone(), why)),
@@ -314,18 +309,17 @@ fn read(
 fn chosen(document: &Document, frames: &BTreeMap<FrameId, Hashes>) -> Document {
     let mut chosen = document.clone();
     chosen.frames.retain(|frame| frames.contains_key(&frame.id));
-    let is_used =
-        |id: &crate::document::CameraId| chosen.frames.iter().any(|frame| frame.camera == *id);
-    chosen.cameras.retain(|camera| is_used(&camera.id));
+    chosen
+        .cameras
+        .retain(|camera| chosen.frames.iter().any(|frame| frame.camera == camera.id));
     // A plain number refers to the first video of the document.
     let keeps_first_video = first_video(&chosen) == first_video(document);
-    let is_there = |end: &ShotEnd| match end {
-        ShotEnd::Frame(id) => frames.contains_key(id),
-        ShotEnd::VideoFrame(_) => keeps_first_video,
-    };
-    chosen
-        .shots
-        .retain(|shot: &Shot| is_there(&shot.from) && is_there(&shot.to));
+    chosen.shots.retain(|shot: &Shot| {
+        [&shot.from, &shot.to].into_iter().all(|end| match end {
+            ShotEnd::Frame(id) => frames.contains_key(id),
+            ShotEnd::VideoFrame(_) => keeps_first_video,
+        })
+    });
     chosen
 }
 

@@ -145,21 +145,28 @@ impl CameraFormat for Fifa {
                 .to_string_lossy();
             let video = format!("{stem}.mp4");
             let size = options.size.unwrap_or(SET_SIZE);
-            let frame = |index: usize| {
-                let shown = sequence
-                    .projection(index)
-                    .map_err(|problem| problem.at_frame(index))?;
-                Ok(FrameCamera {
-                    video: Some(video.clone()),
-                    frame_index: Some(index as u64),
-                    ..FrameCamera::new(&name_of(&video, index), Some(size), shown)
-                })
-            };
             (0..sequence.frames)
-                .map(frame)
+                .map(|index| read_frame(&sequence, index, &video, size))
                 .collect::<Result<Vec<_>, Problem>>()
         })
     }
+}
+
+/// A frame of a file; `video` is the file name of the video that it belongs to.
+fn read_frame(
+    sequence: &Sequence,
+    index: usize,
+    video: &str,
+    size: ImageSize,
+) -> Result<FrameCamera, Problem> {
+    let shown = sequence
+        .projection(index)
+        .map_err(|problem| problem.at_frame(index))?;
+    Ok(FrameCamera {
+        video: Some(video.to_owned()),
+        frame_index: Some(index as u64),
+        ..FrameCamera::new(&name_of(video, index), Some(size), shown)
+    })
 }
 
 #[cfg(test)]

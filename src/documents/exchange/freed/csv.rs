@@ -114,24 +114,28 @@ impl CameraFormat for FreeDCsv {
         files.read_all(|_, bytes| {
             let table = Table::read(bytes)?;
             table.needs(&COLUMNS[4..11])?;
-            let frame = |row| {
+            let mut frames = Vec::new();
+            for row in table.rows() {
+                frames.push(read_row(row, reading, &format!("{count:06}"))?);
                 count += 1;
-                read_row(row, reading, &format!("{:06}", count - 1))
-            };
-            table.rows().map(frame).collect::<Result<Vec<_>, _>>()
+            }
+            Ok(frames)
         })
     }
 }
 
 fn read_row(row: Row<'_>, reading: Reading<'_>, name: &str) -> Result<FrameCamera, Problem> {
-    let place = |column| row.number(column).map(|mm| mm / 1000.0);
     let sample = Sample {
         angles_deg: [
             row.number("pan_deg")?,
             row.number("tilt_deg")?,
             row.number("roll_deg")?,
         ],
-        position_m: Vec3::new(place("x_mm")?, place("y_mm")?, place("height_mm")?),
+        position_m: Vec3::new(
+            row.number("x_mm")? / 1000.0,
+            row.number("y_mm")? / 1000.0,
+            row.number("height_mm")? / 1000.0,
+        ),
         zoom_raw: row.number("zoom_raw")?,
     };
     let pinhole = sample

@@ -33,26 +33,34 @@ struct Reading<'a> {
 
 impl<'a> Reading<'a> {
     fn from_options(options: &'a ImportOptions, format: Format) -> Result<Self, ExchangeError> {
-        let needed = |what, option| ExchangeError::OptionNeeded {
-            format,
-            what,
-            option,
-        };
-        let size = options
-            .size
-            .ok_or_else(|| needed("the size of its pictures", "--size WIDTHxHEIGHT"))?;
+        let size = options.size.ok_or_else(|| {
+            option_needed(format, "the size of its pictures", "--size WIDTHxHEIGHT")
+        })?;
         let zoom = options
             .zoom
             .as_ref()
-            .ok_or_else(|| needed("what its zoom value means", "--zoom"))?;
+            .ok_or_else(|| option_needed(format, "what its zoom value means", "--zoom"))?;
         if *zoom == Zoom::FocalMmX100 && options.sensor_width_mm.is_none() {
-            return Err(needed("how wide the sensor is", "--sensor-mm"));
+            return Err(option_needed(
+                format,
+                "how wide the sensor is",
+                "--sensor-mm",
+            ));
         }
         Ok(Self {
             size,
             zoom,
             sensor_mm: options.sensor_width_mm,
         })
+    }
+}
+
+/// The error that the user must state something.
+fn option_needed(format: Format, what: &'static str, option: &'static str) -> ExchangeError {
+    ExchangeError::OptionNeeded {
+        format,
+        what,
+        option,
     }
 }
 
@@ -78,33 +86,48 @@ fn hold(
     ))
 }
 
+/// The numbers of the packets of frames, which must have pictures of one size.
 fn samples(
     held: &[FrameCamera],
     context: &WriteContext<'_>,
     format: Format,
 ) -> Result<Vec<Sample>, ExchangeError> {
-    let one = |frame: &FrameCamera| {
-        let sample = parts(frame).and_then(|(pinhole, size)| {
-            if Some(size) != held.first().and_then(|first| first.size) {
-                return Err(
-                    "its picture size differs from the first one's; export one camera at a time"
-                        .to_owned(),
-                );
-            }
-            Sample::from_pinhole(
-                &pinhole,
-                size,
-                &context.options.zoom,
-                context.options.sensor_width_mm,
-            )
-        });
-        sample.map_err(|why| ExchangeError::CannotHold {
-            frame: frame.name.clone(),
-            format,
-            why,
+    let first_size = held.first().and_then(|first| first.size);
+    held.iter()
+        .map(|frame| {
+            sample_from_frame(frame, first_size, context)
+                .map_err(|why| cannot_hold(frame, format, why))
         })
-    };
-    held.iter().map(one).collect()
+        .collect()
+}
+
+/// The numbers of the packet of a frame, or why there are none.
+fn sample_from_frame(
+    frame: &FrameCamera,
+    first_size: Option<ImageSize>,
+    context: &WriteContext<'_>,
+) -> Result<Sample, String> {
+    let (pinhole, size) = parts(frame)?;
+    if Some(size) != first_size {
+        return Err(
+            "its picture size differs from the first one's; export one camera at a time".to_owned(),
+        );
+    }
+    Sample::from_pinhole(
+        &pinhole,
+        size,
+        &context.options.zoom,
+        context.options.sensor_width_mm,
+    )
+}
+
+/// The error that the packets cannot represent a frame.
+fn cannot_hold(frame: &FrameCamera, format: Format, why: String) -> ExchangeError {
+    ExchangeError::CannotHold {
+        frame: frame.name.clone(),
+        format,
+        why,
+    }
 }
 
 fn zoom_note(context: &WriteContext<'_>) -> String {

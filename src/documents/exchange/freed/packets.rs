@@ -1,7 +1,7 @@
 //! The stream: packets, back to back.
 
 use super::sample::{PACKET, Sample};
-use super::{Reading, hold, samples, second_camera_note, zoom_note};
+use super::{Reading, cannot_hold, hold, samples, second_camera_note, zoom_note};
 use crate::exchange::camera_format::{CameraFormat, EXACT_PX, WriteContext, has_ending};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, refuse_archive};
@@ -51,12 +51,8 @@ impl CameraFormat for FreeD {
     ) -> Result<Files, ExchangeError> {
         let mut bytes = Vec::with_capacity(PACKET * held.len());
         for (sample, frame) in samples(held, context, Format::FreeD)?.into_iter().zip(held) {
-            let cannot = |why| ExchangeError::CannotHold {
-                frame: frame.name.clone(),
-                format: Format::FreeD,
-                why,
-            };
-            bytes.extend(sample.packet().map_err(cannot)?);
+            let packet = sample.packet();
+            bytes.extend(packet.map_err(|why| cannot_hold(frame, Format::FreeD, why))?);
         }
         Ok(Files::one("camera.freed", bytes))
     }
@@ -91,22 +87,20 @@ impl CameraFormat for FreeD {
                 return Err(Problem::Empty);
             }
             refuse_archive(bytes)?;
-            let frame = |(index, packet): (usize, &[u8])| {
-                let pinhole =
-                    Sample::from_packet(packet).and_then(|sample| sample.pinhole(reading));
-                let pinhole = pinhole.map_err(|problem| problem.at_packet(index + 1))?;
-                count += 1;
-                Ok(FrameCamera::new(
-                    &format!("{:06}", count - 1),
+            let mut frames = Vec::with_capacity(bytes.len() / PACKET);
+            for (index, packet) in bytes.chunks(PACKET).enumerate() {
+                let pinhole = Sample::from_packet(packet)
+                    .and_then(|sample| sample.pinhole(reading))
+                    .map_err(|problem| problem.at_packet(index + 1))?;
+                let shown = Shown::Camera(pinhole);
+                frames.push(FrameCamera::new(
+                    &format!("{count:06}"),
                     Some(reading.size),
-                    Shown::Camera(pinhole),
-                ))
-            };
-            bytes
-                .chunks(PACKET)
-                .enumerate()
-                .map(frame)
-                .collect::<Result<Vec<_>, _>>()
+                    shown,
+                ));
+                count += 1;
+            }
+            Ok(frames)
         })
     }
 }

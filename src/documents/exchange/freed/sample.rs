@@ -89,35 +89,48 @@ impl Sample {
     }
 
     pub(super) fn from_packet(packet: &[u8]) -> Result<Self, Problem> {
-        let wrong = |found: String| Problem::NotFormat {
-            wanted: "a FreeD D1 packet",
-            found,
-        };
         if packet.len() != PACKET {
-            return Err(wrong(format!("{} bytes are left at the end", packet.len())));
+            return Err(not_a_packet(format!(
+                "{} bytes are left at the end",
+                packet.len()
+            )));
         }
         if packet[0] != D1 {
-            return Err(wrong(format!("it begins with {:#04x}", packet[0])));
+            return Err(not_a_packet(format!("it begins with {:#04x}", packet[0])));
         }
         let sum = checksum(packet);
         if sum != packet[PACKET - 1] {
-            return Err(wrong(format!(
+            return Err(not_a_packet(format!(
                 "the checksum is {:#04x}, not {sum:#04x}",
                 packet[PACKET - 1]
             )));
         }
-        // A big-endian signed number of 24 bits: shifted to the top of 32 bits and back, which
-        // extends the sign.
-        let signed = |at: usize| {
-            let [a, b, c] = [packet[at], packet[at + 1], packet[at + 2]];
-            f64::from(i32::from_be_bytes([a, b, c, 0]) >> 8)
-        };
+        let position = Vec3::new(
+            signed_24(packet, 11),
+            signed_24(packet, 14),
+            signed_24(packet, 17),
+        );
         Ok(Self {
-            angles_deg: [2, 5, 8].map(|at| signed(at) / PER_DEGREE),
-            position_m: Vec3::new(signed(11), signed(14), signed(17)) / PER_METRE,
+            angles_deg: [2, 5, 8].map(|at| signed_24(packet, at) / PER_DEGREE),
+            position_m: position / PER_METRE,
             zoom_raw: f64::from(u32::from_be_bytes([0, packet[20], packet[21], packet[22]])),
         })
     }
+}
+
+/// The error that bytes are no packet.
+fn not_a_packet(found: String) -> Problem {
+    Problem::NotFormat {
+        wanted: "a FreeD D1 packet",
+        found,
+    }
+}
+
+/// The big-endian signed number of 24 bits at a byte of a packet.
+fn signed_24(packet: &[u8], at: usize) -> f64 {
+    let [a, b, c] = [packet[at], packet[at + 1], packet[at + 2]];
+    // Shifted to the top of 32 bits and back, which extends the sign.
+    f64::from(i32::from_be_bytes([a, b, c, 0]) >> 8)
 }
 
 /// 0x40 less all bytes but the last.

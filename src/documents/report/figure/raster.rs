@@ -24,12 +24,9 @@ pub fn png_with_background(
     before: impl FnOnce(&mut RgbImage),
 ) -> Result<Vec<u8>, FigureError> {
     let typeface = Typeface::load()?;
-    let side = |length: f64| (length * SCALE).round().max(1.0) as u32;
-    let mut picture = RgbImage::from_pixel(
-        side(drawing.width),
-        side(drawing.height),
-        Pixel([255, 255, 255]),
-    );
+    let [width, height] =
+        [drawing.width, drawing.height].map(|side| (side * SCALE).round().max(1.0) as u32);
+    let mut picture = RgbImage::from_pixel(width, height, Pixel([255, 255, 255]));
     before(&mut picture);
     for shape in &drawing.shapes {
         draw(&mut picture, shape, &typeface);
@@ -68,13 +65,12 @@ fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
             let line = typeface.place_glyphs(text, *size, *anchor);
             let mut outlines = Vec::new();
             for glyph in &line.glyphs {
-                let place = |[x, y]: [f64; 2]| {
+                outlines.extend(curves(&typeface.outline(glyph.id), |[x, y]| {
                     let [x, y] = [glyph.x + x, y].map(|units| units * line.px_per_unit);
                     // Rotate by 90° anticlockwise: upright text runs from bottom to top.
                     let [x, y] = if *upright { [y, -x] } else { [x, y] };
                     to_pixels([at[0] + x, at[1] + y])
-                };
-                outlines.extend(curves(&typeface.outline(glyph.id), place));
+                }));
             }
             fill(picture, &outlines, [0, 0, 0]);
         }
@@ -114,12 +110,13 @@ fn polygon(points: &[[f64; 2]]) -> Vec<Piece> {
 }
 
 fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
-    let corner = |number: u32| {
-        let (sin, cos) =
-            (std::f64::consts::TAU * f64::from(number) / f64::from(CIRCLE_CORNERS)).sin_cos();
-        [x + radius * cos, y + radius * sin]
-    };
-    (0..CIRCLE_CORNERS).map(corner).collect()
+    (0..CIRCLE_CORNERS)
+        .map(|corner| {
+            let angle = std::f64::consts::TAU * f64::from(corner) / f64::from(CIRCLE_CORNERS);
+            let (sin, cos) = angle.sin_cos();
+            [x + radius * cos, y + radius * sin]
+        })
+        .collect()
 }
 
 /// The outline of a glyph in pixels. `place` maps a point of the glyph to the picture.

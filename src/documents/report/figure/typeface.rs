@@ -85,15 +85,16 @@ impl Typeface {
 
     /// The outline of a glyph; empty for a space.
     pub fn outline(&self, glyph: GlyphId) -> Vec<Stroke> {
-        let at = |point: Point| [f64::from(point.x), -f64::from(point.y)];
         let curves = self.font.outline(glyph).map(|outline| outline.curves);
         let mut strokes = Vec::new();
         let mut end = None;
         for curve in curves.unwrap_or_default() {
             let (from, stroke, to) = match curve {
-                OutlineCurve::Line(a, b) => (a, Stroke::Line(at(b)), b),
-                OutlineCurve::Quad(a, b, c) => (a, Stroke::Quad(at(b), at(c)), c),
-                OutlineCurve::Cubic(a, b, c, d) => (a, Stroke::Cubic(at(b), at(c), at(d)), d),
+                OutlineCurve::Line(a, b) => (a, Stroke::Line(flip_y(b)), b),
+                OutlineCurve::Quad(a, b, c) => (a, Stroke::Quad(flip_y(b), flip_y(c)), c),
+                OutlineCurve::Cubic(a, b, c, d) => {
+                    (a, Stroke::Cubic(flip_y(b), flip_y(c), flip_y(d)), d)
+                }
             };
             // The font's contours are closed by a line, which often has no length.
             if matches!(stroke, Stroke::Line(_)) && from == to {
@@ -101,13 +102,18 @@ impl Typeface {
             }
             // A curve that does not start where the last one ended begins a new contour.
             if end != Some(from) {
-                strokes.push(Stroke::Begin(at(from)));
+                strokes.push(Stroke::Begin(flip_y(from)));
             }
             strokes.push(stroke);
             end = Some(to);
         }
         strokes
     }
+}
+
+/// A point of the font, where y is up, as a figure has it.
+fn flip_y(point: Point) -> [f64; 2] {
+    [f64::from(point.x), -f64::from(point.y)]
 }
 
 #[cfg(test)]

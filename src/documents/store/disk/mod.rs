@@ -19,7 +19,7 @@ pub use unopened::{refuse_open, write_document};
 use super::atomic::{copy_aside, keep_backup, set_aside, write_unless_replaced};
 use super::history_file;
 use super::journal::{DocumentHash, Journal, JournalContent, hash_of};
-use super::lock::{Lock, lock};
+use super::lock::{Lock, lock_or_fail};
 use super::own_version::OwnVersion;
 use super::{Location, StoreError, calls};
 use crate::document::{Document, History, document_to_string};
@@ -73,15 +73,11 @@ impl Store {
     /// # Errors
     /// Another program has it open, or it cannot be written.
     pub fn replace(location: &Location, document: &Document) -> Result<Self, StoreError> {
-        let read_only = |reason| StoreError::ReadOnly {
-            path: location.file().to_path_buf(),
-            reason,
-        };
-        let lock = lock(location).map_err(read_only)?;
+        let lock = lock_or_fail(location)?;
         let path = location.journal();
-        let io = |source| StoreError::from_io("write", &path, source);
         set_orphan_aside(&path)?;
-        let journal = Journal::open(&path, 0).map_err(io)?;
+        let journal = Journal::open(&path, 0)
+            .map_err(|source| StoreError::from_io("write", &path, source))?;
         let mut store = Self::begun(location.clone(), journal, None, lock);
         let on_disk = store.hash_on_disk()?;
         store.write(document, None, on_disk.as_ref())?;
@@ -264,15 +260,10 @@ impl Store {
     /// was written. On a full disk, the history file is removed to make room.
     fn write_text(&self, text: &str, is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
         let path = self.location.file();
-        let is_full = |error: &io::Error| {
-            matches!(
-                error.kind(),
-                io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded
-            )
-        };
         match write_unless_replaced(path, text.as_bytes(), is_replaced) {
             Err(error)
-                if is_full(&error) && history_file::remove(&self.location.history()).is_ok() =>
+                if is_disk_full(&error)
+                    && history_file::remove(&self.location.history()).is_ok() =>
             {
                 write_unless_replaced(path, text.as_bytes(), is_replaced)
             }
@@ -293,11 +284,7 @@ impl Store {
             });
         }
         if !self.lock.is_in_place() {
-            let read_only = |reason| StoreError::ReadOnly {
-                path: self.location.file().to_path_buf(),
-                reason,
-            };
-            self.lock = lock(&self.location).map_err(read_only)?;
+            self.lock = lock_or_fail(&self.location)?;
         }
         let path = self.location.journal();
         // The edits of the deleted journal are in memory only, so the next write must be a whole
@@ -339,6 +326,14 @@ impl Drop for Store {
             log::warn!("{}: {error}", path.display());
         }
     }
+}
+
+/// Whether a write failed because there is no room.
+fn is_disk_full(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded
+    )
 }
 
 /// Moves a journal away if it contains edits; they belong to a document that is no longer here.

@@ -1,7 +1,6 @@
 //! What opening a document recovered from its journal, and the report of it to the user.
 
 use crate::store::history_file::HistoryLeftOut;
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// What was recovered from a journal when a document was opened.
@@ -35,20 +34,17 @@ impl Recovery {
     /// The report to the user, in a few sentences; none if there is nothing to report.
     #[must_use]
     pub fn message(&self) -> Option<String> {
-        let mut text = match &self.edits[..] {
-            [] => String::new(),
-            [one] => format!("Recovered 1 edit: {one}."),
-            [.., last] => format!(
+        let mut sentences = Vec::new();
+        match &self.edits[..] {
+            [] => {}
+            [one] => sentences.push(format!("Recovered 1 edit: {one}.")),
+            [.., last] => sentences.push(format!(
                 "Recovered {} edits, the last one: {last}.",
                 self.edits.len()
-            ),
-        };
-        let mut say = |sentence: std::fmt::Arguments| {
-            text.push_str(if text.is_empty() { "" } else { " " });
-            let _ = text.write_fmt(sentence);
-        };
+            )),
+        }
         if self.lost_bytes > 0 {
-            say(format_args!(
+            sentences.push(format!(
                 "The journal is incomplete: its last {} bytes are unreadable.",
                 self.lost_bytes
             ));
@@ -59,7 +55,7 @@ impl Recovery {
                 1 => "it and 1 edit after it are".to_owned(),
                 others => format!("it and {others} edits after it are"),
             };
-            say(format_args!(
+            sentences.push(format!(
                 "The edit {name:?} does not apply to the document: {others} left out."
             ));
         }
@@ -69,19 +65,19 @@ impl Recovery {
             } else {
                 "edits are"
             };
-            say(format_args!(
+            sentences.push(format!(
                 "Another program changed the document: {} {edits} not in it.",
                 self.foreign_edits
             ));
         }
         if let Some(path) = &self.set_aside {
-            say(format_args!("The journal is kept as {}.", path.display()));
+            sentences.push(format!("The journal is kept as {}.", path.display()));
         }
         if let Some(left_out) = &self.history {
-            say(format_args!(
+            sentences.push(format!(
                 "Steps of earlier sessions cannot be undone: {left_out}."
             ));
         }
-        (!text.is_empty()).then_some(text)
+        (!sentences.is_empty()).then(|| sentences.join(" "))
     }
 }

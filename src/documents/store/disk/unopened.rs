@@ -6,7 +6,7 @@ use crate::document::{Document, document_to_string};
 use crate::store::atomic::{
     is_pipe_or_device, keep_backup, write_atomically, write_new, write_output,
 };
-use crate::store::lock::lock;
+use crate::store::lock::lock_or_fail;
 use crate::store::{Location, StoreError};
 use std::io;
 use std::path::Path;
@@ -70,9 +70,5 @@ pub fn refuse_open(path: &Path) -> Result<(), StoreError> {
     if !location.lock().exists() {
         return Ok(());
     }
-    let read_only = |reason| StoreError::ReadOnly {
-        path: location.file().to_path_buf(),
-        reason,
-    };
-    lock(&location).map(drop).map_err(read_only)
+    lock_or_fail(&location).map(drop)
 }

@@ -155,13 +155,12 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
 
 /// The size of pictures, px.
 fn size(ui: &mut Ui, size: &mut Option<ImageSize>, tip: &str) {
-    let text = |size: &ImageSize| format!("{} × {}", size.width, size.height);
     let typed = Typed {
         name: "Picture size",
         tip,
         example: "1920 × 1080",
         width: 120.0,
-        text,
+        text: |size: &ImageSize| format!("{} × {}", size.width, size.height),
         read: ImageSize::parse,
     };
     ui.horizontal(|ui| typed.show(ui, size));
@@ -183,11 +182,6 @@ fn rate(ui: &mut Ui, rate: &mut Option<Rate>) {
 
 /// The width of the sensor, mm.
 fn sensor(ui: &mut Ui, width_mm: &mut Option<f64>) {
-    let read = |text: &str| {
-        text.parse()
-            .ok()
-            .filter(|mm: &f64| (1.0..=100.0).contains(mm))
-    };
     let tip = "Of the camera, mm, where its panel does not know it: lengths in mm follow from it.";
     let typed = Typed {
         name: "Sensor width",
@@ -195,7 +189,10 @@ fn sensor(ui: &mut Ui, width_mm: &mut Option<f64>) {
         example: "9.59",
         width: 80.0,
         text: f64::to_string,
-        read,
+        read: |text: &str| {
+            let mm: Option<f64> = text.parse().ok();
+            mm.filter(|mm| (1.0..=100.0).contains(mm))
+        },
     };
     typed.show(ui, width_mm);
     ui.label("mm");
@@ -243,28 +240,25 @@ fn zoom(ui: &mut Ui, zoom: &mut Zoom) {
 
 /// The properties of a recording that the Common Data Format requires.
 fn recording(ui: &mut Ui, recording: &mut Recording) {
-    let any = |text: &str| Some(text.to_owned());
     ui.horizontal(|ui| {
         let tip = "The id that the other files about the match use.";
-        let (text, read) = (String::clone, any);
         Typed {
             name: "The match's id",
             tip,
             example: "2026-118",
             width: 150.0,
-            text,
-            read,
+            text: String::clone,
+            read: |text: &str| Some(text.to_owned()),
         }
         .show(ui, &mut recording.match_id);
-        let read = |text: &str| Recording::is_start(text).then(|| text.to_owned());
         let tip = "When the video begins, in UTC.";
         Typed {
             name: "Begins",
             tip,
             example: "2026-03-01T18:59:30Z",
             width: 190.0,
-            text,
-            read,
+            text: String::clone,
+            read: |text: &str| Recording::is_start(text).then(|| text.to_owned()),
         }
         .show(ui, &mut recording.start);
     });

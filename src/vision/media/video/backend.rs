@@ -59,18 +59,15 @@ impl DescribedVideo {
     /// # Errors
     /// The file is no video, or the backend is not available.
     pub fn new(path: &Path, backend: VideoBackend) -> Result<Self, MediaError> {
-        let missing = || MediaError::NoVideoSupport {
-            path: path.to_path_buf(),
-        };
         match backend {
             VideoBackend::Ffmpeg => {
-                ffmpeg().ok_or_else(missing)?;
+                ffmpeg().ok_or_else(|| MediaError::no_video_support(path))?;
                 Ok(Self::Ffmpeg(Stream::probe(path)?))
             }
             #[cfg(feature = "opencv-videoio")]
             VideoBackend::OpenCv => Ok(Self::OpenCv),
             #[cfg(not(feature = "opencv-videoio"))]
-            VideoBackend::OpenCv => Err(missing()),
+            VideoBackend::OpenCv => Err(MediaError::no_video_support(path)),
         }
     }
 

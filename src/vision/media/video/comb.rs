@@ -21,25 +21,26 @@ pub(super) fn is_combed(picture: &Picture) -> bool {
     );
     // Chroma of interlaced frames is subsampled by field; only the brightness shows the fields row
     // by row.
-    let rows = grey_reduced(picture, 1).values;
-    let grey = |x: usize, y: usize| i32::from(rows[y * width + x]);
-    // A pixel that is brighter, or darker, than both others.
-    let stands_out = |above: i32, at: i32, below: i32| {
-        let (up, down) = (at - above, at - below);
-        up.min(down) > STEP || up.max(down) < -STEP
-    };
+    let grey = grey_reduced(picture, 1);
     let (mut combed, mut detailed, mut count) = (0_u64, 0_u64, 0_u64);
     // Rows 1 apart are of different fields, rows 2 apart of the same one. Every third row covers
     // both fields.
     for y in (2..height.saturating_sub(2)).step_by(3) {
         for x in (0..width).step_by(2) {
-            let at = grey(x, y);
-            combed += u64::from(stands_out(grey(x, y - 1), at, grey(x, y + 1)));
-            detailed += u64::from(stands_out(grey(x, y - 2), at, grey(x, y + 2)));
+            let [two_above, above, at, below, two_below] =
+                [y - 2, y - 1, y, y + 1, y + 2].map(|y| i32::from(grey.pixel(x, y)));
+            combed += u64::from(stands_out(above, at, below));
+            detailed += u64::from(stands_out(two_above, at, two_below));
             count += 1;
         }
     }
     combed as f64 >= LEAST_SHARE * count as f64 && combed as f64 > OVER_DETAIL * detailed as f64
+}
+
+/// Whether a pixel is brighter, or darker, than both others.
+fn stands_out(above: i32, at: i32, below: i32) -> bool {
+    let (up, down) = (at - above, at - below);
+    up.min(down) > STEP || up.max(down) < -STEP
 }
 
 /// Interpolates a picture from the first field: its rows stay, each row between is the mean of its

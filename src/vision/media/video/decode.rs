@@ -39,9 +39,7 @@ impl Video {
         progress: &Progress<'_, CountProgress>,
     ) -> Result<Self, MediaError> {
         let backend = VideoBackend::available().next();
-        let backend = backend.ok_or_else(|| MediaError::NoVideoSupport {
-            path: path.to_path_buf(),
-        })?;
+        let backend = backend.ok_or_else(|| MediaError::no_video_support(path))?;
         Self::open_with(path, backend, progress)
     }
 
@@ -55,8 +53,9 @@ impl Video {
         backend: VideoBackend,
         progress: &Progress<'_, CountProgress>,
     ) -> Result<Self, MediaError> {
-        let survey = |progress: &Progress<'_, CountProgress>| survey(path, backend, progress);
-        let Survey { video, capture } = find_or_survey(path, backend, progress, survey)?;
+        let Survey { video, capture } = find_or_survey(path, backend, progress, |progress| {
+            survey(path, backend, progress)
+        })?;
         Ok(Self {
             player: Player {
                 capture,

@@ -110,9 +110,7 @@ impl FfmpegCapture {
     /// # Errors
     /// There is no `ffmpeg`.
     pub(super) fn open(path: &Path, stream: Stream, output: Output) -> Result<Self, MediaError> {
-        let program = ffmpeg().ok_or_else(|| MediaError::NoVideoSupport {
-            path: path.to_path_buf(),
-        })?;
+        let program = ffmpeg().ok_or_else(|| MediaError::no_video_support(path))?;
         let bytes = match output {
             Output::Pictures => byte_count(stream.stated.size).unwrap_or(0),
             Output::Times => DOT_BYTES,

@@ -62,21 +62,16 @@ impl Stream {
         let [mean, nominal] =
             ["avg_frame_rate", "r_frame_rate"].map(|name| stream(name).and_then(ratio));
         let fps = mean.or(nominal).unwrap_or(25.0);
-        let seconds = |text: Option<&str>| {
-            text.and_then(|text| text.parse::<f64>().ok())
-                .filter(|s| s.is_finite())
-        };
-        let duration_s =
-            seconds(stream("duration")).or_else(|| seconds(properties.file_property("duration")));
+        let duration_s = stream("duration")
+            .and_then(finite_number)
+            .or_else(|| properties.file_property("duration").and_then(finite_number));
         let counted = stream("nb_frames")
             .and_then(|count| count.parse().ok())
             .filter(|&count: &usize| count > 0);
         let frames = counted
             .or_else(|| duration_s.map(|duration_s| (duration_s * fps).round().max(0.0) as usize));
-        let starts_s = [
-            seconds(stream("start_time")),
-            seconds(properties.file_property("start_time")),
-        ];
+        let starts_s = [stream("start_time"), properties.file_property("start_time")]
+            .map(|text| text.and_then(finite_number));
         Some(Self {
             stated: StatedProperties {
                 size,
@@ -136,6 +131,11 @@ fn probe_command(entries: &str) -> Command {
         ])
         .args(["-show_entries", entries]);
     command
+}
+
+/// A number, unless it is infinite or NaN.
+fn finite_number(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
 /// The value of a ratio such as `30000/1001` or `4:3`; `None` if it is not positive.

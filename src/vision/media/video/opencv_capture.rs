@@ -166,7 +166,11 @@ impl Capture for OpenCvCapture {
 
 /// The properties that the container states, as reported by OpenCV.
 fn read_properties(inner: &VideoCapture) -> StatedProperties {
-    let side = |id| property(inner, id).max(0.0) as u32;
+    let [width, height] = [
+        videoio::CAP_PROP_FRAME_WIDTH,
+        videoio::CAP_PROP_FRAME_HEIGHT,
+    ]
+    .map(|id| property(inner, id).max(0.0) as u32);
     let fps = property(inner, videoio::CAP_PROP_FPS);
     let frames = property(inner, videoio::CAP_PROP_FRAME_COUNT);
     let (across, down) = (
@@ -174,10 +178,7 @@ fn read_properties(inner: &VideoCapture) -> StatedProperties {
         property(inner, videoio::CAP_PROP_SAR_DEN),
     );
     StatedProperties {
-        size: ImageSize::new(
-            side(videoio::CAP_PROP_FRAME_WIDTH),
-            side(videoio::CAP_PROP_FRAME_HEIGHT),
-        ),
+        size: ImageSize::new(width, height),
         rotation_deg: (property(inner, videoio::CAP_PROP_ORIENTATION_META) as i64).rem_euclid(360)
             as u32,
         fps: if fps.is_finite() && fps > 0.0 {

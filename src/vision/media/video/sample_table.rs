@@ -39,16 +39,11 @@ fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> 
         file.seek(SeekFrom::Start(at))?;
         let mut head = [0; WIDE as usize];
         file.read_exact(&mut head)?;
-        let number = |place: std::ops::Range<usize>| {
-            head[place]
-                .iter()
-                .fold(0, |all, byte| all << 8 | u64::from(*byte))
-        };
         // The length of a box is 32 bits; 0 means to the end of the file, 1 that 64 bits follow its
         // type.
-        let length = match number(0..4) {
+        let length = match big_endian(&head[..4]) {
             0 => bytes - at,
-            1 => number(8..16),
+            1 => big_endian(&head[8..16]),
             length => length,
         };
         if length < 8 || length > bytes - at {
@@ -74,6 +69,13 @@ fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> 
     Ok(kind_of_file
         .zip(index)
         .map(|(kind_of_file, index)| [kind_of_file, index].concat()))
+}
+
+/// The number that is stored in up to eight bytes, the most significant first.
+fn big_endian(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0, |all, byte| all << 8 | u64::from(*byte))
 }
 
 fn times_s(boxes: &[u8], file_bytes: u64) -> Option<Vec<f64>> {

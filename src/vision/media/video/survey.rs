@@ -240,10 +240,11 @@ fn is_uneven(info: &VideoInfo) -> bool {
     let before_cut = times_s
         .len()
         .saturating_sub(if is_cut_off { REORDERED_FRAMES } else { 0 });
-    let on_rate = |(index, time_s): (usize, &f64)| {
-        (time_s - times_s[0] - index as f64 / info.fps).abs() <= ROUNDED_S
-    };
-    !times_s.iter().enumerate().take(before_cut).all(on_rate)
+    !times_s
+        .iter()
+        .enumerate()
+        .take(before_cut)
+        .all(|(index, time_s)| (time_s - times_s[0] - index as f64 / info.fps).abs() <= ROUNDED_S)
 }
 
 /// The first frames of a video.

@@ -45,20 +45,19 @@ const TREE_BYTES: usize = 16;
 
 /// Appends a forest.
 pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
-    let number = |out: &mut Vec<u8>, value: u32| out.extend(value.to_le_bytes());
-    number(out, forest.trees.len() as u32);
+    write_u32(out, forest.trees.len() as u32);
     for tree in &forest.trees {
-        number(out, tree.root.0);
-        number(out, tree.nodes.len() as u32);
-        number(out, tree.leaf_ends.len() as u32);
-        number(out, tree.rays.len() as u32);
+        write_u32(out, tree.root.0);
+        write_u32(out, tree.nodes.len() as u32);
+        write_u32(out, tree.leaf_ends.len() as u32);
+        write_u32(out, tree.rays.len() as u32);
         for node in &tree.nodes {
             out.extend([node.dimension, node.threshold]);
-            number(out, node.branches[0].0);
-            number(out, node.branches[1].0);
+            write_u32(out, node.branches[0].0);
+            write_u32(out, node.branches[1].0);
         }
         for end in &tree.leaf_ends {
-            number(out, *end);
+            write_u32(out, *end);
         }
         for descriptor in &tree.descriptors {
             out.extend(descriptor.0);
@@ -67,9 +66,13 @@ pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
             for value in [ray.pan_tilt[0], ray.pan_tilt[1], ray.spread] {
                 out.extend(value.to_le_bytes());
             }
-            number(out, ray.samples);
+            write_u32(out, ray.samples);
         }
     }
+}
+
+fn write_u32(out: &mut Vec<u8>, value: u32) {
+    out.extend(value.to_le_bytes());
 }
 
 /// Reads bytes from the front, never beyond their end.

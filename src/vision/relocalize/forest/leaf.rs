@@ -19,13 +19,15 @@ pub(super) fn means(
     // can no longer match. The radius is a chord of the unit sphere. Equal values are ordered by
     // index, so the result is deterministic.
     let mut order = at.to_vec();
-    let ray = |sample: u32| samples.rays[sample as usize];
-    order.sort_unstable_by(|&a, &b| ray(a).x.total_cmp(&ray(b).x).then(a.cmp(&b)));
+    order.sort_unstable_by(|&a, &b| {
+        let by_x = samples.ray(a).x.total_cmp(&samples.ray(b).x);
+        by_x.then(a.cmp(&b))
+    });
     let chord = 2.0 * (merge_within.radians() / 2.0).sin();
     let mut places: Vec<(Vec3, Vec<u32>)> = Vec::new();
     let mut first_near = 0;
     for sample in order {
-        let at = ray(sample);
+        let at = samples.ray(sample);
         while places
             .get(first_near)
             .is_some_and(|(place, _)| at.x - place.x > chord)
@@ -55,7 +57,7 @@ fn mean(samples: &Samples, members: &[u32]) -> (Descriptor, MeanRay) {
         for (sum, &byte) in sums.iter_mut().zip(&samples.descriptors[sample as usize].0) {
             *sum += u32::from(byte);
         }
-        direction += samples.rays[sample as usize];
+        direction += samples.ray(sample);
     }
     // A single ray is kept exactly; normalising would round it.
     let mean = if count == 1 {
@@ -65,7 +67,7 @@ fn mean(samples: &Samples, members: &[u32]) -> (Descriptor, MeanRay) {
     };
     let squares: f64 = members
         .iter()
-        .map(|&sample| (samples.rays[sample as usize] - mean).norm_squared())
+        .map(|&sample| (samples.ray(sample) - mean).norm_squared())
         .sum();
     let ray = PanTilt::from_direction(mean);
     let pan_tilt = [ray.pan.radians() as f32, ray.tilt.radians() as f32];

@@ -9,7 +9,7 @@ use touchline_core::geometry::Vec3;
 pub struct Samples {
     pub(super) descriptors: Vec<Descriptor>,
     /// Unit directions in `base`.
-    pub(super) rays: Vec<Vec3>,
+    rays: Vec<Vec3>,
     /// End index of each frame's samples.
     frame_ends: Vec<usize>,
 }
@@ -56,6 +56,11 @@ impl Samples {
             self.frame_ends[frame - 1]
         };
         start as u32..self.frame_ends[frame] as u32
+    }
+
+    /// The ray of a sample: a unit direction in `base`.
+    pub(super) fn ray(&self, sample: u32) -> Vec3 {
+        self.rays[sample as usize]
     }
 
     /// One byte of a sample's descriptor.

@@ -150,7 +150,7 @@ fn least_deviation(
             (low, high) = (low.min(value), high.max(value));
             let bin = &mut bins[usize::from(value)];
             bin.0 += 1;
-            bin.1 += samples.rays[sample as usize];
+            bin.1 += samples.ray(sample);
         }
         if low >= high {
             continue;
@@ -161,8 +161,7 @@ fn least_deviation(
         for _ in 0..thresholds {
             wanted[usize::from(rng.random_range(low..high))] = true;
         }
-        let range = || usize::from(low)..=usize::from(high);
-        let whole = range()
+        let whole = (usize::from(low)..=usize::from(high))
             .map(|value| bins[value])
             .fold((0, Vec3::zeros()), |sum, bin| {
                 (sum.0 + bin.0, sum.1 + bin.1)

@@ -5,8 +5,8 @@ use super::super::pose_prior::{PosePrior, PriorSource, apply_offset, by_focal_px
 use super::super::pose_problem::{AdjustedFrame, PoseProblem, PoseState, Seen};
 use super::camera::ClipCamera;
 use super::smooth::smoothed_offsets;
-use super::{PointTracks, PropagatedClip};
-use touchline_core::camera::{PanTilt, Ptz};
+use super::{PointTrack, PointTracks, PropagatedClip};
+use touchline_core::camera::{PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::{Mat3, Vec3, median};
 use touchline_core::solve::{Loss, Stopping, minimise};
 
@@ -120,8 +120,8 @@ pub fn adjust_clip(
             c: options.loss_sigmas / alike,
         },
     };
-    let until = |max_iterations| Stopping {
-        max_iterations,
+    let until = Stopping {
+        max_iterations: options.max_iterations,
         short_step: 1e-9,
         small_gain: 1e-8,
     };
@@ -130,27 +130,23 @@ pub fn adjust_clip(
         directions: directions(&problem, &start),
         ptz: start,
     };
-    let rough = minimise(&problem, state, until(options.max_iterations));
+    let rough = minimise(&problem, state, until);
     let mut off: Vec<f64> = problem
         .residuals(&rough.state)
         .filter_map(|(_, off)| Some(off?.norm_squared()))
         .collect();
     let sigma_px = scatter_px(&mut off).max(options.min_sigma_px * px);
-    let in_rows = row_sigmas(&problem, &rough.state, sigma_px);
     // Motion blur displaces all points of a frame alike, and more observations do not average a
     // common error out. So a frame that scatters more than the clip is down-weighted beyond its own
     // σ, by the ratio of the two once more.
-    let counted_px = |in_row: f64| in_row * alike * (in_row / sigma_px);
-    let sigmas_px = |inflation: f64| {
-        in_rows
-            .iter()
-            .map(|in_row| counted_px(*in_row) * inflation)
-            .collect()
-    };
+    let row_sigmas_px: Vec<f64> = row_sigmas(&problem, &rough.state, sigma_px)
+        .into_iter()
+        .map(|in_row_px| in_row_px * alike * (in_row_px / sigma_px))
+        .collect();
     // Second pass with the estimated σ. Its cameras follow the motion of the points most closely
     // and are kept as `straight`, for the drift correction below.
-    problem.sigma_px = sigmas_px(1.0);
-    let mut fine = minimise(&problem, rough.state, until(options.max_iterations));
+    problem.sigma_px.clone_from(&row_sigmas_px);
+    let mut fine = minimise(&problem, rough.state, until);
     let straight = fine.state.ptz.clone();
     // Inflate the σ of the points until the priors of persons and paint scatter as they state, and
     // the covariance of proposals until proposals do. The loss scale stays constant in px, so that
@@ -167,7 +163,10 @@ pub fn adjust_clip(
             break;
         }
         inflation *= points.unwrap_or(1.0);
-        problem.sigma_px = sigmas_px(inflation);
+        problem.sigma_px = row_sigmas_px
+            .iter()
+            .map(|sigma_px| sigma_px * inflation)
+            .collect();
         problem.loss = Loss::Cauchy {
             c: options.loss_sigmas / (alike * inflation),
         };
@@ -179,7 +178,7 @@ pub fn adjust_clip(
         {
             prior.information *= of_proposals;
         }
-        fine = minimise(&problem, fine.state, until(options.max_iterations));
+        fine = minimise(&problem, fine.state, until);
     }
     // If the points were inflated, their cameras jump at every prior; see `drift_corrected`.
     let covariances = fine.equations.covariances()?;
@@ -250,11 +249,14 @@ fn inflation_factor(
 ) -> Option<f64> {
     // Squared Mahalanobis distance per degree of freedom: 1 on average if the prior's covariance is
     // right.
-    let squares = |prior: &PosePrior| {
-        let offset = prior.offset(at.ptz[prior.frame]);
-        is_included(prior.source).then(|| offset.dot(&(prior.information * offset)) / 3.0)
-    };
-    let mut squares: Vec<f64> = priors.iter().filter_map(squares).collect();
+    let mut squares: Vec<f64> = priors
+        .iter()
+        .filter(|prior| is_included(prior.source))
+        .map(|prior| {
+            let offset = prior.offset(at.ptz[prior.frame]);
+            offset.dot(&(prior.information * offset)) / 3.0
+        })
+        .collect();
     // The median of χ² with three degrees of freedom is 2.366 = 0.789 · 3. The median, not the
     // mean: one wrong prior must not inflate everything.
     let contradiction = median(&mut squares).unwrap_or(0.0) / 0.789;
@@ -276,22 +278,25 @@ fn drift_corrected(straight: &[Ptz], inflated: &[Ptz], covariances: &[Mat3]) -> 
         .zip(inflated)
         .map(|(from, to)| offset(*from, *to))
         .collect();
-    let typical = |axis: usize| {
-        let mut variances: Vec<f64> = covariances
-            .iter()
-            .map(|covariance| covariance[(axis, axis)])
-            .collect();
-        median(&mut variances).unwrap_or(0.0)
-    };
     // A smoother whose rate performs a random walk of variance q per frame, on measurements of
     // variance R, has a time constant of about (R/q)^¼ frames; hence q = R / 15⁴.
-    let unrest = Vec3::from([0, 1, 2].map(typical)) / FRAMES.powi(4);
+    let typical = [0, 1, 2].map(|axis| median_variance(covariances, axis));
+    let unrest = Vec3::from(typical) / FRAMES.powi(4);
     let drift = smoothed_offsets(&by, covariances, &unrest);
     straight
         .iter()
         .zip(drift)
         .map(|(ptz, by)| apply_offset(*ptz, by))
         .collect()
+}
+
+/// The median over all frames of the variance of one parameter (0: pan, 1: tilt, 2: focal length).
+fn median_variance(covariances: &[Mat3], parameter: usize) -> f64 {
+    let mut variances: Vec<f64> = covariances
+        .iter()
+        .map(|covariance| covariance[(parameter, parameter)])
+        .collect();
+    median(&mut variances).unwrap_or(0.0)
 }
 
 /// The points that at least two reached frames show and that do not move in the scene.
@@ -301,33 +306,44 @@ fn static_points(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]
         .iter()
         .zip(moving)
         .filter(|(_, moving)| !**moving);
-    // Rows ascend within a track; one observation alone says nothing about the camera.
-    let of_track = |(track, _): (&super::PointTrack, &bool)| {
-        let sightings: Vec<_> = track
-            .points
-            .iter()
-            .enumerate()
-            .filter_map(|(place, point)| Some((row_of[track.first + place]?, *point)))
-            .collect();
-        (sightings.len() > 1).then_some(Seen { sightings })
-    };
-    still.filter_map(of_track).collect()
+    // One observation alone says nothing about the camera.
+    still
+        .map(|(track, _)| observations(track, row_of))
+        .filter(|point| point.sightings.len() > 1)
+        .collect()
+}
+
+/// The observations of a track in the frames that were reached, in ascending order of the rows.
+fn observations(track: &PointTrack, row_of: &[Option<usize>]) -> Seen {
+    let sightings = track
+        .points
+        .iter()
+        .enumerate()
+        .filter_map(|(place, point)| Some((row_of[track.first + place]?, *point)))
+        .collect();
+    Seen { sightings }
 }
 
 /// The start direction of each point, unit, `base`: the mean of its rays over the frames that show
 /// it.
 fn directions(problem: &PoseProblem<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
     let cameras = problem.cameras(ptz);
-    let of_point = |point: &Seen| {
-        let rays = point
-            .sightings
-            .iter()
-            .filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
-        // Without a ray within the lens model, any direction serves as a start.
-        let sum: Vec3 = rays.map(PanTilt::direction).sum();
-        sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
-    };
-    problem.points.iter().map(of_point).collect()
+    problem
+        .points
+        .iter()
+        .map(|point| mean_direction(point, &cameras))
+        .collect()
+}
+
+/// The mean of a point's rays, unit, `base`; `cameras` has the camera of each row.
+fn mean_direction(point: &Seen, cameras: &[PtzCamera]) -> Vec3 {
+    let rays = point
+        .sightings
+        .iter()
+        .filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
+    // Without a ray within the lens model, any direction serves as a start.
+    let sum: Vec3 = rays.map(PanTilt::direction).sum();
+    sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
 }
 
 #[cfg(test)]

@@ -112,19 +112,18 @@ impl FlowPicture {
             )?;
         }
         // Equal numbers per cell, so that points cover the picture.
-        let cell =
-            |at: i32, of: i32, side: u32| (at * side as i32 / of, (at + 1) * side as i32 / of);
         let mut corners = Vec::new();
         for row in 0..ROWS {
             for column in 0..COLUMNS {
                 let ((left, right), (top, bottom)) = (
-                    cell(column, COLUMNS, self.size.width),
-                    cell(row, ROWS, self.size.height),
+                    cell_range_px(column, COLUMNS, self.size.width),
+                    cell_range_px(row, ROWS, self.size.height),
                 );
                 let area = Rect::new(left, top, right - left, bottom - top);
-                let inside = |at: &&ImagePoint| area.contains(Point::new(at.x as i32, at.y as i32));
-                let wanted = (limit / (ROWS * COLUMNS) as usize)
-                    .saturating_sub(taken.iter().filter(inside).count());
+                let inside = taken
+                    .iter()
+                    .filter(|at| area.contains(Point::new(at.x as i32, at.y as i32)));
+                let wanted = (limit / (ROWS * COLUMNS) as usize).saturating_sub(inside.count());
                 if wanted > 0 {
                     corners.extend(self.strongest(area, &open, wanted, distance_px)?);
                 }
@@ -178,18 +177,26 @@ impl FlowPicture {
         let guess: Vector<Point2f> = points.iter().map(|(_, guess)| to_opencv(*guess)).collect();
         let (there, found) = flow(&self.levels, &into.levels, &from, guess)?;
         let (back, returned) = flow(&into.levels, &self.levels, &there, from.clone())?;
-        let inside = |at: Point2f| self.size.contains(from_opencv(at));
-        let one = |at: usize| -> opencv::Result<Option<ImagePoint>> {
+        let mut tracked = Vec::with_capacity(points.len());
+        for at in 0..points.len() {
             let (start, end, again) = (from.get(at)?, there.get(at)?, back.get(at)?);
-            let off = (start.x - again.x).hypot(start.y - again.y);
+            let off_px = (start.x - again.x).hypot(start.y - again.y);
             let good = found.get(at)? == 1
                 && returned.get(at)? == 1
-                && off <= THERE_AND_BACK_PX
-                && inside(end);
-            Ok(good.then(|| from_opencv(end)))
-        };
-        (0..points.len()).map(one).collect()
+                && off_px <= THERE_AND_BACK_PX
+                && self.size.contains(from_opencv(end));
+            tracked.push(good.then(|| from_opencv(end)));
+        }
+        Ok(tracked)
     }
+}
+
+/// The first pixel of a cell and that of the next one, along a side that is divided into `cells`.
+fn cell_range_px(cell: i32, cells: i32, side_px: u32) -> (i32, i32) {
+    (
+        cell * side_px as i32 / cells,
+        (cell + 1) * side_px as i32 / cells,
+    )
 }
 
 /// Pyramidal Lucas–Kanade from an initial guess (Bouguet: "Pyramidal implementation of the Lucas

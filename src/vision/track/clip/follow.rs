@@ -176,29 +176,41 @@ impl Last {
     /// The points that are found in the next picture outside the masks.
     fn track_into(self, into: &FlowPicture, masks: &[PixelBox]) -> opencv::Result<Vec<Alive>> {
         // Guess: the point moves on as it did last; a new point moves as the median of the others.
-        let along = |axis: usize| {
-            let mut moved: Vec<f64> = self
-                .alive
-                .iter()
-                .filter_map(|point| Some(point.moved?[axis]))
-                .collect();
-            median(&mut moved).unwrap_or(0.0)
-        };
-        let usual = Vec2::new(along(0), along(1));
-        let guess = |point: &Alive| (point.at, point.at.translate(point.moved.unwrap_or(usual)));
-        let points: Vec<_> = self.alive.iter().map(guess).collect();
+        let usual = Vec2::new(self.median_motion_px(0), self.median_motion_px(1));
+        let points: Vec<_> = self
+            .alive
+            .iter()
+            .map(|point| (point.at, point.at.translate(point.moved.unwrap_or(usual))))
+            .collect();
         let found = self.picture.track_into(into, &points)?;
-        let next = |(point, found): (&Alive, Option<ImagePoint>)| {
+        let alive = self.alive.iter().zip(found).filter_map(|(point, found)| {
             let at = found.filter(|at| !masks.iter().any(|mask| mask.contains(*at)))?;
-            let moved = Some(at.offset_from(point.at));
-            Some(Alive {
-                at,
-                moved,
-                left: point.left - 1,
-                ..*point
-            })
-        };
-        Ok(self.alive.iter().zip(found).filter_map(next).collect())
+            Some(point.move_to(at))
+        });
+        Ok(alive.collect())
+    }
+
+    /// The median of the points' last displacements along one axis; 0 if all points are new.
+    fn median_motion_px(&self, axis: usize) -> f64 {
+        let mut moved: Vec<f64> = self
+            .alive
+            .iter()
+            .filter_map(|point| Some(point.moved?[axis]))
+            .collect();
+        median(&mut moved).unwrap_or(0.0)
+    }
+}
+
+#[cfg(feature = "opencv")]
+impl Alive {
+    /// The point as the next frame shows it, at `at`.
+    fn move_to(&self, at: ImagePoint) -> Self {
+        Self {
+            at,
+            moved: Some(at.offset_from(self.at)),
+            left: self.left - 1,
+            ..*self
+        }
     }
 }
 
@@ -218,25 +230,27 @@ fn even_out(grey: &mut crate::media::GreyPicture) {
     for value in &grey.values {
         numbers[usize::from(*value)] += 1;
     }
-    let weighted = |of: &dyn Fn(f64) -> f64| {
-        numbers
-            .iter()
-            .enumerate()
-            .map(|(value, number)| of(value as f64) * f64::from(*number))
-            .sum::<f64>()
-            / count
-    };
-    let mean = weighted(&|value| value);
-    let scatter = weighted(&|value| (value - mean).powi(2)).sqrt().max(1.0);
-    let level = |value: usize| {
+    let mean = histogram_sum(&numbers, |value| value) / count;
+    let variance = histogram_sum(&numbers, |value| (value - mean).powi(2)) / count;
+    let scatter = variance.sqrt().max(1.0);
+    let levels: [u8; 256] = std::array::from_fn(|value| {
         ((value as f64 - mean) * (CONTRAST / scatter) + LEVEL)
             .round()
             .clamp(0.0, 255.0) as u8
-    };
-    let levels: [u8; 256] = std::array::from_fn(level);
+    });
     for value in &mut grey.values {
         *value = levels[usize::from(*value)];
     }
+}
+
+/// The sum over all pixels of a function of their grey level; `numbers` counts the pixels of each.
+#[cfg(feature = "opencv")]
+fn histogram_sum(numbers: &[u32; 256], function: impl Fn(f64) -> f64) -> f64 {
+    numbers
+        .iter()
+        .enumerate()
+        .map(|(level, number)| function(level as f64) * f64::from(*number))
+        .sum()
 }
 
 #[cfg(feature = "opencv")]

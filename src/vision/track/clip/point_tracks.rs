@@ -28,16 +28,14 @@ impl PointTracks {
     /// tracked reliably.
     #[must_use]
     pub fn outside(&self, masks: &[Vec<PixelBox>]) -> Self {
-        let is_covered = |frame: usize, point: ImagePoint| {
-            masks
-                .get(frame)
-                .is_some_and(|masks| masks.iter().any(|mask| mask.contains(point)))
-        };
         let mut tracks: Vec<PointTrack> = Vec::with_capacity(self.tracks.len());
         for track in &self.tracks {
             let mut is_followed = false;
             for (frame, point) in (track.first..).zip(&track.points) {
-                let is_open = !is_covered(frame, *point);
+                let is_covered = masks
+                    .get(frame)
+                    .is_some_and(|masks| masks.iter().any(|mask| mask.contains(*point)));
+                let is_open = !is_covered;
                 match tracks.last_mut().filter(|_| is_followed) {
                     Some(last) if is_open => last.points.push(*point),
                     None if is_open => tracks.push(PointTrack {

@@ -127,16 +127,11 @@ impl Motion {
     /// likelihood has plateaus, and the filter has no simple derivative.
     fn likeliest(values: &[f64], variances: &[f64]) -> Self {
         let typical = variances.iter().sum::<f64>() / variances.len() as f64;
-        let at = |log: [f64; 2]| Self {
-            unrest: typical * log[0].exp(),
-            scatter: log[1].exp(),
-        };
-        let surprise = |log: [f64; 2]| at(log).surprise(values, variances);
         let mut best = ([0.0, 0.0], f64::INFINITY);
         for unrest in -10..=6 {
             for scatter in -10..=3 {
                 let log = [1.5 * f64::from(unrest), f64::from(scatter)];
-                let value = surprise(log);
+                let value = Self::from_logs(log, typical).surprise(values, variances);
                 if value < best.1 {
                     best = (log, value);
                 }
@@ -147,13 +142,11 @@ impl Motion {
             let around = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
             // The likelihood of a clip without any scatter has no maximum: it rises as the
             // parameters go to zero.
-            let stepped = |by: [f64; 2]| {
-                [
-                    (best.0[0] + by[0]).max(LEAST_LOG),
-                    (best.0[1] + by[1]).max(LEAST_LOG),
-                ]
-            };
-            let tried = around.map(stepped).map(|log| (log, surprise(log)));
+            let tried = around.map(|by| {
+                let log = [0, 1].map(|at| (best.0[at] + by[at]).max(LEAST_LOG));
+                let value = Self::from_logs(log, typical).surprise(values, variances);
+                (log, value)
+            });
             match tried
                 .into_iter()
                 .filter(|(_, value)| *value < best.1)
@@ -163,7 +156,16 @@ impl Motion {
                 None => step *= 0.5,
             }
         }
-        at(best.0)
+        Self::from_logs(best.0, typical)
+    }
+
+    /// The model with given logarithms of both parameters; that of the unrest is relative to
+    /// `typical_variance`.
+    fn from_logs([unrest, scatter]: [f64; 2], typical_variance: f64) -> Self {
+        Self {
+            unrest: typical_variance * unrest.exp(),
+            scatter: scatter.exp(),
+        }
     }
 
     /// −2 ln L up to a constant, by the innovations of a Kalman filter (prediction error

@@ -2,6 +2,7 @@
 //! it.
 
 use crate::media::Picture;
+use std::ops::Range;
 
 /// Columns of a miniature.
 pub const WIDTH: usize = 64;
@@ -28,15 +29,9 @@ impl Miniature {
             picture.size().height as usize,
         );
         let rgba = picture.rgba();
-        // The centres of `parts` equal parts of a side.
-        let places = |side: usize, parts: usize| -> Vec<usize> {
-            (0..parts)
-                .map(|part| (2 * part + 1) * side / (2 * parts))
-                .collect()
-        };
         let (columns, rows) = (
-            places(width, WIDTH * SAMPLES),
-            places(height, HEIGHT * SAMPLES),
+            part_centres(width, WIDTH * SAMPLES),
+            part_centres(height, HEIGHT * SAMPLES),
         );
         // The mean of 6 × 6 samples per cell; a full average would visit every pixel of every
         // frame.
@@ -124,6 +119,7 @@ impl Miniature {
         deviations.sum::<f32>() / (3.0 * count)
     }
 
+    /// The mean of each square of 2 × 2 cells, row by row.
     fn halve(&self) -> Vec<[f32; 3]> {
         let mut half = Vec::with_capacity(self.cells.len() / 4);
         for rows in self.cells.chunks_exact(2 * WIDTH) {
@@ -143,6 +139,13 @@ impl Miniature {
     }
 }
 
+/// The pixels in the centres of `parts` equal parts of a side.
+fn part_centres(side_px: usize, parts: usize) -> Vec<usize> {
+    (0..parts)
+        .map(|part| (2 * part + 1) * side_px / (2 * parts))
+        .collect()
+}
+
 /// Mean absolute difference per colour channel over the overlap, where cell (x, y) of `one` lies on
 /// (x + right, y + down) of `other`.
 fn shifted_difference(
@@ -151,14 +154,10 @@ fn shifted_difference(
     (width, height): (usize, usize),
     (right, down): (i32, i32),
 ) -> f32 {
-    // The columns or rows of `one` that overlap the shifted `other`.
-    let span = |side: usize, shift: i32| {
-        let (from, cut) = (shift.min(0).unsigned_abs() as usize, shift.max(0) as usize);
-        from..side - cut
-    };
-    let (columns, rows) = (span(width, right), span(height, down));
+    let (columns, rows) = (overlap(width, right), overlap(height, down));
     let count = 3 * columns.len() * rows.len();
     let mut sum = 0.0;
+    // The cells of a row are adjacent, so each row of the overlap is one slice of both miniatures.
     for row in rows {
         let start = row * width + columns.start;
         let beside = row.saturating_add_signed(down as isize) * width
@@ -172,4 +171,11 @@ fn shifted_difference(
         }
     }
     sum / count as f32
+}
+
+/// The columns, or rows, of a miniature that overlap another one which is shifted against it;
+/// `side` is their number.
+fn overlap(side: usize, shift: i32) -> Range<usize> {
+    let (from, cut) = (shift.min(0).unsigned_abs() as usize, shift.max(0) as usize);
+    from..side - cut
 }

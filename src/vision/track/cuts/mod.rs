@@ -78,25 +78,22 @@ pub fn find_cuts(pictures: impl IntoIterator<Item = Option<Picture>>) -> Vec<Fou
             None => missing += 1,
         }
     }
-    let in_sequence = |cut: FoundCut| FoundCut {
-        frame: cut.frame + missing,
-        ..cut
-    };
-    finder.cuts().into_iter().map(in_sequence).collect()
+    finder
+        .cuts()
+        .into_iter()
+        .map(|cut| FoundCut {
+            frame: cut.frame + missing,
+            ..cut
+        })
+        .collect()
 }
 
 impl CutFinder {
     /// Adds the next frame.
     pub fn push(&mut self, frame: Miniature) {
-        let from_end = |back: usize| {
-            self.latest
-                .len()
-                .checked_sub(back)
-                .and_then(|at| self.latest.get(at))
-        };
-        let step = from_end(1).map_or(0.0, |before| frame.difference(before));
-        let over_two = from_end(2).map_or(f32::INFINITY, |before| frame.difference(before));
-        let over_three = from_end(3).map_or(f32::INFINITY, |before| frame.difference(before));
+        let step = self.difference_from(1, &frame).unwrap_or(0.0);
+        let over_two = self.difference_from(2, &frame).unwrap_or(f32::INFINITY);
+        let over_three = self.difference_from(3, &frame).unwrap_or(f32::INFINITY);
         // Only now is it known whether the change at the last frame persists.
         if let Some(last) = self.measured.last_mut() {
             last.lasting = last.lasting.min(over_two).min(over_three);
@@ -124,6 +121,12 @@ impl CutFinder {
         }
     }
 
+    /// The difference of a new frame from the one `back` frames before it; `None` if there is none.
+    fn difference_from(&self, back: usize, frame: &Miniature) -> Option<f32> {
+        let at = self.latest.len().checked_sub(back)?;
+        Some(frame.difference(self.latest.get(at)?))
+    }
+
     /// The cuts among the frames added so far, in frame order.
     #[must_use]
     pub fn cuts(&self) -> Vec<FoundCut> {
@@ -137,9 +140,6 @@ impl CutFinder {
             .collect();
         // Fades over empty frames come first: a fade to black and back is one cut, not one on each
         // side.
-        let is_apart = |cuts: &[FoundCut], frame: usize| {
-            cuts.iter().all(|cut| cut.frame.abs_diff(frame) > APART)
-        };
         let hard =
             (1..self.measured.len()).filter(|&frame| self.is_cut(frame) && is_apart(&cuts, frame));
         let hard: Vec<FoundCut> = hard
@@ -209,6 +209,11 @@ impl CutFinder {
         let (off, ends) = self.measured[frame].fade?;
         (ends >= LEAST_FADE && off <= MOST_OFF_BLEND * ends).then_some((ends - off, frame))
     }
+}
+
+/// Whether a frame is far enough from all cuts to be a cut of its own.
+fn is_apart(cuts: &[FoundCut], frame: usize) -> bool {
+    cuts.iter().all(|cut| cut.frame.abs_diff(frame) > APART)
 }
 
 #[cfg(test)]

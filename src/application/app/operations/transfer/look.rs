@@ -94,10 +94,12 @@ impl ImportLook {
     /// Whether the cameras that it brings can be mended afterwards.
     #[must_use]
     pub fn can_be_mended(&self) -> bool {
-        let shares_place = |survey: &CameraSurvey| !survey.places.is_empty();
         cfg!(feature = "opencv")
             && self.joined.cameras > 0
-            && self.survey.as_ref().is_some_and(shares_place)
+            && self
+                .survey
+                .as_ref()
+                .is_some_and(|survey| !survey.places.is_empty())
     }
 
     /// What the same labels would bring to a document that has changed since.

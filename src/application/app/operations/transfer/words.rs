@@ -1,7 +1,7 @@
 //! Texts of the dialog for exports and imports.
 
 use crate::app::sentence;
-use touchline_calibration::pipelines::{CameraSurvey, ImpossibleCamera};
+use touchline_calibration::pipelines::CameraSurvey;
 use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::{ExchangeError, Joined};
 
@@ -92,8 +92,8 @@ pub fn describe_survey(survey: &CameraSurvey) -> Vec<String> {
     let mut first = vec![pluralise(survey.cameras, "camera")];
     first.extend(of_kind.map(|(count, kind)| format!("{count} {kind}")));
     let mut lines = vec![first.join(", ") + "."];
-    let name = |camera: &ImpossibleCamera| format!("{}: {}.", camera.frame, camera.fault);
-    lines.extend(survey.impossible.iter().take(NAMED).map(name));
+    let impossible = survey.impossible.iter().take(NAMED);
+    lines.extend(impossible.map(|camera| format!("{}: {}.", camera.frame, camera.fault)));
     if survey.impossible.len() > NAMED {
         lines.push(format!("… {} more.", survey.impossible.len() - NAMED));
     }

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{Coverage, Quality, TrainingSet};
 use touchline_core::progress::Progress;
 use touchline_documents::document::FrameId;
-use touchline_vision::relocalize::{CameraForest, ForestModel};
+use touchline_vision::relocalize::ForestModel;
 
 /// Maximum time that proposals take precedence over the next training.
 const LONGEST_TURN: Duration = Duration::from_secs(20);
@@ -28,27 +28,29 @@ pub(super) struct Forest {
 impl<C: Backend> Work<C> {
     /// Drops what was found out about references that were changed or withdrawn.
     pub(super) fn forget_changed(&mut self, before: &TrainingSet) {
-        let is_unchanged = |id: &FrameId| {
-            let position = self.document.frames.position_of(id);
-            let sample =
-                position.map(|position| TrainingSet::from_frames(&self.document, &[position]));
-            sample.is_some_and(|sample| {
-                before.contains(&sample) && self.training_set.contains(&sample)
-            })
-        };
-        let status = &mut self.status;
-        status.suspects = status
+        self.status.suspects = self
+            .status
             .suspects
             .iter()
-            .filter(|suspect| is_unchanged(&suspect.frame))
+            .filter(|suspect| self.is_unchanged(&suspect.frame, before))
             .cloned()
             .collect();
-        status.failed = status
+        self.status.failed = self
+            .status
             .failed
             .iter()
-            .filter(|failed| is_unchanged(&failed.frame))
+            .filter(|failed| self.is_unchanged(&failed.frame, before))
             .cloned()
             .collect();
+    }
+
+    /// Whether the training sample of a frame is in the training set `before` and in that of now.
+    fn is_unchanged(&self, id: &FrameId, before: &TrainingSet) -> bool {
+        let Some(position) = self.document.frames.position_of(id) else {
+            return false;
+        };
+        let sample = TrainingSet::from_frames(&self.document, &[position]);
+        before.contains(&sample) && self.training_set.contains(&sample)
     }
 
     /// Drops the forest: no training sample is left.
@@ -220,10 +222,10 @@ impl<C: Backend> Work<C> {
 
 /// The size of a forest.
 fn facts(model: &ForestModel) -> ForestFacts {
-    let count = |of: fn(&CameraForest) -> usize| model.cameras.iter().map(of).sum();
+    let cameras = model.cameras.iter();
     ForestFacts {
-        trees: count(|camera| camera.forest.trees()),
-        leaves: count(|camera| camera.forest.leaves()),
+        trees: cameras.clone().map(|camera| camera.forest.trees()).sum(),
+        leaves: cameras.map(|camera| camera.forest.leaves()).sum(),
         ..ForestFacts::default()
     }
 }

@@ -224,10 +224,9 @@ impl<C: Backend> Work<C> {
         // Query the forest: the shown frame's features, frames near it, the accuracy, all other
         // frames.
         if serves {
-            let is_shown = |id: &FrameId| matches!(&self.shown, Some((shown, by)) if shown == id && *by == self.generation);
             if self.orders.features
                 && let Some(position) = self.current()
-                && !is_shown(&self.document.frames[position].id)
+                && !self.shows_features_of(&self.document.frames[position].id)
             {
                 return Step::ShowFeatures(position);
             }
@@ -258,6 +257,13 @@ impl<C: Backend> Work<C> {
             },
             due,
         )
+    }
+
+    /// Whether the window shows the features of a frame as the present forest uses them.
+    fn shows_features_of(&self, id: &FrameId) -> bool {
+        self.shown
+            .as_ref()
+            .is_some_and(|(shown, generation)| shown == id && *generation == self.generation)
     }
 
     /// Reports the gathered proposals.

@@ -13,11 +13,10 @@ use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
-use touchline_calibration::proposals::{
-    AskingOrder, KeyWindow, NoProposal, Proposal, TrackedProposal,
-};
+use touchline_calibration::proposals::{AskingOrder, KeyWindow, NoProposal, Proposal};
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::FrameId;
+use touchline_vision::relocalize::ForestModel;
 
 /// Frames for which the forest is queried per step. Between steps the thread looks at its orders.
 const BATCH: usize = 4;
@@ -69,17 +68,17 @@ impl<C: Backend> Work<C> {
         let asking = self.asking();
         let made_for = Some((self.orders.edition, self.orders.frame.clone(), asking));
         if self.queue.made_for != made_for {
-            let wanted = |index| {
-                self.answer_cache
-                    .wants(&self.document, index, &forest.model, asking)
-            };
             let AskingOrder { first, rest } =
-                AskingOrder::new(&self.document, self.current().unwrap_or(0), wanted);
+                AskingOrder::new(&self.document, self.current().unwrap_or(0), |index| {
+                    self.wants(index, &forest.model, asking)
+                });
             let (between, rest): (Vec<usize>, Vec<usize>) = rest
                 .into_iter()
                 .partition(|index| self.windows.holds_back(*index));
-            let is_left = |index: &usize| !self.windows.has_given(&self.document.frames[*index].id);
-            let between = between.into_iter().filter(is_left).collect();
+            let between = between
+                .into_iter()
+                .filter(|index| !self.windows.has_given(&self.document.frames[*index].id))
+                .collect();
             self.queue = Queue {
                 first: first.into(),
                 rest: rest.into(),
@@ -131,13 +130,13 @@ impl<C: Backend> Work<C> {
         let proposals = proposed.unwrap_or_else(|panic| {
             self.status.trouble = Some(broke_down("proposing", panic.as_ref()));
             let message = panic_message(panic.as_ref());
-            let none = |index: &usize| {
+            let proposals = frames.iter().map(|index| {
                 let reason = NoProposal::Panicked {
                     message: message.clone(),
                 };
                 Proposal::without_answer(document, *index, generation, reason)
-            };
-            frames.iter().map(none).collect()
+            });
+            proposals.collect()
         });
         // Ended early: the remaining frames return to the queue.
         if proposals.len() < frames.len() {
@@ -169,13 +168,17 @@ impl<C: Backend> Work<C> {
     /// The nearest window through which cameras can be propagated.
     pub(super) fn due_window(&self) -> Option<KeyWindow> {
         let (model, asking) = (&self.forest.as_ref()?.model, self.asking());
-        let wanted = |index| {
-            self.answer_cache
-                .wants(&self.document, index, model, asking)
-        };
         self.windows
-            .due(&self.document, self.current().unwrap_or(0), wanted)
+            .due(&self.document, self.current().unwrap_or(0), |index| {
+                self.wants(index, model, asking)
+            })
             .cloned()
+    }
+
+    /// Whether an answer of the forest for a frame is missing.
+    fn wants(&self, index: usize, model: &ForestModel, asking: Asking) -> bool {
+        self.answer_cache
+            .wants(&self.document, index, model, asking)
     }
 
     /// Propagates cameras through a window and reports those that are new.
@@ -184,11 +187,9 @@ impl<C: Backend> Work<C> {
             return;
         };
         let asking = self.asking();
-        let wanted = |index| {
-            self.answer_cache
-                .wants(&self.document, index, &model, asking)
-        };
-        let waiting = self.windows.waiting(&self.document, wanted);
+        let waiting = self
+            .windows
+            .waiting(&self.document, |index| self.wants(index, &model, asking));
         let watch = Watch::new(
             &self.mailbox,
             &self.status,
@@ -197,11 +198,12 @@ impl<C: Backend> Work<C> {
         );
         let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
         let before = self.tracked;
-        let share = |done: usize| Share {
-            done: before + done.min(window.between.len()),
-            of: before + waiting,
-        };
-        let progress = Progress::new(|done| watch.tell(Doing::Carrying(share(done))));
+        let progress = Progress::new(|done: usize| {
+            watch.tell(Doing::Carrying(Share {
+                done: before + done.min(window.between.len()),
+                of: before + waiting,
+            }))
+        });
         let tracked = catch_unwind(AssertUnwindSafe(|| {
             backend.carry(document, window, generation, &progress)
         }));
@@ -215,24 +217,23 @@ impl<C: Backend> Work<C> {
             }
         };
         self.tracked += window.between.len();
-        let is_refused = |tracked: &TrackedProposal| {
-            self.answer_cache
-                .is_refused(&tracked.frame, self.generation)
-        };
         let tracked = tracked
             .into_iter()
-            .filter(|tracked| !is_refused(tracked))
+            .filter(|tracked| {
+                !self
+                    .answer_cache
+                    .is_refused(&tracked.frame, self.generation)
+            })
             .collect();
         let news = self.windows.enter(window, &self.document, tracked);
         // Key frames keep the forest's answer in this copy of the document; propagation starts from
         // that.
         for tracked in &news {
-            let is_key = |place: usize| window.keys.contains(&place);
             if let Some(place) = self
                 .document
                 .frames
                 .position_of(&tracked.frame)
-                .filter(|place| !is_key(*place))
+                .filter(|place| !window.keys.contains(place))
             {
                 tracked.record(&mut self.document.frames[place]);
                 self.given_answers

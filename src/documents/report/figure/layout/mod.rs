@@ -70,49 +70,24 @@ impl Figure {
             bottom,
             ..
         } = *plot;
-        let line = |from, to, colour| Shape::Path {
-            points: vec![from, to],
-            width: 1.0,
-            colour,
-            dashes: &[],
-        };
-        let text = |text: &str, at, size, anchor, upright| Shape::Text {
-            text: text.to_owned(),
-            at,
-            size,
-            anchor,
-            upright,
-        };
         // Grid lines, tick marks and numbers of both axes.
         for (value, label) in &plot.x.ticks {
             let Some(share) = plot.x.share(*value) else {
                 continue;
             };
             let x = left + share * (right - left);
-            shapes.push(line([x, top], [x, bottom], GRID));
-            shapes.push(line([x, bottom], [x, bottom + 4.0], INK));
-            shapes.push(text(
-                label,
-                [x, bottom + 17.0],
-                SMALL_TEXT,
-                Anchor::Middle,
-                false,
-            ));
+            shapes.push(thin_line([x, top], [x, bottom], GRID));
+            shapes.push(thin_line([x, bottom], [x, bottom + 4.0], INK));
+            shapes.push(number(label, [x, bottom + 17.0], Anchor::Middle));
         }
         for (value, label) in &plot.y.ticks {
             let Some(share) = plot.y.share(*value) else {
                 continue;
             };
             let y = bottom - share * (bottom - top);
-            shapes.push(line([left, y], [right, y], GRID));
-            shapes.push(line([left - 4.0, y], [left, y], INK));
-            shapes.push(text(
-                label,
-                [left - 7.0, y + 4.2],
-                SMALL_TEXT,
-                Anchor::End,
-                false,
-            ));
+            shapes.push(thin_line([left, y], [right, y], GRID));
+            shapes.push(thin_line([left - 4.0, y], [left, y], INK));
+            shapes.push(number(label, [left - 7.0, y + 4.2], Anchor::End));
         }
         // The frame covers the ends of the grid lines.
         let frame = vec![
@@ -130,20 +105,20 @@ impl Figure {
         });
         // Labels, centred on their side of the plot.
         let middle = f64::midpoint(left, right);
-        shapes.push(text(
-            &self.x.label,
-            [middle, bottom + 35.0],
-            TEXT,
-            Anchor::Middle,
-            false,
-        ));
-        shapes.push(text(
-            &self.y.label,
-            [15.0, f64::midpoint(top, bottom)],
-            TEXT,
-            Anchor::Middle,
-            true,
-        ));
+        shapes.push(Shape::Text {
+            text: self.x.label.clone(),
+            at: [middle, bottom + 35.0],
+            size: TEXT,
+            anchor: Anchor::Middle,
+            upright: false,
+        });
+        shapes.push(Shape::Text {
+            text: self.y.label.clone(),
+            at: [15.0, f64::midpoint(top, bottom)],
+            size: TEXT,
+            anchor: Anchor::Middle,
+            upright: true,
+        });
     }
 
     /// Adds the legend, in rows above the plot. Returns the number of rows.
@@ -182,6 +157,27 @@ impl Figure {
             x += width + LEGEND_GAP;
         }
         row + 1
+    }
+}
+
+/// A line of the grid, or a tick mark.
+fn thin_line(from: [f64; 2], to: [f64; 2], colour: Rgb) -> Shape {
+    Shape::Path {
+        points: vec![from, to],
+        width: 1.0,
+        colour,
+        dashes: &[],
+    }
+}
+
+/// A number of an axis.
+fn number(label: &str, at: [f64; 2], anchor: Anchor) -> Shape {
+    Shape::Text {
+        text: label.to_owned(),
+        at,
+        size: SMALL_TEXT,
+        anchor,
+        upright: false,
     }
 }
 

@@ -71,21 +71,21 @@ fn add_bar(shapes: &mut Vec<Shape>, colour: Rgb, x: f64, [low, high]: [f64; 2], 
     let (Some(low), Some(high)) = (plot.bar_end(low), plot.bar_end(high)) else {
         return;
     };
-    let mut add_stroke = |points| {
+    let [from, to] = [low.min(plot.bottom), high.max(plot.top)];
+    if !plot.contains([x, from]) || !plot.contains([x, to]) {
+        return;
+    }
+    let caps = [low, high]
+        .into_iter()
+        .filter(|y| plot.contains([x, *y]))
+        .map(|y| vec![[x - BAR_CAP, y], [x + BAR_CAP, y]]);
+    for points in std::iter::once(vec![[x, from], [x, to]]).chain(caps) {
         shapes.push(Shape::Path {
             points,
             width: 1.2,
             colour,
             dashes: &[],
         });
-    };
-    let [from, to] = [low.min(plot.bottom), high.max(plot.top)];
-    if !plot.contains([x, from]) || !plot.contains([x, to]) {
-        return;
-    }
-    add_stroke(vec![[x, from], [x, to]]);
-    for end in [low, high].into_iter().filter(|y| plot.contains([x, *y])) {
-        add_stroke(vec![[x - BAR_CAP, end], [x + BAR_CAP, end]]);
     }
 }
 

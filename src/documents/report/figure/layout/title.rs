@@ -34,12 +34,11 @@ impl Figure {
             let widest = widths.fold(room, f64::max);
             (lines, SMALL_TEXT * room / widest)
         };
-        let further = |rows: usize| TITLE_FURTHER_ROW * rows as f64;
-        let height = TITLE_ROW + further(lines.len() - 1);
+        let height = TITLE_ROW + TITLE_FURTHER_ROW * (lines.len() - 1) as f64;
         for (row, text) in lines.into_iter().enumerate() {
             shapes.push(Shape::Text {
                 text,
-                at: [WIDTH / 2.0, 18.0 + further(row)],
+                at: [WIDTH / 2.0, 18.0 + TITLE_FURTHER_ROW * row as f64],
                 size,
                 anchor: Anchor::Middle,
                 upright: false,

@@ -10,7 +10,7 @@ use super::super::camera::ClipCamera;
 use super::super::{PointTrack, PointTracks};
 use super::one_frame::{Correspondence, KnownFocal, OneFrame};
 use super::{PropagateOptions, PropagationStop};
-use std::collections::BTreeSet;
+use crate::features::count_cells;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3, median};
 use touchline_core::solve::{Loss, Residual, Stopping, minimise};
@@ -136,15 +136,14 @@ impl<'a> March<'a> {
             .collect();
         // Separate points that moved in the image since they were first seen from those that did
         // not; see `fit_turning_camera`.
-        let moved_px = |(track, correspondence): &(usize, Correspondence)| {
-            correspondence.image.distance_px(directions[*track].first) / self.px
-        };
         let correspondences: Vec<Correspondence> = known
             .iter()
             .map(|(_, correspondence)| *correspondence)
             .collect();
         let (moving, still): (Vec<_>, Vec<_>) =
-            known.iter().partition(|it| moved_px(it) > MOVED_PX);
+            known.iter().partition(|(track, correspondence)| {
+                self.moved_px(&directions[*track], correspondence) > MOVED_PX
+            });
         let [moving, still] = [moving, still].map(|some: Vec<(usize, Correspondence)>| {
             some.into_iter().map(|(_, it)| it).collect::<Vec<_>>()
         });
@@ -158,10 +157,9 @@ impl<'a> March<'a> {
         let camera = self.camera.at_origin(frame, ptz);
         // Accept the frame only if the inliers are many, a large share, and spread over the
         // picture: a few points in a corner do not determine the focal length.
-        let agrees = |correspondence: &Correspondence| self.agrees(&camera, correspondence);
         let agreeing: Vec<ImagePoint> = correspondences
             .iter()
-            .filter(|it| agrees(it))
+            .filter(|it| self.agrees(&camera, it))
             .map(|it| it.image)
             .collect();
         let enough = (self.options.min_share * correspondences.len() as f64)
@@ -171,18 +169,14 @@ impl<'a> March<'a> {
         }
         // Count a strike against each outlier. While the camera rotates, a point that stands still
         // in the image and fits worse than 1 px (at 1920) is of a graphic, even within `agrees_px`.
-        let stands = |it: &(usize, Correspondence)| is_turning && moved_px(it) <= MOVED_PX;
-        let off_px = |correspondence: &Correspondence| {
-            correspondence
-                .value(&camera)
-                .map_or(f64::INFINITY, |off| off.norm() / self.px)
-        };
-        let disagrees = |it: &&(usize, Correspondence)| {
-            !agrees(&it.1) || stands(it) && off_px(&it.1) > MOVED_PX
-        };
         let wrong: Vec<usize> = known
             .iter()
-            .filter(disagrees)
+            .filter(|(track, correspondence)| {
+                let stands =
+                    is_turning && self.moved_px(&directions[*track], correspondence) <= MOVED_PX;
+                !self.agrees(&camera, correspondence)
+                    || stands && self.off_px(&camera, correspondence) > MOVED_PX
+            })
             .map(|(track, _)| *track)
             .collect();
         for &track in &wrong {
@@ -227,28 +221,29 @@ impl<'a> March<'a> {
             .is_some_and(|off| off.norm() <= self.options.agrees_px * self.px)
     }
 
-    /// The number of cells of a 12 × 7 grid over the picture that contain an observation.
+    /// The distance by which a point's image has moved since it was first seen, px at 1920 px
+    /// width.
+    fn moved_px(&self, direction: &Direction, correspondence: &Correspondence) -> f64 {
+        correspondence.image.distance_px(direction.first) / self.px
+    }
+
+    /// The distance of an observation from where a camera projects its direction, px at 1920 px
+    /// width; infinite beyond the lens model.
+    fn off_px(&self, camera: &PtzCamera, correspondence: &Correspondence) -> f64 {
+        correspondence
+            .value(camera)
+            .map_or(f64::INFINITY, |off| off.norm() / self.px)
+    }
+
+    /// The number of cells of a 12 × 7 grid over the picture that contain an observation. Many
+    /// points in one place count once.
     fn parts_of_picture<'s>(
         &self,
         correspondences: impl Iterator<Item = &'s Correspondence>,
     ) -> usize {
-        const COLUMNS: f64 = 12.0;
-        const ROWS: f64 = 7.0;
-        let (width, height) = (
-            f64::from(self.tracks.image_size.width),
-            f64::from(self.tracks.image_size.height),
-        );
-        // Distinct cells, so that many points in one place count once.
-        let part = |at: ImagePoint| {
-            (
-                (at.x / width * COLUMNS) as i32,
-                (at.y / height * ROWS) as i32,
-            )
-        };
-        correspondences
-            .map(|correspondence| part(correspondence.image))
-            .collect::<BTreeSet<_>>()
-            .len()
+        const GRID: (usize, usize) = (12, 7);
+        let points = correspondences.map(|correspondence| correspondence.image);
+        count_cells(points, self.tracks.image_size, GRID)
     }
 
     /// The camera that most observations agree with.
@@ -288,33 +283,24 @@ impl<'a> March<'a> {
             .iter()
             .filter_map(|correspondence| correspondence.value(&camera))
             .collect();
-        let along = |axis: usize| {
+        let [right, down] = [0, 1].map(|axis| {
             median(&mut off.iter().map(|by| by[axis]).collect::<Vec<_>>()).unwrap_or(0.0)
-        };
+        });
         // Residuals are predicted minus observed. Panning right moves the prediction left, tilting
         // up moves it down (image y points down). Small angles near the image centre are accurate
         // enough for a start.
         apply_offset(
             from,
-            Vec3::new(along(0) / from.focal_px, -along(1) / from.focal_px, 0.0),
+            Vec3::new(right / from.focal_px, -down / from.focal_px, 0.0),
         )
     }
 
     /// Whether points extend over `min_spread` of both sides of the picture.
     fn spread(&self, points: &[ImagePoint]) -> bool {
-        let range = |of: fn(&ImagePoint) -> f64| {
-            let (low, high) = points
-                .iter()
-                .map(of)
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
-                    (low.min(at), high.max(at))
-                });
-            high - low
-        };
         let size = self.tracks.image_size;
         let least = self.options.min_spread;
-        range(|at| at.x) >= least * f64::from(size.width)
-            && range(|at| at.y) >= least * f64::from(size.height)
+        extent(points.iter().map(|at| at.x)) >= least * f64::from(size.width)
+            && extent(points.iter().map(|at| at.y)) >= least * f64::from(size.height)
     }
 
     /// Adds a frame's rays to the directions of its points, except those of the tracks in `except`,
@@ -354,4 +340,12 @@ impl<'a> March<'a> {
             seen.iter().sum::<f64>() / seen.len() as f64
         }
     }
+}
+
+/// The difference of the greatest and the least of some numbers; −∞ without any.
+fn extent(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+        (low.min(at), high.max(at))
+    });
+    high - low
 }
