@@ -13,11 +13,11 @@ const PARTS: usize = 1000;
 /// Reports the events of labelling a match. Events may come from any thread.
 pub struct MatchReport {
     messages: Messages,
-    shown: Mutex<Shown>,
+    shown: Mutex<TerminalDisplay>,
 }
 
 /// What the terminal shows.
-struct Shown {
+struct TerminalDisplay {
     /// The bar of the current step, with the text that it began with.
     bar: Option<(&'static str, ProgressBar)>,
     tracking: TrackingReport,
@@ -28,7 +28,7 @@ impl MatchReport {
     pub const fn new(messages: Messages) -> Self {
         Self {
             messages,
-            shown: Mutex::new(Shown {
+            shown: Mutex::new(TerminalDisplay {
                 bar: None,
                 tracking: TrackingReport::new(messages),
             }),
@@ -90,7 +90,7 @@ impl MatchReport {
     }
 }
 
-impl Shown {
+impl TerminalDisplay {
     /// The bar of a step. Removes the bar of the step before.
     fn bar_of(&mut self, messages: Messages, what: &'static str, count: usize) -> &ProgressBar {
         if self.bar.as_ref().is_some_and(|(shown, _)| *shown != what) {
@@ -109,7 +109,7 @@ impl Shown {
     }
 }
 
-impl Drop for Shown {
+impl Drop for TerminalDisplay {
     fn drop(&mut self) {
         self.clear();
     }

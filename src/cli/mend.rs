@@ -55,7 +55,7 @@ pub struct MendArgs {
 }
 
 /// Cameras to be mended.
-struct Given {
+struct CamerasToMend {
     document: Document,
     /// Where the document's relative paths start.
     folder: PathBuf,
@@ -73,7 +73,7 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
     if let Some(format) = format_of_cameras_alone(args)? {
         return mend_cameras_alone(args, format, messages);
     }
-    let Given {
+    let CamerasToMend {
         mut document,
         folder,
         shifts,
@@ -177,7 +177,11 @@ fn mend_cameras_alone(
 }
 
 /// The frames of the video with the cameras of another program.
-fn read_cameras(args: &MendArgs, cameras: &Path, messages: Messages) -> anyhow::Result<Given> {
+fn read_cameras(
+    args: &MendArgs,
+    cameras: &Path,
+    messages: Messages,
+) -> anyhow::Result<CamerasToMend> {
     let format = match args.format {
         Some(format) => format,
         None => recognize(cameras, messages)?,
@@ -198,7 +202,7 @@ fn read_cameras(args: &MendArgs, cameras: &Path, messages: Messages) -> anyhow::
     for note in &notes {
         messages.note(note);
     }
-    Ok(Given {
+    Ok(CamerasToMend {
         document,
         folder: imported.folder,
         shifts,
@@ -206,9 +210,9 @@ fn read_cameras(args: &MendArgs, cameras: &Path, messages: Messages) -> anyhow::
 }
 
 /// A document whose frames have imported cameras.
-fn read_document(path: &Path, messages: Messages) -> anyhow::Result<Given> {
+fn read_document(path: &Path, messages: Messages) -> anyhow::Result<CamerasToMend> {
     let Loaded { location, document } = Loaded::read(path, messages)?;
-    Ok(Given {
+    Ok(CamerasToMend {
         document,
         folder: location.folder().to_path_buf(),
         shifts: vec![0],

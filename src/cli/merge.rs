@@ -46,7 +46,7 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let folder = location.folder();
     // The first version is the result so far; every further one is merged into it.
     let mut merged: Option<Document> = None;
-    let mut not_taken = NotTaken::default();
+    let mut not_taken = ConflictingVersions::default();
     for path in &args.versions {
         let version = read_version(&base, folder, path, messages)?;
         let Some(ours) = merged.take() else {
@@ -126,12 +126,12 @@ fn read_version(
 
 /// The conflicting versions that were not taken.
 #[derive(Default)]
-struct NotTaken {
+struct ConflictingVersions {
     names: BTreeSet<String>,
     document: Option<Document>,
 }
 
-impl NotTaken {
+impl ConflictingVersions {
     fn add(&mut self, version: &Document, conflicts: Vec<String>) {
         if conflicts.is_empty() {
             return;

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_application::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
-use touchline_application::scene::overlay::{OverlayScene, Standing, overlay};
+use touchline_application::scene::overlay::{CameraStatus, OverlayScene, overlay};
 use touchline_application::scene::{OverlayStyle, PictureLook};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::camera::PtzCamera;
@@ -82,7 +82,7 @@ pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> 
     let scene = OverlayScene {
         field: &field,
         camera: camera.as_ref(),
-        standing: Standing::from_frame(frame),
+        standing: CameraStatus::from_frame(frame),
         image_size: frame.image_size,
         clicks: &frame.clicks,
         selected: None,

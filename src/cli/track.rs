@@ -9,8 +9,8 @@ use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{
-    ClipProgress, ClipSpan, LengthOnLines, OnPaintErrors, PaintSeen, TrackClipOptions, TrackedClip,
-    clips,
+    BasePaintEvidence, ClipProgress, ClipSpan, LengthOnLines, OnPaintErrors, TrackClipOptions,
+    TrackedClip, clips,
 };
 use touchline_calibration::pipelines::{
     TrackedFrames, TrackingEvent, TrackingOptions, track_clips,
@@ -308,7 +308,7 @@ fn describe_length(found: &LengthOnLines) -> String {
     }
 }
 
-fn describe_refined(camera: &CameraId, seen: &PaintSeen) -> String {
+fn describe_refined(camera: &CameraId, seen: &BasePaintEvidence) -> String {
     let median_px = |errors: &OnPaintErrors| errors.paint.map_or(0.0, |paint| paint.median_px);
     format!(
         "{camera}: the base is refined on {} lines in {} frames, from {:.2} to {:.2} px off \

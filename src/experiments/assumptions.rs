@@ -80,7 +80,7 @@ struct Variation {
 }
 
 /// A variation with the answers of the forests, in the order of [`FORESTS`].
-struct Measured {
+struct VariationResult {
     variation: Variation,
     answers: [Vec<FrameAnswer>; FORESTS.len()],
     tallies: [Tally; FORESTS.len()],
@@ -105,7 +105,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             Trained::train(&set, repeat, &kind.training(set.seed))
                 .ask_plainly(&kind.asking(set.seed))
         });
-        measured.push(Measured {
+        measured.push(VariationResult {
             variation,
             tallies: answers
                 .each_ref()
@@ -218,7 +218,7 @@ fn explain() -> String {
 }
 
 /// Says in numbers how far a forest's results move.
-fn summarize(measured: &[Measured], place: usize, kind: ForestKind) -> String {
+fn summarize(measured: &[VariationResult], place: usize, kind: ForestKind) -> String {
     let [assumed, singles @ .., milder, harsher] = measured else {
         return String::new();
     };
@@ -228,7 +228,7 @@ fn summarize(measured: &[Measured], place: usize, kind: ForestKind) -> String {
         "*{}*: mean IoU {iou:.3} as assumed, {iou_milder:.3} with all assumptions milder, {iou_harsher:.3} with all harsher.",
         kind.describe()
     );
-    let mut by_iou: Vec<&Measured> = singles.iter().collect();
+    let mut by_iou: Vec<&VariationResult> = singles.iter().collect();
     by_iou.sort_by(|one, other| {
         let [one, other] = [one, other].map(|measured| measured.tallies[place].iou_mean);
         one.total_cmp(&other)
@@ -269,7 +269,7 @@ fn summarize(measured: &[Measured], place: usize, kind: ForestKind) -> String {
 }
 
 /// A row for each variation. For readers, some numbers share a column; in files each has its own.
-fn summary_table(measured: &[Measured]) -> Table {
+fn summary_table(measured: &[VariationResult]) -> Table {
     let mut table = Table::new(&[
         ("variation", "assumption"),
         ("instead_of", "instead of"),
@@ -290,7 +290,7 @@ fn summary_table(measured: &[Measured]) -> Table {
         ("published_rotation_median_deg", ""),
         ("default_rotation_median_deg", ""),
     ]);
-    for Measured {
+    for VariationResult {
         variation, tallies, ..
     } in measured
     {

@@ -4,7 +4,7 @@
 //! anybody can compute them again from these files (`tests/experiments/recompute.py` does).
 
 use super::statistics::{interval_of_mean, mean_sd};
-use touchline_documents::report::{Cell, Claim, Measured, Report, Source, Stated, Table};
+use touchline_documents::report::{Cell, Claim, ClaimMeasurement, Report, Source, Stated, Table};
 
 /// A weighted sum of means. A mean is that of one column over the rows that a term selects, in each
 /// repetition (each seed, or each camera).
@@ -66,7 +66,7 @@ impl Contrast {
     }
 
     /// Measures it in a report's table. NaN if the report has no such table, or no row for a term.
-    fn measure(&self, report: &Report, on: &str, comparisons: usize) -> Measured {
+    fn measure(&self, report: &Report, on: &str, comparisons: usize) -> ClaimMeasurement {
         let file = format!("{}-{}", report.name, self.table);
         let values = report
             .table_of_file(&file)
@@ -78,7 +78,7 @@ impl Contrast {
         } else {
             interval_of_mean(&sums, comparisons)
         };
-        Measured {
+        ClaimMeasurement {
             on: on.to_owned(),
             value,
             interval,

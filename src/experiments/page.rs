@@ -1,7 +1,7 @@
 //! The page "What the paper says, what we measure", and the file of its numbers.
 
 use std::fmt::Write as _;
-use touchline_documents::report::{Cell, Claim, Measured, Report, Stated, Table, Verdict};
+use touchline_documents::report::{Cell, Claim, ClaimMeasurement, Report, Stated, Table, Verdict};
 
 /// The page: how many statements have which verdict, the rules of the verdicts, the measures, and a
 /// table with a row for each statement. Empty without statements.
@@ -156,7 +156,7 @@ pub fn claims_table(reports: &[Report]) -> Table {
     table
 }
 
-fn claim_row(claim: &Claim, test: &Measured) -> Vec<Cell> {
+fn claim_row(claim: &Claim, test: &ClaimMeasurement) -> Vec<Cell> {
     let half_unit = match claim.paper {
         Stated::Level(_, half_unit) => Some(half_unit),
         _ => None,

@@ -18,7 +18,7 @@ pub struct InputQueue {
 
 /// What a frame of the window has received so far.
 #[derive(Debug, Default)]
-struct Given {
+struct ReceivedInput {
     /// The key that went down (`None` for text or the clipboard), and whether its text has
     /// followed.
     stroke: Option<(Option<Key>, bool)>,
@@ -28,7 +28,7 @@ struct Given {
     button: bool,
 }
 
-impl Given {
+impl ReceivedInput {
     /// Accepts an event, or refuses it because it must wait for the next frame. The first refusal
     /// ends the frame.
     fn accepts(&mut self, event: &Event) -> bool {
@@ -99,7 +99,7 @@ impl InputQueue {
             }
             self.waiting.push_back(event);
         }
-        let mut given = Given::default();
+        let mut given = ReceivedInput::default();
         let count = self
             .waiting
             .iter()

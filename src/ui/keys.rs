@@ -6,7 +6,7 @@
 
 use super::dialogs;
 use egui::{Event, FocusDirection, Key, Modifiers};
-use touchline_application::app::session::{Dialog, Held, Mode};
+use touchline_application::app::session::{Dialog, HeldCommands, Mode};
 use touchline_application::app::{Action, App, Chord, Command, EditAction, ViewAction};
 
 /// Distance by which an arrow key moves the selected point, px of the picture: alone, with Shift,
@@ -99,7 +99,7 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
     }
     // A key that goes up over another window sends no event. So the loss of the focus ends all
     // commands that last while a key is down.
-    if !window_focused && app.session.picture.held != Held::default() {
+    if !window_focused && app.session.picture.held != HeldCommands::default() {
         typed.push(Action::Hold(Command::HideOverlay, false));
         typed.push(Action::Hold(Command::Compare, false));
         typed.push(Action::Hold(Command::Snap, false));

@@ -21,7 +21,7 @@ const HOVERED_SECONDS: f64 = 2.0;
 
 /// A message and the time at which it appeared in the row. A message is identified by number and
 /// text, because numbers begin anew with every document.
-type Seen = ((u64, String), f64);
+type NoticeArrival = ((u64, String), f64);
 
 /// Shows one message with its remedies, the number of the others, and the button that lists all.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -111,7 +111,7 @@ fn opacity(actions: &mut Vec<Action>, ui: &Ui, notice: &Notice) -> f32 {
     let hovered = ui.rect_contains_pointer(ui.max_rect());
     let left = ui.data_mut(|data| {
         let seen = data
-            .get_temp_mut_or_insert_with::<Seen>(Id::unique("message in the row"), || {
+            .get_temp_mut_or_insert_with::<NoticeArrival>(Id::unique("message in the row"), || {
                 (key.clone(), now)
             });
         if seen.0 != key {

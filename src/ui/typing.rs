@@ -38,7 +38,7 @@ struct Hand {
     /// egui's time of the previous frame of the window, s.
     seen_s: f64,
     /// The point that was named automatically, if that name can still be changed by typing.
-    placed: Option<Placed>,
+    placed: Option<AutoNamedPoint>,
     /// When a key last belonged to a name, in `clock_s`.
     stroke_s: Option<f64>,
 }
@@ -46,7 +46,7 @@ struct Hand {
 /// A point that was named automatically: its index, when (in `clock_s`), where the pointer was on
 /// the screen, and whether the pointer has moved away since.
 #[derive(Clone, Copy, Debug)]
-struct Placed {
+struct AutoNamedPoint {
     click: usize,
     at_s: f64,
     pointer: Option<Pos2>,
@@ -66,7 +66,7 @@ impl Hand {
             .filter(|_| app.session.mode == Mode::Idle);
         let is_known = self.placed.map(|placed| placed.click) == named;
         if !is_known {
-            self.placed = named.map(|click| Placed {
+            self.placed = named.map(|click| AutoNamedPoint {
                 click,
                 at_s: self.clock_s,
                 pointer,

@@ -35,7 +35,7 @@ const WITHIN_2_SIGMA: f64 = 6.1801;
 
 /// Where cameras stand.
 #[derive(Clone, Copy)]
-struct Place {
+struct CameraSite {
     name: &'static str,
     position_m: [f64; 3],
     heading_deg: f64,
@@ -45,8 +45,8 @@ struct Place {
     lean_deg: f64,
 }
 
-const PLACES: [Place; 3] = [
-    Place {
+const PLACES: [CameraSite; 3] = [
+    CameraSite {
         name: "main stand",
         position_m: [0.0, -75.0, 18.0],
         heading_deg: 0.0,
@@ -55,7 +55,7 @@ const PLACES: [Place; 3] = [
         focal_px: [1800.0, 4500.0],
         lean_deg: 0.4,
     },
-    Place {
+    CameraSite {
         name: "behind the goal",
         position_m: [-95.0, 0.0, 20.0],
         heading_deg: 90.0,
@@ -64,7 +64,7 @@ const PLACES: [Place; 3] = [
         focal_px: [1500.0, 3000.0],
         lean_deg: 1.5,
     },
-    Place {
+    CameraSite {
         name: "corner",
         position_m: [-75.0, -55.0, 15.0],
         heading_deg: 52.0,
@@ -89,7 +89,7 @@ impl Draw {
     }
 
     /// A camera at a place, and its field, with lens, crown and principal point from their priors.
-    fn camera(&mut self, place: &Place) -> (CameraBase, FieldModel) {
+    fn camera(&mut self, place: &CameraSite) -> (CameraBase, FieldModel) {
         let priors = BasePriors::default();
         let [x, y, z] = place.position_m;
         let position_m = Vec3::new(
@@ -132,7 +132,7 @@ impl Draw {
         &mut self,
         base: &CameraBase,
         field: &FieldModel,
-        place: &Place,
+        place: &CameraSite,
         most: usize,
     ) -> (Ptz, FrameClicks) {
         loop {
@@ -229,7 +229,7 @@ impl Counts {
 }
 
 /// One drawn camera: its base from some frames, and what is stated of further ones.
-fn measure(place: &Place, frames: usize, most: usize, seed: u64) -> Counts {
+fn measure(place: &CameraSite, frames: usize, most: usize, seed: u64) -> Counts {
     let mut draw = Draw {
         rng: Pcg64Mcg::seed_from_u64(seed),
     };

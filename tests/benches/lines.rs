@@ -98,7 +98,7 @@ fn lines_of(points: &[Observation]) -> Vec<AnnotatedLine> {
 }
 
 /// What became of one picture.
-struct Row {
+struct PictureOutcome {
     name: String,
     lines: usize,
     /// Lines with every point within 5 px, and JaC at 5, 10 and 20 px.
@@ -122,12 +122,12 @@ fn real(options: &FromLinesOptions, worst: usize) {
         .unwrap()
         .document;
     let field = flat_soccer();
-    let mut rows: Vec<Row> = document
+    let mut rows: Vec<PictureOutcome> = document
         .frames
         .par_iter()
         .map(|frame| measure(frame, &field, options))
         .collect();
-    let sum = |count: fn(&Row) -> usize| rows.iter().map(count).sum::<usize>();
+    let sum = |count: fn(&PictureOutcome) -> usize| rows.iter().map(count).sum::<usize>();
     let solved = rows.iter().filter(|row| row.solved.is_ok()).count();
     let (all, near) = (sum(|row| row.lines), sum(|row| row.near));
     println!(
@@ -189,13 +189,13 @@ fn real(options: &FromLinesOptions, worst: usize) {
 }
 
 /// Solves a frame, scores its camera, and solves it again without each fold of its lines.
-fn measure(frame: &Frame, field: &FieldModel, options: &FromLinesOptions) -> Row {
+fn measure(frame: &Frame, field: &FieldModel, options: &FromLinesOptions) -> PictureOutcome {
     let points = observations(frame, field).unwrap();
     let annotated = lines_of(&points);
     let start = Instant::now();
     let solved = solve(field, &points, options);
     let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-    let mut row = Row {
+    let mut row = PictureOutcome {
         name: frame.image.clone().unwrap_or_default(),
         lines: annotated.len(),
         near: 0,

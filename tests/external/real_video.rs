@@ -7,7 +7,7 @@ use crate::program::touchline;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
-use touchline::app::{Doing, TrainerOrder, TrainerReport, TrainerStatus};
+use touchline::app::{TrainerActivity, TrainerOrder, TrainerReport, TrainerStatus};
 use touchline::calibrate::{Problem, check_pictures};
 use touchline::camera::{CameraBase, FocalCurve, Ptz};
 use touchline::document::{
@@ -140,7 +140,7 @@ fn the_trainer_carries_cameras_between_key_frames() {
     let trainer = Trainer::start(file, options, SharedPictures::none(), wake).unwrap();
     trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
     let (mut status, mut asked, mut tracked) = (TrainerStatus::default(), 0, 0);
-    while !(status.doing == Doing::Nothing && status.forest.is_some()) {
+    while !(status.doing == TrainerActivity::Nothing && status.forest.is_some()) {
         woken.recv().unwrap();
         for report in trainer.poll() {
             match report {

@@ -285,7 +285,7 @@ fn the_sources_stay_as_legible_as_they_are() {
     check("long lines", whole.long_lines, MOST_LONG_LINES, of_long);
     let of_participles = worst(&all, |counters| counters.participles, 5);
     check(
-        "functions that begin with a participle",
+        "functions named by a bare participle",
         whole.participles,
         MOST_PARTICIPLES,
         of_participles,

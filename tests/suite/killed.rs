@@ -9,7 +9,7 @@ use crate::relocalize_command::drawn_match;
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline::app::session::Saving;
-use touchline::app::{Action, App, Doing, Navigation};
+use touchline::app::{Action, App, Navigation, TrainerActivity};
 use touchline::document::FrameStatus;
 
 const CHILD_FILE: &str = "TOUCHLINE_TEST_KILLED_FILE";
@@ -24,7 +24,7 @@ fn suggested(app: &App) -> Option<usize> {
 
 fn is_done(app: &App) -> bool {
     let status = &app.session.trainer.status;
-    status.doing == Doing::Nothing && status.forest.is_some()
+    status.doing == TrainerActivity::Nothing && status.forest.is_some()
 }
 
 /// What the forest proposed and a person accepted: pan by frame.

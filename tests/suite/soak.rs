@@ -12,7 +12,9 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 use touchline::app::session::Saving;
-use touchline::app::{Action, App, Command as Do, Doing, EditAction, Navigation, PointerAction};
+use touchline::app::{
+    Action, App, Command as Do, EditAction, Navigation, PointerAction, TrainerActivity,
+};
 use touchline::document::RejectReason;
 use touchline::geometry::ImagePoint;
 
@@ -23,13 +25,13 @@ const SESSION: usize = 150;
 
 /// What the program takes of the machine.
 #[derive(Clone, Copy, Debug, Default)]
-struct Taken {
+struct ResourceUse {
     memory_mib: f64,
     threads: usize,
     open_files: usize,
 }
 
-impl Taken {
+impl ResourceUse {
     fn now() -> Self {
         let status = fs::read_to_string("/proc/self/status").unwrap();
         let kib = status.lines().find_map(|line| {
@@ -62,7 +64,7 @@ fn actions() -> usize {
 }
 
 fn is_quiet(app: &App) -> bool {
-    app.session.trainer.status.doing == Doing::Nothing
+    app.session.trainer.status.doing == TrainerActivity::Nothing
         && !matches!(app.session.disk.saving, Saving::Pending)
 }
 
@@ -120,11 +122,11 @@ fn child_that_works_for_hours() {
             headless = Headless::opened(Path::new(file));
             headless.wait_until("rest", is_quiet);
             headless.wait_for_picture();
-            let Taken {
+            let ResourceUse {
                 memory_mib,
                 threads,
                 open_files,
-            } = Taken::now();
+            } = ResourceUse::now();
             println!("taken {memory_mib} {threads} {open_files}");
         }
     }
@@ -132,7 +134,7 @@ fn child_that_works_for_hours() {
 }
 
 /// What a program takes of the machine each time that it has opened the project again.
-fn taken_in(actions: usize, file: &Path) -> Vec<Taken> {
+fn taken_in(actions: usize, file: &Path) -> Vec<ResourceUse> {
     let told = format!("{actions} {}", file.display());
     // Every session has threads of its own, and the allocator would keep room for some of each
     // until it has seen very many.
@@ -148,13 +150,13 @@ fn taken_in(actions: usize, file: &Path) -> Vec<Taken> {
         let [memory_mib, threads, open_files] = numbers[..] else {
             panic!("{line}")
         };
-        Some(Taken {
+        Some(ResourceUse {
             memory_mib,
             threads: threads as usize,
             open_files: open_files as usize,
         })
     });
-    let taken: Vec<Taken> = taken.collect();
+    let taken: Vec<ResourceUse> = taken.collect();
     assert!(child.wait().unwrap().success());
     assert_eq!(taken.len(), actions / SESSION);
     taken
@@ -167,10 +169,12 @@ fn hours_of_work_take_no_more_of_the_machine_than_minutes() {
     let file = place.path().join("match/ask.json");
     let taken = taken_in(actions(), &file);
     let (begun, last) = taken.split_at(taken.len() / 2);
-    let mean_mib =
-        |some: &[Taken]| some.iter().map(|taken| taken.memory_mib).sum::<f64>() / some.len() as f64;
-    let most = |some: &[Taken], of: fn(&Taken) -> usize| some.iter().map(of).max().unwrap();
-    let most_of = |some: &[Taken]| {
+    let mean_mib = |some: &[ResourceUse]| {
+        some.iter().map(|taken| taken.memory_mib).sum::<f64>() / some.len() as f64
+    };
+    let most =
+        |some: &[ResourceUse], of: fn(&ResourceUse) -> usize| some.iter().map(of).max().unwrap();
+    let most_of = |some: &[ResourceUse]| {
         [
             most(some, |taken| taken.threads),
             most(some, |taken| taken.open_files),

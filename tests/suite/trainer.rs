@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
-use touchline::app::{Doing, TrainerOrder, TrainerReport, TrainerStatus};
+use touchline::app::{TrainerActivity, TrainerOrder, TrainerReport, TrainerStatus};
 use touchline::document::{Document, FramePtz, FrameStatus, document_from_bytes};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::jobs::{SharedPictures, Trainer, TrainerOptions};
@@ -27,7 +27,7 @@ fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
         Trainer::start(file.to_path_buf(), options, SharedPictures::none(), wake).unwrap();
     trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
     let (mut last, mut proposed) = (TrainerStatus::default(), Vec::new());
-    while !(last.doing == Doing::Nothing && last.forest.is_some()) {
+    while !(last.doing == TrainerActivity::Nothing && last.forest.is_some()) {
         woken.recv().unwrap();
         for report in trainer.poll() {
             match report {

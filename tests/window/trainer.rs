@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use touchline::app::session::SidePanel;
 use touchline::app::{
-    Action, Command, Doing, ForestFacts, TrainerReport, TrainerStatus, UnusableReference,
+    Action, Command, ForestFacts, TrainerActivity, TrainerReport, TrainerStatus, UnusableReference,
 };
 use touchline::document::Document;
 use touchline::geometry::{Angle, AngleRange};
@@ -43,7 +43,7 @@ fn status(document: &Document) -> TrainerStatus {
         }),
     };
     TrainerStatus {
-        doing: Doing::Proposing(Share { done: 30, of: 120 }),
+        doing: TrainerActivity::Proposing(Share { done: 30, of: 120 }),
         left: Some(Duration::from_secs(63)),
         references: 8,
         training_frames: 6,
@@ -126,7 +126,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     window.harness.get_by_label("Pause").click();
     window.harness.run_steps(2);
     assert!(window.app().session.trainer.paused);
-    window.wait_for(|shell| shell.app().session.trainer.status.doing == Doing::Paused);
+    window.wait_for(|shell| shell.app().session.trainer.status.doing == TrainerActivity::Paused);
     window.harness.run_steps(2);
     window.harness.get_by_label("Resume").click();
     window.harness.run_steps(2);

@@ -5,7 +5,7 @@ use crate::parts::{Test, tests};
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::Dialog;
-use touchline::app::transfer::{Look, TransferAction};
+use touchline::app::transfer::{PreviewResult, TransferAction};
 use touchline::app::{Action, App, Question};
 use touchline::exchange::Format;
 
@@ -24,7 +24,7 @@ fn looked(window: &mut Window) {
 /// The format of the export that was looked at.
 fn exported(app: &App) -> Option<Format> {
     match &app.operations.transfer.found.as_ref()?.look {
-        Look::Export(Ok(exported)) => Some(exported.format),
+        PreviewResult::Export(Ok(exported)) => Some(exported.format),
         _ => None,
     }
 }

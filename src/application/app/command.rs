@@ -141,7 +141,7 @@ pub enum Command {
 }
 
 /// A row of the table of commands.
-struct Row {
+struct CommandRow {
     command: Command,
     id: &'static str,
     group: MenuGroup,
@@ -153,7 +153,7 @@ struct Row {
 
 macro_rules! rows {
     ($($command:ident, $id:literal, $group:ident, $kind:ident, $name:literal, $about:literal, [$($key:literal),*];)*) => {
-        const ROWS: &[Row] = &[$(Row {
+        const ROWS: &[CommandRow] = &[$(CommandRow {
             command: Command::$command, id: $id, group: MenuGroup::$group, kind: CommandKind::$kind, name: $name, about: $about, keys: &[$($key),*],
         },)*];
     };
@@ -319,7 +319,7 @@ impl Command {
         ROWS.iter().map(|row| row.command)
     }
 
-    fn row(self) -> &'static Row {
+    fn row(self) -> &'static CommandRow {
         // The table is short, and its order may differ from that of the enum. Every command must
         // have a row; one without would get the first.
         ROWS.iter()

@@ -73,17 +73,17 @@ pub use keymap::{Chord, ChordError, Keymap};
 pub use menu_group::MenuGroup;
 pub use open_project::OpenProject;
 pub use opened::{Opened, OutsideChoice};
-pub use operations::{PaintSays, transfer};
+pub use operations::{LineCheckSummary, transfer};
 pub use proposed_base::WithProposal;
 pub use review_queue::{QueuedFrame, ReviewQueue};
 pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, WindowPlace};
-pub use shown::Shown;
+pub use shown::DisplayedValues;
 pub use tool::Tool;
 pub use trainer::{
-    AnswerKey, Doing, ForestFacts, TrainerOrder, TrainerReport, TrainerState, TrainerStatus,
-    UnusableReference, describe_estimate, describe_left,
+    AnswerKey, ForestFacts, TrainerActivity, TrainerOrder, TrainerReport, TrainerState,
+    TrainerStatus, UnusableReference, describe_estimate, describe_left,
 };
 pub use update::MAX_SCALE;
 pub use versioned::Versioned;

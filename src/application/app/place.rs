@@ -4,7 +4,7 @@ use thiserror::Error;
 
 /// A frame number or a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum FrameOrTime {
     /// A frame by its number, from 0.
     Frame(u64),
     /// A time, s.
@@ -14,15 +14,15 @@ pub enum Place {
 /// The text is neither a frame number nor a time.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0:?} is neither a frame nor a time; write for example 500 or 1:23.4")]
-pub struct NoPlace(pub String);
+pub struct FrameOrTimeError(pub String);
 
-impl std::str::FromStr for Place {
-    type Err = NoPlace;
+impl std::str::FromStr for FrameOrTime {
+    type Err = FrameOrTimeError;
 
     /// `500` is a frame number, `1:23.4` minutes and seconds, `1:02:03.4` hours, minutes and
     /// seconds; `83.4` and `83 s` are seconds.
-    fn from_str(text: &str) -> Result<Self, NoPlace> {
-        let wrong = || NoPlace(text.trim().to_owned());
+    fn from_str(text: &str) -> Result<Self, FrameOrTimeError> {
+        let wrong = || FrameOrTimeError(text.trim().to_owned());
         let typed = text.trim();
         if let Ok(frame) = typed.parse() {
             return Ok(Self::Frame(frame));
@@ -77,19 +77,19 @@ mod tests {
     #[test]
     fn frames_and_times_are_distinguished() {
         for (text, place) in [
-            ("500", Place::Frame(500)),
-            (" 0 ", Place::Frame(0)),
-            ("1:23.4", Place::Time(83.4)),
-            ("1:02:03.5", Place::Time(3723.5)),
-            ("83.4", Place::Time(83.4)),
-            ("12 s", Place::Time(12.0)),
-            ("75:00", Place::Time(4500.0)),
+            ("500", FrameOrTime::Frame(500)),
+            (" 0 ", FrameOrTime::Frame(0)),
+            ("1:23.4", FrameOrTime::Time(83.4)),
+            ("1:02:03.5", FrameOrTime::Time(3723.5)),
+            ("83.4", FrameOrTime::Time(83.4)),
+            ("12 s", FrameOrTime::Time(12.0)),
+            ("75:00", FrameOrTime::Time(4500.0)),
         ] {
             let Ok(found) = text.parse() else {
                 panic!("{text} is a place")
             };
             match (found, place) {
-                (Place::Time(found), Place::Time(wanted)) => {
+                (FrameOrTime::Time(found), FrameOrTime::Time(wanted)) => {
                     assert!((found - wanted).abs() < 1e-9, "{text}: {found}");
                 }
                 (found, place) => assert_eq!(found, place, "{text}"),
@@ -98,7 +98,10 @@ mod tests {
         for text in [
             "", "kick-off", "-3", "1:75", "1.5:20", "1:2:3:4", "1:", "1e3:2", "inf",
         ] {
-            assert_eq!(text.parse::<Place>(), Err(NoPlace(text.to_owned())));
+            assert_eq!(
+                text.parse::<FrameOrTime>(),
+                Err(FrameOrTimeError(text.to_owned()))
+            );
         }
     }
 

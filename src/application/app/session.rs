@@ -47,7 +47,7 @@ pub struct Session {
     /// What the background trainer is doing.
     pub trainer: TrainerState,
     /// The frame with a bad verdict whose acceptance the user was to confirm.
-    pub doubted: Option<Doubted>,
+    pub doubted: Option<PendingAcceptance>,
     /// The playback state of the shown frame's video.
     pub video: VideoState,
     /// The tour on the demo match, while it lasts.
@@ -90,7 +90,7 @@ pub struct PictureDisplay {
     /// picture. The viewport updates it.
     pub fit_scale: f64,
     /// The commands that act while their key is down.
-    pub held: Held,
+    pub held: HeldCommands,
     /// How the uncertainty is displayed.
     pub uncertainty: UncertaintyView,
     /// What a press in the picture does. The masks are shown while they are drawn.
@@ -120,7 +120,7 @@ pub struct DiskState {
 
 /// A frame that the user wanted to accept although its verdict is bad.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Doubted {
+pub struct PendingAcceptance {
     /// The frame's id.
     pub frame: FrameId,
     /// The document's version at the question. If it has changed, the question is shown again.
@@ -168,7 +168,7 @@ pub enum PictureView {
 
 /// Which commands are active because their key is down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Held {
+pub struct HeldCommands {
     /// The overlay is hidden.
     pub hide_overlay: bool,
     /// The other solution is shown, for comparison.

@@ -9,7 +9,7 @@ use touchline_core::solve::{ClickResidual, FrameSolution, Judgement};
 
 /// The shown frame's values with either the current base or an estimated one.
 #[derive(Clone, Debug)]
-pub struct Shown<'a> {
+pub struct DisplayedValues<'a> {
     /// The base.
     pub base: Option<CameraBase>,
     /// The frame's camera.
@@ -25,7 +25,7 @@ pub struct Shown<'a> {
     residuals: &'a [ClickResidual],
 }
 
-impl<'a> Shown<'a> {
+impl<'a> DisplayedValues<'a> {
     /// The solution from the clicks, if they determine a camera.
     #[must_use]
     pub fn click_solution(&self) -> Option<&'a FrameSolution> {
@@ -55,14 +55,14 @@ impl App {
     /// The values to show: of the estimated base if one waits, unless the user holds the key for
     /// comparison.
     #[must_use]
-    pub fn shown_values(&self) -> Shown<'_> {
+    pub fn shown_values(&self) -> DisplayedValues<'_> {
         let current = self.current();
         match current
             .proposal
             .as_ref()
             .filter(|_| !self.session.picture.held.compare)
         {
-            Some(proposal) => Shown {
+            Some(proposal) => DisplayedValues {
                 base: Some(proposal.base),
                 camera: proposal.camera,
                 solution: proposal.solution.as_ref(),
@@ -71,7 +71,7 @@ impl App {
                 is_estimated: true,
                 residuals: &[],
             },
-            None => Shown {
+            None => DisplayedValues {
                 base: current.base,
                 camera: current.camera,
                 solution: current.solution.as_ref(),

@@ -32,7 +32,7 @@ pub struct TrainerState {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrainerStatus {
     /// Its activity.
-    pub doing: Doing,
+    pub doing: TrainerActivity,
     /// Estimated remaining time of the activity; none if there is no estimate yet.
     pub left: Option<Duration>,
     /// Number of references in the document.
@@ -73,7 +73,7 @@ pub struct UnusableReference {
 
 /// The activity of the trainer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Doing {
+pub enum TrainerActivity {
     /// None: everything is up to date.
     #[default]
     Nothing,
@@ -143,7 +143,7 @@ pub enum TrainerOrder {
     Snap(bool),
 }
 
-impl Doing {
+impl TrainerActivity {
     /// The activity as text, with numbers.
     #[must_use]
     pub fn describe(self) -> String {
@@ -250,8 +250,8 @@ mod tests {
 
     #[test]
     fn what_is_left_follows_from_the_pace() {
-        let at = |done: usize| Doing::Proposing(Share { done, of: 100 });
-        let left = |now: Doing, then: Doing, seconds: u64| {
+        let at = |done: usize| TrainerActivity::Proposing(Share { done, of: 100 });
+        let left = |now: TrainerActivity, then: TrainerActivity, seconds: u64| {
             now.estimate_time_left(then, Duration::from_secs(seconds))
         };
         assert_eq!(left(at(30), at(10), 10), Some(Duration::from_secs(35)));
@@ -260,10 +260,14 @@ mod tests {
         assert_eq!(left(at(10), at(10), 10), None);
         assert_eq!(left(at(5), at(10), 10), None);
         assert_eq!(
-            left(at(30), Doing::Carrying(Share { done: 10, of: 100 }), 10),
+            left(
+                at(30),
+                TrainerActivity::Carrying(Share { done: 10, of: 100 }),
+                10
+            ),
             None
         );
-        assert_eq!(left(Doing::Nothing, at(10), 10), None);
+        assert_eq!(left(TrainerActivity::Nothing, at(10), 10), None);
         let words =
             [3, 41, 119, 3600, 7200].map(|seconds| describe_left(Duration::from_secs(seconds)));
         let expected = [

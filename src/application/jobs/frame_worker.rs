@@ -2,7 +2,7 @@
 //! user moves to another frame.
 
 use super::frame_orders::{Choice, FrameMailbox, FrameOrders, WorkReport};
-use super::worker::{Mailbox, Waited, Worker};
+use super::worker::{Mailbox, WaitOutcome, Worker};
 use super::{Wake, panic_message};
 use std::io;
 use std::ops::ControlFlow;
@@ -122,7 +122,7 @@ impl WorkerThread<'_> {
             let is_there = self
                 .mailbox
                 .wait_for(None, |orders| (!orders.is_empty()).then_some(()));
-            if let (Waited::Order(()), Some(first)) = (is_there, &self.yields_to) {
+            if let (WaitOutcome::Order(()), Some(first)) = (is_there, &self.yields_to) {
                 first.wait_for(None, |orders| {
                     (!orders.is_busy() || self.mailbox.is_closing()).then_some(())
                 });

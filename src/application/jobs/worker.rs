@@ -38,7 +38,7 @@ pub(super) struct State<O, R> {
 
 /// Why [`Mailbox::wait_for`] returned.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Waited<T> {
+pub(super) enum WaitOutcome<T> {
     /// This is to be done.
     Order(T),
     /// The time is up.
@@ -103,21 +103,21 @@ impl<O, R> Mailbox<O, R> {
         &self,
         until: Option<Instant>,
         pick: impl Fn(&mut O) -> Option<T>,
-    ) -> Waited<T> {
+    ) -> WaitOutcome<T> {
         let mut state = self.lock();
         loop {
             if let Some(order) = pick(&mut state.orders) {
-                return Waited::Order(order);
+                return WaitOutcome::Order(order);
             }
             if state.is_closing {
-                return Waited::Closing;
+                return WaitOutcome::Closing;
             }
             state = match until.map(|until| until.saturating_duration_since(Instant::now())) {
                 None => self
                     .changed
                     .wait(state)
                     .unwrap_or_else(PoisonError::into_inner),
-                Some(left) if left.is_zero() => return Waited::TimeIsUp,
+                Some(left) if left.is_zero() => return WaitOutcome::TimeIsUp,
                 Some(left) => {
                     self.changed
                         .wait_timeout(state, left)
@@ -269,7 +269,7 @@ mod tests {
 
     /// Reports each order until the mailbox closes.
     fn echo(mailbox: &Arc<Mailbox<VecDeque<i32>, String>>) {
-        while let Waited::Order(order) = mailbox.wait_for(None, VecDeque::pop_front) {
+        while let WaitOutcome::Order(order) = mailbox.wait_for(None, VecDeque::pop_front) {
             assert_ne!(order, -1, "an unlucky order");
             mailbox.report(order.to_string());
         }
@@ -340,17 +340,20 @@ mod tests {
         let soon = Instant::now() + Duration::from_millis(2);
         assert_eq!(
             mailbox.wait_for(Some(soon), VecDeque::pop_front),
-            Waited::TimeIsUp
+            WaitOutcome::TimeIsUp
         );
         assert!(Instant::now() >= soon);
         mailbox.update(|state| state.orders.push_back(5));
         mailbox.begin_closing();
         assert_eq!(
             mailbox.wait_for(Some(soon), VecDeque::pop_front),
-            Waited::Order(5),
+            WaitOutcome::Order(5),
             "what is left comes first"
         );
-        assert_eq!(mailbox.wait_for(None, VecDeque::pop_front), Waited::Closing);
+        assert_eq!(
+            mailbox.wait_for(None, VecDeque::pop_front),
+            WaitOutcome::Closing
+        );
     }
 
     #[test]

@@ -49,7 +49,7 @@ const SNAPPED_RADIUS_PT: f32 = 4.5;
 
 /// Where the camera comes from, as far as the overlay shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Standing {
+pub enum CameraStatus {
     /// From clicks, or accepted: solid lines.
     #[default]
     Solved,
@@ -57,7 +57,7 @@ pub enum Standing {
     Proposed,
 }
 
-impl Standing {
+impl CameraStatus {
     /// The standing of the camera of a frame.
     #[must_use]
     pub fn from_frame(frame: &Frame) -> Self {
@@ -77,7 +77,7 @@ pub struct OverlayScene<'a> {
     /// The camera of the frame. Without it no lines are drawn.
     pub camera: Option<&'a PtzCamera>,
     /// Where the camera comes from.
-    pub standing: Standing,
+    pub standing: CameraStatus,
     /// Size of the frame's picture, px.
     pub image_size: ImageSize,
     /// The frame's clicks.
@@ -103,7 +103,7 @@ impl<'a> OverlayScene<'a> {
         Self {
             field,
             camera: None,
-            standing: Standing::Solved,
+            standing: CameraStatus::Solved,
             image_size,
             clicks: &[],
             selected: None,
@@ -201,7 +201,7 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let style = scene.style;
     let [r, g, b] = style.colour;
     let colour = Colour::rgb(r, g, b);
-    let dash = (scene.standing == Standing::Proposed).then_some(Dash {
+    let dash = (scene.standing == CameraStatus::Proposed).then_some(Dash {
         on_pt: 5.0 * style.width,
         off_pt: 4.0 * style.width + 2.0 * style.outline,
     });
@@ -422,7 +422,7 @@ mod tests {
         OverlayScene {
             field,
             camera,
-            standing: Standing::Solved,
+            standing: CameraStatus::Solved,
             image_size: SIZE,
             clicks,
             selected: None,
@@ -443,7 +443,7 @@ mod tests {
             !lines.strokes.is_empty() && lines.strokes.iter().all(|stroke| stroke.dash.is_none())
         );
         let proposed = field_overlay(&OverlayScene {
-            standing: Standing::Proposed,
+            standing: CameraStatus::Proposed,
             ..solved
         });
         assert!(

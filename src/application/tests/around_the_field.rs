@@ -21,14 +21,14 @@ const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 /// A place to film from.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct FilmingPosition {
     name: &'static str,
     base: CameraBase,
     /// The pan towards the field's centre.
     centre: Angle,
 }
 
-impl Place {
+impl FilmingPosition {
     fn new(name: &'static str, position_m: [f64; 3]) -> Self {
         let base = CameraBase::new(
             Vec3::from(position_m),
@@ -138,7 +138,7 @@ fn field() -> FieldModel {
 
 #[test]
 fn only_what_lies_beyond_the_accepted_frames_is_out_of_the_usual() {
-    for place in Place::all() {
+    for place in FilmingPosition::all() {
         let mut document = place.document();
         for number in 0..9 {
             let right_deg = 2.0 * number as f64 - 8.0;
@@ -167,7 +167,7 @@ fn only_what_lies_beyond_the_accepted_frames_is_out_of_the_usual() {
 
 #[test]
 fn a_camera_that_pans_over_the_seam_does_not_jump() {
-    for place in Place::all() {
+    for place in FilmingPosition::all() {
         let mut document = place.document();
         for number in 0..20 {
             document.frames.push(
@@ -196,7 +196,7 @@ fn a_camera_that_pans_over_the_seam_does_not_jump() {
 
 /// The names for the second click of a frame that nothing else is known of, in their order; the
 /// right one's rank.
-fn names(place: &Place, right_deg: f64) -> (Vec<String>, usize) {
+fn names(place: &FilmingPosition, right_deg: f64) -> (Vec<String>, usize) {
     let (field, ptz) = (field(), place.looks(right_deg));
     let shown = place.shown(ptz);
     let left = shown.iter().min_by(|a, b| a.1.x.total_cmp(&b.1.x)).unwrap();
@@ -225,7 +225,7 @@ fn names(place: &Place, right_deg: f64) -> (Vec<String>, usize) {
 
 #[test]
 fn names_are_ranked_alike_from_every_side() {
-    let [main, far, left, right] = Place::all();
+    let [main, far, left, right] = FilmingPosition::all();
     for right_deg in [-20.0, -3.0, 4.0, 15.0] {
         // The far side sees what the main stand sees of the field turned by half a turn.
         let (field, (on_main, rank)) = (field(), names(&main, right_deg));
@@ -251,8 +251,8 @@ fn names_are_ranked_alike_from_every_side() {
 
 #[test]
 fn the_map_of_what_references_see_is_the_same_from_the_far_side() {
-    let [main, far, left, right] = Place::all();
-    let coverage = |place: &Place| {
+    let [main, far, left, right] = FilmingPosition::all();
+    let coverage = |place: &FilmingPosition| {
         let mut document = place.document();
         for (number, right_deg) in [-30.0, -10.0, 2.0].into_iter().enumerate() {
             document.frames.push(
@@ -286,7 +286,7 @@ fn the_map_of_what_references_see_is_the_same_from_the_far_side() {
 
 #[test]
 fn the_next_label_is_where_most_wait_also_across_the_seam() {
-    let next = |place: &Place| -> LabelNext {
+    let next = |place: &FilmingPosition| -> LabelNext {
         let mut document = place.document();
         // Six on either side of the field's centre, within one view, and seven far to the left,
         // apart from each other.
@@ -314,7 +314,7 @@ fn the_next_label_is_where_most_wait_also_across_the_seam() {
         }
         label_advice(&document, &[]).next.unwrap()
     };
-    for place in Place::all() {
+    for place in FilmingPosition::all() {
         let found = next(&place);
         assert_eq!(found.shared_by, 6, "{}: {found:?}", place.name);
         let right = Angle::from_degrees(found.pan_deg.unwrap())
@@ -326,7 +326,7 @@ fn the_next_label_is_where_most_wait_also_across_the_seam() {
 
 #[test]
 fn a_pan_over_time_has_no_jump() {
-    for place in Place::all() {
+    for place in FilmingPosition::all() {
         let mut document = place.document();
         for number in 0..30 {
             document.frames.push(
@@ -351,7 +351,7 @@ fn a_pan_over_time_has_no_jump() {
 
 #[test]
 fn gold_frames_spread_over_the_circle() {
-    for place in Place::all() {
+    for place in FilmingPosition::all() {
         let mut document = place.document();
         let rights = [-1.0, 1.0, 0.5, -0.5, 0.0, 20.0, -20.0, 1.5, 10.0, -10.0];
         for (number, right_deg) in rights.into_iter().enumerate() {
@@ -370,7 +370,7 @@ fn gold_frames_spread_over_the_circle() {
 
 #[test]
 fn answers_across_the_seam_are_plausible() {
-    for place in Place::all() {
+    for place in FilmingPosition::all() {
         let taught = [-6.0, -3.0, -1.0, 2.0].map(|right_deg| place.looks(right_deg));
         let seen = SeenRange::from_cameras(&taught).unwrap();
         assert!(
@@ -427,7 +427,7 @@ fn frames_drawn_from_every_side_are_found_again() {
     let scene = stadium(&StadiumOptions::new(field(), 5));
     let shoot = Preset::Easy.shoot();
     // Drawing takes its time: a seam in the middle of what is taught, and a camera behind a goal.
-    let [_, far, _, right_goal] = Place::all();
+    let [_, far, _, right_goal] = FilmingPosition::all();
     for place in [far, right_goal] {
         let base = CameraBase {
             principal_point: SMALL.centre(),
@@ -491,7 +491,7 @@ fn frames_drawn_from_every_side_are_found_again() {
 
 #[test]
 fn coverage_is_reported_for_each_camera() {
-    let [main, far, ..] = Place::all();
+    let [main, far, ..] = FilmingPosition::all();
     let mut document = main.document();
     let mut second = Camera::new("far".into(), SIZE);
     second.set_base(&far.base);

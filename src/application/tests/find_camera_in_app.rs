@@ -7,7 +7,7 @@ use crate::proposed::blank;
 use touchline_application::app::guidance::next_step;
 use touchline_application::app::operation::{Breakdown, Failure};
 use touchline_application::app::operations::CameraSearch;
-use touchline_application::app::operations::camera_search::Left;
+use touchline_application::app::operations::camera_search::SearchFollowUp;
 use touchline_application::app::session::{Dialog, Level, SidePanel};
 use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline_calibration::autocalibrate::{
@@ -271,7 +271,8 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
         bench.command(Command::FindCamera);
         report(&mut bench, AutocalibrationAnswer::Abstained { why, clicks });
         assert_eq!(bench.last_notice(), says);
-        let Left::Abstained { why, frame, .. } = &bench.app.operations.camera_search.left else {
+        let SearchFollowUp::Abstained { why, frame, .. } = &bench.app.operations.camera_search.left
+        else {
             panic!("an abstention is left to read");
         };
         assert_eq!(*why, says);
@@ -375,7 +376,10 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
             .base()
             .map(|base| base.position_m.x);
         assert_eq!(found_x_m.map(f64::round), x_m, "{at:?}");
-        let waits = matches!(bench.app.operations.camera_search.left, Left::Two(_));
+        let waits = matches!(
+            bench.app.operations.camera_search.left,
+            SearchFollowUp::Two(_)
+        );
         assert_eq!(waits, x_m.is_none(), "between the two nothing is decided");
         if x_m.is_some() {
             assert_eq!(bench.app.session.dialog, Some(Dialog::FoundCamera));

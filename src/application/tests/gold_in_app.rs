@@ -6,7 +6,7 @@ use crate::seeded::{normal, rng};
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline_application::app::operation::{Breakdown, Failure};
-use touchline_application::app::operations::{Compared, Comparison};
+use touchline_application::app::operations::{Comparison, ComparisonResult};
 use touchline_application::app::{
     Action, Command, EditAction, Effect, Navigation, PointerAction, Question,
 };
@@ -257,7 +257,7 @@ fn another_document_is_compared_on_the_quality_page() {
     }
     let agreement = agreement(document.at(Path::new("/a")), other.at(Path::new("/b"))).unwrap();
     bench.act(Action::Compare(with.clone()));
-    bench.report_end::<Comparison>(Ok(Compared {
+    bench.report_end::<Comparison>(Ok(ComparisonResult {
         file: with,
         revision,
         agreement,

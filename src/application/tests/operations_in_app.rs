@@ -109,12 +109,12 @@ fn another_document_ends_the_search_for_a_camera() {
 
 #[test]
 fn another_document_ends_a_look_at_an_export_and_its_writing() {
-    use touchline_application::app::operations::transfer::{TransferLook, TransferWrite};
+    use touchline_application::app::operations::transfer::{TransferPreview, TransferWrite};
     use touchline_application::app::{Command, Question};
     let mut bench = Bench::new(suggested(&[Some(0.9)]));
     bench.command(Command::Export);
     assert!(bench.app.operations.transfer.is_looking());
-    let look = bench.started::<TransferLook>();
+    let look = bench.started::<TransferPreview>();
     open_another(&mut bench, &[look]);
     bench.act(Action::Answer(Question::DatasetTo, "/elsewhere/set".into()));
     let write = bench.started::<TransferWrite>();

@@ -1,7 +1,7 @@
 //! Going to a frame by its number or its time in the application: numbers are those of the video's
 //! frames.
 
-use touchline_application::app::place::Place;
+use touchline_application::app::place::FrameOrTime;
 use touchline_application::app::{Action, App, Navigation, Opened, Settings};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame, VideoFrame};
@@ -32,7 +32,7 @@ fn sampled() -> App {
 fn shown(app: &mut App, place: &str) -> (u64, String) {
     app.session.messages.notices.clear();
     app.update(Action::Navigate(Navigation::GoToPlace(
-        place.parse::<Place>().unwrap(),
+        place.parse::<FrameOrTime>().unwrap(),
     )));
     let said = app
         .session

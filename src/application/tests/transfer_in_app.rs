@@ -4,7 +4,7 @@
 use crate::headless::Headless;
 use std::path::Path;
 use touchline_application::app::selection::Selecting;
-use touchline_application::app::transfer::{Look, TransferAction, TransferTab, in_dialog};
+use touchline_application::app::transfer::{PreviewResult, TransferAction, TransferTab, in_dialog};
 use touchline_application::app::{
     Action, Command, EditAction, Navigation, Question, Settings, ViewAction,
 };
@@ -112,7 +112,7 @@ fn every_option_that_an_export_or_import_speaks_of_has_words_in_the_dialog() {
     }
 }
 
-fn found(headless: &mut Headless) -> Look {
+fn found(headless: &mut Headless) -> PreviewResult {
     headless.wait_until("looking", |app| app.operations.transfer.found.is_some());
     headless.app.operations.transfer.found.clone().unwrap().look
 }
@@ -123,7 +123,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     let mut headless = opened(folder.path());
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::Wc14));
-    let Look::Export(Ok(made)) = found(&mut headless) else {
+    let PreviewResult::Export(Ok(made)) = found(&mut headless) else {
         panic!("an export was looked at")
     };
     assert_eq!(made.frames, 2);
@@ -154,7 +154,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     options.frames.statuses = vec![FrameStatus::Rejected];
     options.gaps = Gaps::Takes;
     act(&mut headless, TransferAction::Export(Box::new(options)));
-    let Look::Export(Err(why)) = found(&mut headless) else {
+    let PreviewResult::Export(Err(why)) = found(&mut headless) else {
         panic!("no frame is rejected")
     };
     assert_eq!(
@@ -176,7 +176,7 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
         ..DatasetOptions::default()
     };
     act(&mut headless, TransferAction::Dataset(Box::new(options)));
-    let Look::Dataset(Ok(plan)) = found(&mut headless) else {
+    let PreviewResult::Dataset(Ok(plan)) = found(&mut headless) else {
         panic!("a dataset was planned")
     };
     assert_eq!(
@@ -241,7 +241,7 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     act(&mut headless, TransferAction::ImportFormat(Format::Labelme));
     let before = headless.app.open().unwrap().document.frames.clone();
     headless.answer(Question::ImportFrom(Format::Labelme), &labelme);
-    let Look::Import(Ok(look)) = found(&mut headless) else {
+    let PreviewResult::Import(Ok(look)) = found(&mut headless) else {
         panic!("{:?}", headless.app.operations.transfer.found);
     };
     let joined = &look.joined;
@@ -338,7 +338,7 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
         Question::ImportFrom(Format::Json),
         &other.path().join("project.json"),
     );
-    let Look::Import(Ok(look)) = found(&mut headless) else {
+    let PreviewResult::Import(Ok(look)) = found(&mut headless) else {
         panic!("{:?}", headless.app.operations.transfer.found)
     };
     assert_eq!(look.joined.added, 6);
@@ -396,7 +396,7 @@ fn import_cameras(headless: &mut Headless, folder: &Path, cameras: usize) {
     headless.act(Action::Command(Command::Import));
     act(headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(Question::ImportFrom(Format::Json), &file);
-    assert!(matches!(found(headless), Look::Import(Ok(_))));
+    assert!(matches!(found(headless), PreviewResult::Import(Ok(_))));
     act(headless, TransferAction::TakeOver);
 }
 
@@ -438,7 +438,7 @@ fn an_import_that_was_looked_at_before_a_change_is_joined_with_the_change() {
             .iter()
             .any(|frame| frame.comment.as_deref() == Some("meanwhile"))
     );
-    assert!(matches!(found(&mut headless), Look::Import(Ok(_))));
+    assert!(matches!(found(&mut headless), PreviewResult::Import(Ok(_))));
     act(&mut headless, TransferAction::TakeOver);
     let now = headless.app.open().unwrap().document.frames.clone();
     let others = |frames: &Frames| [0, 1, 3].map(|index| frames[index].clone());
@@ -510,7 +510,7 @@ fn labels_wait_for_their_pictures_and_are_then_shown_in_the_dialog() {
     // With their pictures they are looked at as soon as those are open, and once more later.
     for paths in [vec![to.clone(), folder.path().to_path_buf()], vec![to]] {
         headless.act(Action::OpenAny(paths));
-        let Look::Import(Ok(look)) = found(&mut headless) else {
+        let PreviewResult::Import(Ok(look)) = found(&mut headless) else {
             panic!("{:?}", headless.app.operations.transfer.found)
         };
         assert_eq!(look.format, Format::SoccerNet);

@@ -14,7 +14,7 @@ use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
-use touchline_vision::paint::{MarkingPixels, Shown};
+use touchline_vision::paint::{MarkingPixels, PixelContent};
 
 /// Paint lies on a line within this distance from its edge, px at 1920 px width.
 const WITHIN_PX: f64 = 4.0;
@@ -230,13 +230,13 @@ impl LineCounts {
         for sample in samples {
             let counts = &mut of_line[sample.line];
             match marking_pixels.classify(sample.image) {
-                Shown::Stroke => {
+                PixelContent::Stroke => {
                     counts.predicted += sample.detectability();
                     counts.seen += sample.detectability();
                     counts.num_seen += 1;
                 }
-                Shown::Ground => counts.predicted += sample.detectability(),
-                Shown::Other => {}
+                PixelContent::Ground => counts.predicted += sample.detectability(),
+                PixelContent::Other => {}
             }
         }
         of_line

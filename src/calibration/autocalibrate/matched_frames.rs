@@ -13,7 +13,7 @@ use super::{Abstention, AutocalibrationError, AutocalibrationProgress};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::Features;
-use touchline_vision::paint::{MarkingPixels, PersistentPoint, SeenGround, persistent_paint};
+use touchline_vision::paint::{GroundDirections, MarkingPixels, PersistentPoint, persistent_paint};
 use touchline_vision::track::{
     RelativeRotations, TurnOptions, ViewGraphEdge, adjust_rotations, groups, match_frames_pairwise,
 };
@@ -143,7 +143,7 @@ impl MatchedFrames {
         // Paint that several frames show in one direction.
         let points = persistent_paint(&frames);
         let directions: Vec<Vec3> = points.iter().map(|point| point.direction).collect();
-        let panorama = Panorama::new(&directions, SeenGround::from_frames(&frames));
+        let panorama = Panorama::new(&directions, GroundDirections::from_frames(&frames));
         if panorama.directions.len() < MIN_DIRECTIONS {
             return Err(Abstention::LittlePaint {
                 places: panorama.directions.len(),

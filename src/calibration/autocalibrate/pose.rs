@@ -162,13 +162,13 @@ impl Residual<2, 0, 6> for Upright {
 }
 
 /// Least squares over paint and the prior on the pan axis.
-struct OnPaint {
+struct UprightPoseProblem {
     correspondences: Vec<PaintCorrespondence>,
     upright: Upright,
     loss: Loss,
 }
 
-impl Problem for OnPaint {
+impl Problem for UprightPoseProblem {
     type State = PanoramaPose;
     type Equations = BlockEquations<0, 6>;
 
@@ -230,7 +230,7 @@ pub(super) fn fit_pose(
             (off < 3.0 * sigma).then_some(correspondence)
         };
         // Refine the pose for this assignment, with the loss in units of the reach.
-        let problem = OnPaint {
+        let problem = UprightPoseProblem {
             correspondences: directions_in_panorama
                 .iter()
                 .filter_map(correspondence)

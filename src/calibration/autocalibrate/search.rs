@@ -13,13 +13,13 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use touchline_core::geometry::{Angle, Vec2, Vec3, stride_of_subsample, subsample};
-use touchline_vision::paint::SeenGround;
+use touchline_vision::paint::GroundDirections;
 
 /// What the search knows: the directions of paint in `panorama`, and where ground was seen.
 pub(super) struct Panorama {
     /// At most one direction in each cell of a grid over the viewing sphere.
     pub directions: Vec<Vec3>,
-    pub seen: SeenGround,
+    pub seen: GroundDirections,
     painted: PaintedSphere,
 }
 
@@ -102,7 +102,7 @@ impl PaintedSphere {
 impl Panorama {
     /// From all directions of paint. The distances to paint are computed from all of them; only as
     /// many as the search needs are kept as samples.
-    pub fn new(all: &[Vec3], seen: SeenGround) -> Self {
+    pub fn new(all: &[Vec3], seen: GroundDirections) -> Self {
         const KEPT: usize = 1500;
         const APART_DEG: f64 = 0.2;
         // Keep the first direction in each cell: lines that many frames show would otherwise

@@ -2,9 +2,9 @@
 
 use super::base_readiness::LANDMARKS_ALONE;
 use super::field_size::set_field_size;
-use super::on_paint::OnPaint;
+use super::on_paint::BasePaintAlignment;
 use super::own_cameras::cameras_from_lines;
-use super::solve_frames::{ShownFields, is_by_clicks, solve_frames};
+use super::solve_frames::{FrameFields, is_by_clicks, solve_frames};
 use super::{CalibrationError, observations};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -81,7 +81,7 @@ pub struct EstimatedBase {
     /// The fitted lengths of the field; empty if its size was not fitted.
     pub sizes: Vec<FittedSize>,
     /// The evidence from painted lines, where they took part.
-    pub on_paint: Option<Arc<OnPaint>>,
+    pub on_paint: Option<Arc<BasePaintAlignment>>,
 }
 
 /// The residuals of the clicks on one landmark, over all frames.
@@ -499,7 +499,7 @@ impl EstimatedBase {
         if solve_frames(
             document,
             &clicked,
-            ShownFields::Camera(&field),
+            FrameFields::Camera(&field),
             record_or_drop,
             progress,
         )

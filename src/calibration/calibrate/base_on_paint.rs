@@ -8,7 +8,7 @@ use super::follow_base::forget_certainty;
 use super::known_frames::{
     AT_ONCE, BaseOnPaintError, KnownCameras, KnownFrames, OpenField, PaintEstimate,
 };
-use super::on_paint::{OnPaint, PaintSeen};
+use super::on_paint::{BasePaintAlignment, BasePaintEvidence};
 use super::paint::{record_snapped, snap_frame};
 use super::refit::refit;
 use super::solve_frames::is_by_clicks;
@@ -36,7 +36,7 @@ pub struct BaseOnPaint {
     /// together.
     pub estimated: EstimatedBase,
     /// The amount of paint, and the errors at it.
-    pub seen: PaintSeen,
+    pub seen: BasePaintEvidence,
 }
 
 /// Reads a frame's picture; none if it cannot be read.
@@ -103,7 +103,7 @@ impl BaseOnPaint {
         let (pulled, _) = self.pull(&solved, document.document, &field, pictures);
         let pulled = pulled.into_iter().map(|(_, frame)| frame).collect();
         Ok(EstimatedBase {
-            on_paint: Some(Arc::new(OnPaint {
+            on_paint: Some(Arc::new(BasePaintAlignment {
                 seen: self.seen,
                 pulled,
             })),

@@ -87,7 +87,7 @@ pub struct BulkSolved {
 
 /// A change joined with the current document.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Joined {
+pub struct JoinedChange {
     /// The document with the change.
     pub document: Document,
     /// Proposals that were made with an old base and are withdrawn.
@@ -168,7 +168,7 @@ impl BulkSolved {
     ///
     /// # Errors
     /// The change cannot be made in the frames that were edited.
-    pub fn join(&self, now: &Document) -> Result<Option<Joined>, BulkError> {
+    pub fn join(&self, now: &Document) -> Result<Option<JoinedChange>, BulkError> {
         let before = &self.work.document;
         if !now.same_beside_frames(before) {
             return Ok(None);
@@ -191,7 +191,7 @@ impl BulkSolved {
         let (change, folder) = (&self.work.change, &self.work.folder);
         let withdrawn =
             change.make_in_frames(&mut document, now, folder, &again, &Progress::default())?;
-        Ok(Some(Joined {
+        Ok(Some(JoinedChange {
             document,
             withdrawn: self.withdrawn + withdrawn,
         }))

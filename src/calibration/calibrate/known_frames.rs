@@ -8,7 +8,7 @@
 //!    Lens and crown are chosen by their error at held-out paint.
 
 use super::field_size::set_size;
-use super::on_paint::{OnPaintErrors, PaintSeen};
+use super::on_paint::{BasePaintEvidence, OnPaintErrors};
 use super::{BaseEstimationError, BaseProblem};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -122,7 +122,7 @@ pub(crate) struct PaintEstimate {
     /// The fitted lengths of the field.
     pub sizes: Vec<FittedSize>,
     /// The amount of paint, and the errors at it.
-    pub seen: PaintSeen,
+    pub seen: BasePaintEvidence,
 }
 
 impl KnownFrames<'_> {
@@ -146,13 +146,13 @@ impl KnownFrames<'_> {
         // of the base that the data allow. The result is only the start for the size and for step
         // 3.
         let first_field = problem.field.clone();
-        let seen = Seen::measure(&problem, &first, &masks, picture)?;
+        let seen = PaintObservations::measure(&problem, &first, &masks, picture)?;
         let model = options.richest(&problem.camera_clicks());
         let mut start = first.adjust(&problem, &seen, &model, &options.adjust);
 
         // Step 3: measure again from the adjusted cameras. Frames that failed at first may align
         // now, and paint that was assigned to the wrong line may find its own.
-        let mut again = Seen::measure(&problem, &start, &masks, picture)?;
+        let mut again = PaintObservations::measure(&problem, &start, &masks, picture)?;
         let mut sizes = Vec::new();
         // Only with its size fitted does a field of another size have the right lines to align to.
         // Seen from one end, a far line that is off by 2 px for another reason gives a width that
@@ -170,7 +170,7 @@ impl KnownFrames<'_> {
                 .map_err(BaseEstimationError::from)?;
             let sized = problem.clone().on_field(field);
             // The cameras belong to the size that they were adjusted with.
-            let seen_on_sized = Seen {
+            let seen_on_sized = PaintObservations {
                 painted: seen
                     .painted
                     .iter()
@@ -179,7 +179,7 @@ impl KnownFrames<'_> {
                 ..seen
             };
             let sized_start = first.adjust(&sized, &seen_on_sized, &model, &options.adjust);
-            let with_size = Seen::measure(&sized, &sized_start, &masks, picture).ok();
+            let with_size = PaintObservations::measure(&sized, &sized_start, &masks, picture).ok();
             let enough = LEAST_SHARE_WITH_SIZE * again.places as f64;
             if let Some(with_size) = with_size.filter(|with| with.places as f64 >= enough) {
                 (problem, start, again, sizes) = (sized, sized_start, with_size, fitted);
@@ -230,7 +230,7 @@ impl KnownFrames<'_> {
             }),
             clicks: chosen.and_then(|score| score.at_clicks),
         };
-        let Seen {
+        let PaintObservations {
             frames,
             places,
             lines,
@@ -240,7 +240,7 @@ impl KnownFrames<'_> {
             paint,
             clicks: at_clicks,
         };
-        let seen = PaintSeen {
+        let seen = BasePaintEvidence {
             frames,
             places,
             lines: lines.len(),
@@ -311,7 +311,7 @@ impl KnownCameras {
     fn adjust(
         &self,
         problem: &BaseProblem,
-        seen: &Seen,
+        seen: &PaintObservations,
         model: &BaseModel,
         options: &AdjustOptions,
     ) -> Self {
@@ -330,7 +330,7 @@ impl KnownCameras {
 }
 
 /// Observations of the painted lines.
-struct Seen {
+struct PaintObservations {
     /// The clicks of each frame of the problem, followed by its paint.
     painted: Vec<FrameClicks>,
     /// The camera of each frame: aligned to the paint, or unchanged.
@@ -340,7 +340,7 @@ struct Seen {
     lines: BTreeSet<usize>,
 }
 
-impl Seen {
+impl PaintObservations {
     /// Aligns frames with known cameras to their pictures and measures positions of paint.
     fn measure(
         problem: &BaseProblem,

@@ -69,7 +69,7 @@ pub struct LengthOnLines {
 }
 
 /// The picture of a frame, and its camera at the assumed length.
-struct Look<'a> {
+struct PosedPicture<'a> {
     ground: GroundPicture,
     ptz: Ptz,
     frame: &'a Frame,
@@ -265,11 +265,15 @@ fn frames_of<'a>(
 }
 
 /// The pictures of at most [`FRAMES`] of these frames, spread evenly.
-fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -> Vec<Look<'a>> {
+fn looks<'a>(
+    at: DocumentAt<'_>,
+    frames: &[&'a Frame],
+    picture: PictureOf<'_>,
+) -> Vec<PosedPicture<'a>> {
     subsample(frames, FRAMES)
         .filter_map(|frame| {
             let ground = GroundPicture::new(&picture(frame)?, &at.document.masks_of(frame));
-            Some(Look {
+            Some(PosedPicture {
                 ground,
                 ptz: frame.ptz.as_ref()?.ptz(),
                 frame,
@@ -279,12 +283,12 @@ fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -
 }
 
 /// The mean score of a length over some frames.
-fn mean_worth(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> f64 {
+fn mean_worth(unseen: &UnseenLength, looks: &[PosedPicture<'_>], length_m: f64) -> f64 {
     mean(&worths(unseen, looks, length_m)).unwrap_or(0.0)
 }
 
 /// The score of a length in each frame; zeros where the template has no field of that length.
-fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> {
+fn worths(unseen: &UnseenLength, looks: &[PosedPicture<'_>], length_m: f64) -> Vec<f64> {
     let Some((field, base)) = unseen.at_length(length_m) else {
         return vec![0.0; looks.len()];
     };
@@ -297,7 +301,7 @@ fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> 
 /// The score of a field in one frame: the agreement of its lines with paint, times the share of its
 /// paint that lies on lines. Neither factor suffices alone: each is highest at a length at which
 /// the lines in question leave the picture.
-fn worth_in_frame(look: &Look<'_>, field: &FieldModel, base: &CameraBase) -> f64 {
+fn worth_in_frame(look: &PosedPicture<'_>, field: &FieldModel, base: &CameraBase) -> f64 {
     let camera = PtzCamera::new(look.frame.base_from(base), look.ptz);
     let check = check_lines(&look.ground, field, &camera);
     check.agreement * (1.0 - check.unexplained.unwrap_or(0.0))

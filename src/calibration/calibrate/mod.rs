@@ -50,7 +50,9 @@ pub use base_readiness::{
     BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base, points_alone,
 };
 pub use better_camera::{BetterCamera, better_camera};
-pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, Joined, NewCamera};
+pub use bulk::{
+    AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, JoinedChange, NewCamera,
+};
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use check::{
     Fault, PictureCheck, Problem, check_cameras, check_pictures, check_solutions, check_still_runs,
@@ -76,7 +78,7 @@ pub(crate) use known_frames::{
 pub use known_frames::{BaseOnPaintError, FRAMES_FOR_PAINT};
 pub(crate) use length_on_lines::LENGTH_UNSEEN;
 pub use length_on_lines::{LengthOnLines, length_on_lines, take_length};
-pub use on_paint::{OnPaint, OnPaintErrors, PaintSeen};
+pub use on_paint::{BasePaintAlignment, BasePaintEvidence, OnPaintErrors};
 pub use own_cameras::{OwnCameraError, OwnCameras, give_own_cameras};
 pub(crate) use own_covariance::{covariance_on_paint, own_covariance};
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};

@@ -5,7 +5,7 @@ use touchline_documents::document::{Document, Frame};
 
 /// The evidence of painted lines for a base.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PaintSeen {
+pub struct BasePaintEvidence {
     /// Number of frames whose paint took part.
     pub frames: usize,
     /// Number of positions of paint that took part.
@@ -22,9 +22,9 @@ pub struct PaintSeen {
 
 /// The evidence of painted lines for a base, and the frames that were aligned to them with it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OnPaint {
+pub struct BasePaintAlignment {
     /// The evidence.
-    pub seen: PaintSeen,
+    pub seen: BasePaintEvidence,
     /// The aligned frames, as of the estimation of the base.
     pub pulled: Vec<Frame>,
 }
@@ -38,7 +38,7 @@ pub struct OnPaintErrors {
     pub clicks: Option<HeldOutErrors>,
 }
 
-impl PaintSeen {
+impl BasePaintEvidence {
     /// The error at held-out paint, and the earlier one, as a sentence that begins with a space;
     /// empty if no paint was held out.
     #[must_use]
@@ -56,7 +56,7 @@ impl PaintSeen {
     }
 }
 
-impl OnPaint {
+impl BasePaintAlignment {
     /// Writes those of the aligned frames that are at these indices (ascending), except frames
     /// whose clicks, camera or use have changed since the estimation.
     pub(super) fn write_frames(&self, document: &mut Document, places: &[usize]) {

@@ -132,12 +132,12 @@ pub(super) fn cameras_from_lines(
 }
 
 /// A camera of a frame's lines, with the root mean square distance of its points, px.
-struct Found {
+struct LineCameraFit {
     camera: CameraFromLines,
     rms_px: f64,
 }
 
-fn solve_alone(frame: &Frame, field: &FieldModel) -> Result<Found, OwnCameraError> {
+fn solve_alone(frame: &Frame, field: &FieldModel) -> Result<LineCameraFit, OwnCameraError> {
     let clicks = observations(frame, field)?;
     let picture = LinePicture {
         field,
@@ -152,15 +152,15 @@ fn solve_alone(frame: &Frame, field: &FieldModel) -> Result<Found, OwnCameraErro
         .filter_map(|click: &Observation| click.distance_px(&camera));
     let squares: Vec<f64> = distances_px.map(|off_px| off_px * off_px).collect();
     let rms_px = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
-    Ok(Found {
+    Ok(LineCameraFit {
         camera: found,
         rms_px,
     })
 }
 
 /// Writes a frame's own camera into the document.
-fn record(document: &mut Document, index: usize, found: &Found, names: &mut FreeNames) {
-    let Found { camera, rms_px } = found;
+fn record(document: &mut Document, index: usize, found: &LineCameraFit, names: &mut FreeNames) {
+    let LineCameraFit { camera, rms_px } = found;
     let frame = &mut document.frames[index];
     let id = names.take(&frame.camera);
     let mut own = Camera::new(id.clone(), frame.image_size);

@@ -14,8 +14,8 @@ use touchline_documents::document::{
 };
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{
-    FindError, FindOptions, Found, GroundPicture, LineCheck, PointSnapOptions, SnapError,
-    SnapOptions, Snapped, SnappedPoint, check_lines, find_camera, snap, snap_point,
+    FindError, FindOptions, GroundPicture, LineCheck, PaintSearchResult, PointSnapOptions,
+    SnapError, SnapOptions, Snapped, SnappedPoint, check_lines, find_camera, snap, snap_point,
 };
 
 /// The code of a warning that the paint contradicts a camera.
@@ -138,7 +138,7 @@ pub fn find_frame(
     picture: &Picture,
     options: &FindOptions,
     progress: &Progress<'_, f64>,
-) -> Result<(CameraBase, Found), FindFrameError> {
+) -> Result<(CameraBase, PaintSearchResult), FindFrameError> {
     let base = document
         .camera_of(frame)
         .and_then(|camera| camera.base_for(frame))

@@ -1,7 +1,7 @@
 //! Solves all frames of a document from their clicks.
 
 use super::CalibrationError;
-use super::solve_frames::{ShownFields, record_if_solved, solve_frames};
+use super::solve_frames::{FrameFields, record_if_solved, solve_frames};
 use std::path::Path;
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
@@ -47,7 +47,7 @@ pub fn solve_document(
             return Ok(Vec::new());
         }
     }
-    let fields = ShownFields::Document(&fields);
+    let fields = FrameFields::Document(&fields);
     let Some(solved) = solve_frames(document, &enough, fields, record_if_solved, progress) else {
         return Ok(Vec::new());
     };

@@ -15,7 +15,7 @@ type Solved = Result<Box<FrameSolution>, CalibrationError>;
 
 /// The fields of the frames to be solved.
 #[derive(Clone, Copy)]
-pub(super) enum ShownFields<'a> {
+pub(super) enum FrameFields<'a> {
     /// All fields of the document. A frame gets a warning if another camera fits it better.
     Document(&'a Fields),
     /// The field of a single camera, which all frames belong to.
@@ -34,14 +34,14 @@ const AT_ONCE: usize = 4096;
 pub(super) fn solve_frames(
     document: &mut Document,
     places: &[usize],
-    fields: ShownFields<'_>,
+    fields: FrameFields<'_>,
     settle: fn(&mut Frame, Result<&FrameSolution, &CalibrationError>),
     progress: &Progress<'_, ()>,
 ) -> Option<Vec<Result<(), CalibrationError>>> {
     let mut lookup = FrameLookup::from_document(document);
     let of_cameras = match fields {
-        ShownFields::Document(fields) => fields.per_camera(document),
-        ShownFields::Camera(_) => Vec::new(),
+        FrameFields::Document(fields) => fields.per_camera(document),
+        FrameFields::Camera(_) => Vec::new(),
     };
     // First pass: all frames see the document as it was given, so that neither order nor number of
     // threads matters. It runs in batches, because the solutions of a long video together need much
@@ -89,13 +89,13 @@ fn solve_one(
     document: &Document,
     lookup: &FrameLookup,
     index: usize,
-    fields: ShownFields<'_>,
+    fields: FrameFields<'_>,
     of_cameras: &[Arc<FieldModel>],
 ) -> Solved {
     let frame = &document.frames[index];
     let field = match fields {
-        ShownFields::Document(fields) => fields.for_frame(document, frame),
-        ShownFields::Camera(field) => field,
+        FrameFields::Document(fields) => fields.for_frame(document, frame),
+        FrameFields::Camera(field) => field,
     };
     let mut solved = calibrate(document, lookup, frame, field, index)?;
     warn_of_better_camera(document, frame, &mut solved, of_cameras);
@@ -123,7 +123,7 @@ pub(super) fn solve_by_clicks(
     solve_frames(
         document,
         &places,
-        ShownFields::Document(&fields),
+        FrameFields::Document(&fields),
         record_outcome,
         progress,
     );
@@ -226,7 +226,7 @@ mod tests {
         let result = solve_frames(
             &mut document,
             &places,
-            ShownFields::Camera(&field),
+            FrameFields::Camera(&field),
             record_if_solved,
             &ended,
         );
@@ -239,7 +239,7 @@ mod tests {
         let results = solve_frames(
             &mut document,
             &places,
-            ShownFields::Camera(&field),
+            FrameFields::Camera(&field),
             record_if_solved,
             &goes_on,
         );

@@ -1,6 +1,6 @@
 //! Assigning frames to the camera that took them.
 
-use super::solve_frames::{ShownFields, is_by_clicks, record_if_solved, solve_frames};
+use super::solve_frames::{FrameFields, is_by_clicks, record_if_solved, solve_frames};
 use thiserror::Error;
 use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
@@ -161,7 +161,7 @@ pub(super) fn assign_frames(
             .copied()
             .filter(|&index| is_by_clicks(&document.frames[index]))
             .collect();
-        let fields = ShownFields::Document(fields);
+        let fields = FrameFields::Document(fields);
         if solve_frames(document, &clicked, fields, record_if_solved, progress).is_none() {
             return;
         }

@@ -15,9 +15,9 @@
 //! it writes to a file.
 
 use crate::proposals::{
-    FeatureStore, FrameFeatures, FramePictures, LearnError, LearnOptions, LineEvidence, Look,
-    NoProposal, PictureError, Proposal, Resolution, Studied, TrainingSampleError, learn, propose,
-    study,
+    FeatureStore, FrameFeatures, FramePictures, FrameWithFeatures, LearnError, LearnOptions,
+    LineEvidence, NoProposal, PictureError, Proposal, ReferenceSamples, Resolution,
+    TrainingSampleError, learn, propose, study,
 };
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -55,7 +55,7 @@ pub struct LearntForest {
     /// The forest.
     pub model: ForestModel,
     /// The samples of its references, and the references that gave none.
-    pub studied: Studied,
+    pub studied: ReferenceSamples,
 }
 
 /// Why no forest could be trained.
@@ -112,7 +112,11 @@ pub fn learn_forest(
 
 /// The error to report. If there are no samples, the reason of the first failed reference explains
 /// more.
-fn explain_failure(error: LearnError, document: &Document, studied: Studied) -> LearnForestError {
+fn explain_failure(
+    error: LearnError,
+    document: &Document,
+    studied: ReferenceSamples,
+) -> LearnForestError {
     let is_without_samples = matches!(error, LearnError::Stopped(Stopped::NoSamples { .. }));
     match studied.failed.into_iter().next() {
         Some((index, first)) if is_without_samples => LearnForestError::NoneUsable {
@@ -234,7 +238,7 @@ fn propose_in_batches(
         let of_batch = pictures.each_coarse_to_fine(
             reader,
             batch,
-            |look: Look<'_, ByResolution>| {
+            |look: FrameWithFeatures<'_, ByResolution>| {
                 let is_first = look.earlier.is_none();
                 let proposed = propose_by_look(pictures, forest, look);
                 if is_first {
@@ -254,7 +258,7 @@ fn propose_in_batches(
 fn propose_by_look(
     pictures: &FramePictures<'_>,
     forest: &ForestRequest<'_>,
-    look: Look<'_, ByResolution>,
+    look: FrameWithFeatures<'_, ByResolution>,
 ) -> ByResolution {
     let resolution = look
         .found

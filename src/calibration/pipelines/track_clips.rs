@@ -6,8 +6,8 @@
 //! clips are tracked again with the point tracks that were already measured.
 
 use crate::calibrate::{
-    BaseEstimationError, BaseProblem, ClipEvidence, ClipFrames, ClipProgress, ClipSpan,
-    LengthOnLines, PaintSeen, TrackClipError, TrackClipOptions, TrackedClip, estimate_on_paint,
+    BaseEstimationError, BasePaintEvidence, BaseProblem, ClipEvidence, ClipFrames, ClipProgress,
+    ClipSpan, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, estimate_on_paint,
     length_on_lines, record_tracked, take_length, track_clip,
 };
 use crate::proposals::read_picture;
@@ -57,7 +57,7 @@ pub enum TrackingEvent {
     /// it is adopted and the clips are tracked again.
     Length(LengthOnLines),
     /// The base of a camera was refined, and the clips are tracked again with it.
-    Refined(CameraId, PaintSeen),
+    Refined(CameraId, BasePaintEvidence),
     /// With the refined bases, frames are less certain or fewer; the previous ones stay. Mean
     /// confidences, 0 to 1.
     NoBetter {
@@ -343,7 +343,7 @@ impl Tracking<'_> {
         tracked: &Document,
         camera: &CameraId,
         refined: &mut Document,
-    ) -> Result<Option<PaintSeen>, BaseEstimationError> {
+    ) -> Result<Option<BasePaintEvidence>, BaseEstimationError> {
         let (reader, folder) = (&mut *self.reader, self.folder);
         let mut picture = |frame: &Frame| read_picture(&mut *reader, frame, folder).ok();
         let options = BaseOptions::default();

@@ -6,7 +6,7 @@
 
 use super::Coverage;
 use super::label_needs::LabelNeeds;
-use super::needing_frames::{DIRECTION_DEG, Look, NeedingFrames};
+use super::needing_frames::{DIRECTION_DEG, HorizontalView, NeedingFrames};
 use touchline_core::geometry::{Angle, AngleRange};
 use touchline_documents::document::{CameraId, Document};
 
@@ -101,7 +101,7 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
     for (to, direction) in needing.directions() {
         let half_view = direction.half_view();
         let novelty = coverage.map_or(Some(1.0), |coverage| {
-            coverage.novelty(AngleRange::around(Look::towards(to), half_view))
+            coverage.novelty(AngleRange::around(HorizontalView::towards(to), half_view))
         });
         let Some(weight) = novelty.map(|novelty| novelty * direction.need()) else {
             continue;
@@ -133,7 +133,9 @@ fn gain_of_label(at: i64, weights: &[(i64, f64)], view_deg: f64) -> f64 {
     weights
         .iter()
         .map(|&(other, weight)| {
-            let apart = Look::towards(other).turn_from(Look::towards(at)).abs();
+            let apart = HorizontalView::towards(other)
+                .turn_from(HorizontalView::towards(at))
+                .abs();
             let overlap = 1.0 - apart.degrees() / view_deg;
             weight * overlap.max(0.0)
         })

@@ -4,7 +4,7 @@
 //! So frames are looked at coarsely first, and at the resolution of the options only where the
 //! coarse features do not suffice.
 
-use super::features::Found;
+use super::features::ExtractionInput;
 use super::{FrameFeatures, FramePictures, PictureError, Resolution, read_picture};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -16,7 +16,7 @@ use touchline_vision::media::{FrameReader, Picture, ReadFrames};
 const BATCH: usize = 16;
 
 /// A frame with its features, coarse or fine.
-pub struct Look<'a, T> {
+pub struct FrameWithFeatures<'a, T> {
     /// Its index in the document.
     pub index: usize,
     /// The frame.
@@ -29,22 +29,22 @@ pub struct Look<'a, T> {
 }
 
 /// A frame before work on its features.
-struct Begun<'a, T> {
+struct PreparedFrame<'a, T> {
     index: usize,
     frame: &'a Frame,
     resolution: Resolution,
-    found: Found,
+    found: ExtractionInput,
     /// The result of the work on its coarse features.
     earlier: Option<T>,
 }
 
 /// The result of work on a frame; its picture, if it was read and is needed again.
-enum Worked<T> {
+enum FrameWorkOutcome<T> {
     Done(T),
     NeedsFine(T, Option<Picture>),
 }
 
-impl<T> Worked<T> {
+impl<T> FrameWorkOutcome<T> {
     fn result(self) -> T {
         match self {
             Self::Done(result) | Self::NeedsFine(result, _) => result,
@@ -66,7 +66,7 @@ impl FramePictures<'_> {
             reader,
             frames,
             |_| Resolution::Fine,
-            |look: Look<'_, T>| work(look.index, look.frame, look.found),
+            |look: FrameWithFeatures<'_, T>| work(look.index, look.frame, look.found),
             |_| false,
         )
     }
@@ -78,7 +78,7 @@ impl FramePictures<'_> {
         &self,
         reader: &mut dyn ReadFrames,
         frames: &[usize],
-        work: impl Fn(Look<'_, T>) -> ControlFlow<(), T> + Sync,
+        work: impl Fn(FrameWithFeatures<'_, T>) -> ControlFlow<(), T> + Sync,
         needs_fine: impl Fn(&T) -> bool + Sync,
     ) -> Option<Vec<T>> {
         self.in_batches(
@@ -102,7 +102,7 @@ impl FramePictures<'_> {
         reader: &mut dyn ReadFrames,
         frames: &[usize],
         first: impl Fn(&Frame) -> Resolution,
-        work: impl Fn(Look<'_, T>) -> ControlFlow<(), T> + Sync,
+        work: impl Fn(FrameWithFeatures<'_, T>) -> ControlFlow<(), T> + Sync,
         needs_fine: impl Fn(&T) -> bool + Sync,
     ) -> Option<Vec<T>> {
         let mut made = Vec::with_capacity(frames.len());
@@ -112,7 +112,7 @@ impl FramePictures<'_> {
             let begun = batch.iter().map(|&index| {
                 let frame = &*self.document.frames[index];
                 let resolution = first(frame);
-                Begun {
+                PreparedFrame {
                     index,
                     frame,
                     resolution,
@@ -126,10 +126,10 @@ impl FramePictures<'_> {
             for (place, (&index, worked)) in batch.iter().zip(worked).enumerate() {
                 let frame = &*self.document.frames[index];
                 match worked {
-                    Worked::Done(result) => done.push((place, result)),
-                    Worked::NeedsFine(earlier, picture) => {
+                    FrameWorkOutcome::Done(result) => done.push((place, result)),
+                    FrameWorkOutcome::NeedsFine(earlier, picture) => {
                         places.push(place);
-                        again.push(Begun {
+                        again.push(PreparedFrame {
                             index,
                             frame,
                             resolution: Resolution::Fine,
@@ -140,7 +140,11 @@ impl FramePictures<'_> {
                 }
             }
             let fine = self.work_on(again, &work, &|_: &T| false)?;
-            done.extend(places.into_iter().zip(fine.into_iter().map(Worked::result)));
+            done.extend(
+                places
+                    .into_iter()
+                    .zip(fine.into_iter().map(FrameWorkOutcome::result)),
+            );
             done.sort_unstable_by_key(|(place, _)| *place);
             made.extend(done.into_iter().map(|(_, result)| result));
         }
@@ -150,10 +154,10 @@ impl FramePictures<'_> {
     /// Calls `work` with the features of some frames, in parallel. None if it ended.
     fn work_on<T: Send>(
         &self,
-        begun: Vec<Begun<'_, T>>,
-        work: &(impl Fn(Look<'_, T>) -> ControlFlow<(), T> + Sync),
+        begun: Vec<PreparedFrame<'_, T>>,
+        work: &(impl Fn(FrameWithFeatures<'_, T>) -> ControlFlow<(), T> + Sync),
         needs_fine: &(impl Fn(&T) -> bool + Sync),
-    ) -> Option<Vec<Worked<T>>> {
+    ) -> Option<Vec<FrameWorkOutcome<T>>> {
         let ended = AtomicBool::new(false);
         let worked = begun.into_par_iter().map(|begun| {
             if ended.load(Ordering::Relaxed) {
@@ -161,7 +165,7 @@ impl FramePictures<'_> {
             }
             let (frame, resolution) = (begun.frame, begun.resolution);
             let (found, picture) = self.features_of(frame, resolution, begun.found);
-            let worked = work(Look {
+            let worked = work(FrameWithFeatures {
                 index: begun.index,
                 frame,
                 found,
@@ -172,9 +176,9 @@ impl FramePictures<'_> {
             }
             let result = worked.continue_value()?;
             Some(if resolution == Resolution::Coarse && needs_fine(&result) {
-                Worked::NeedsFine(result, picture)
+                FrameWorkOutcome::NeedsFine(result, picture)
             } else {
-                Worked::Done(result)
+                FrameWorkOutcome::Done(result)
             })
         });
         worked.collect()

@@ -52,7 +52,7 @@ const KEPT_BYTES: usize = 36 << 20;
 
 /// The state of a frame before extraction: features from the store, a picture of a video, or an
 /// image file with its picture if that is read.
-pub(super) enum Found {
+pub(super) enum ExtractionInput {
     Before(FrameFeatures),
     Video(Result<Picture, PictureError>, Option<FeatureKey>),
     Image(Option<Picture>),
@@ -90,9 +90,9 @@ impl FramePictures<'_> {
         frame: &Frame,
         resolution: Resolution,
         picture: Option<Picture>,
-    ) -> Found {
+    ) -> ExtractionInput {
         if frame.image.is_some() {
-            return Found::Image(picture);
+            return ExtractionInput::Image(picture);
         }
         let key = frame
             .picture_source(self.folder)
@@ -102,11 +102,11 @@ impl FramePictures<'_> {
             .as_ref()
             .map(|key| self.before(frame, resolution, key, &frame.name(), false));
         match before {
-            Some(Ok(Some(before))) => Found::Before(before),
-            Some(Err(error)) => Found::Video(Err(error), None),
+            Some(Ok(Some(before))) => ExtractionInput::Before(before),
+            Some(Err(error)) => ExtractionInput::Video(Err(error), None),
             Some(Ok(None)) | None => {
                 let picture = picture.map_or_else(|| read_picture(reader, frame, self.folder), Ok);
-                Found::Video(picture, key)
+                ExtractionInput::Video(picture, key)
             }
         }
     }
@@ -116,16 +116,16 @@ impl FramePictures<'_> {
         &self,
         frame: &Frame,
         resolution: Resolution,
-        found: Found,
+        found: ExtractionInput,
     ) -> (Result<FrameFeatures, PictureError>, Option<Picture>) {
         match found {
-            Found::Before(features) => (Ok(features), None),
-            Found::Video(Err(error), _) => (Err(error), None),
-            Found::Video(Ok(picture), key) => {
+            ExtractionInput::Before(features) => (Ok(features), None),
+            ExtractionInput::Video(Err(error), _) => (Err(error), None),
+            ExtractionInput::Video(Ok(picture), key) => {
                 let features = self.look(frame, resolution, &picture, key.as_ref(), false);
                 (features, Some(picture))
             }
-            Found::Image(mut picture) => {
+            ExtractionInput::Image(mut picture) => {
                 let features = self.features_of_image(frame, resolution, &mut picture);
                 (
                     features,

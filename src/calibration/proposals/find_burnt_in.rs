@@ -10,7 +10,7 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, Document, Extra, MaskSource, RangedMask};
 use touchline_vision::features::{
-    BurntInGraphic, Features, ReducedPicture, StandingGraphic, burnt_in, standing_graphics,
+    BurntInGraphic, Features, ReducedPicture, StaticGraphic, burnt_in, standing_graphics,
 };
 use touchline_vision::media::ReadFrames;
 
@@ -22,7 +22,7 @@ const LOOKED_AT: usize = 64;
 const FEATURES_EVERY: usize = 4;
 
 /// A sampled picture.
-struct Seen {
+struct SampledPicture {
     /// Index of its frame in the document.
     frame: usize,
     reduced: ReducedPicture,
@@ -56,13 +56,13 @@ pub fn find_burnt_in(
             let features = wanted
                 .then(|| pictures.features_in(frame, &picture).ok())
                 .flatten();
-            ControlFlow::Continue(Some(Seen {
+            ControlFlow::Continue(Some(SampledPicture {
                 frame: index,
                 reduced: ReducedPicture::new(&picture),
                 features,
             }))
         })?;
-        let seen: Vec<Seen> = seen.into_iter().flatten().collect();
+        let seen: Vec<SampledPicture> = seen.into_iter().flatten().collect();
         // A graphic that both methods find is kept once, as found by edges, which give a more exact
         // range of frames.
         let by_edges = by_edges(pictures, camera, reader, (&of_camera, &seen), progress)?;
@@ -91,7 +91,7 @@ fn by_edges(
     pictures: &FramePictures<'_>,
     camera: &Camera,
     reader: &mut dyn ReadFrames,
-    (of_camera, seen): (&[usize], &[Seen]),
+    (of_camera, seen): (&[usize], &[SampledPicture]),
     progress: &Progress<'_, ()>,
 ) -> Option<Vec<FoundMask>> {
     let document = pictures.document;
@@ -110,7 +110,7 @@ fn by_edges(
         // The range of frames that show the graphic ends somewhere between its last sampled picture
         // and the next one; bisect between the two. Images have no frame numbers, so their range
         // stays open.
-        let mut bound = |shown: usize, other: Option<&Seen>| -> Option<Option<u64>> {
+        let mut bound = |shown: usize, other: Option<&SampledPicture>| -> Option<Option<u64>> {
             let is_of_video = video_frame_number(document, shown).is_some();
             let Some(other) = other.filter(|_| is_of_video) else {
                 return Some(None);
@@ -155,7 +155,7 @@ fn by_edges(
 fn last_without(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
-    graphic: &StandingGraphic,
+    graphic: &StaticGraphic,
     of_camera: &[usize],
     [shown, without]: [usize; 2],
     progress: &Progress<'_, ()>,

@@ -4,7 +4,7 @@
 //! view direction of a frame without an answer is interpolated between the solved frames of its
 //! shot.
 
-use super::needing_frames::{Look, Needing, NeedingFrames};
+use super::needing_frames::{HorizontalView, LabelCandidate, NeedingFrames};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_documents::document::{
@@ -38,7 +38,7 @@ type ShotKey = (CameraId, Option<Clip>);
 #[derive(Clone, Debug, Default)]
 struct Shot {
     /// Views of the solved frames.
-    looks: BTreeMap<usize, Look>,
+    looks: BTreeMap<usize, HorizontalView>,
     /// Frames without an answer, if their picture can be read.
     unanswered: BTreeSet<usize>,
     /// Those of the unanswered frames that have no known direction.
@@ -68,7 +68,9 @@ impl LabelNeeds {
             concerned.insert(index);
             // A solved frame determines the directions of the unsolved ones between its solved
             // neighbours, so these change with it.
-            if shot_of(gone) != shot_of(come) || Look::from_frame(gone) != Look::from_frame(come) {
+            if shot_of(gone) != shot_of(come)
+                || HorizontalView::from_frame(gone) != HorizontalView::from_frame(come)
+            {
                 concerned.extend(self.dependent_frames(gone, index));
                 concerned.extend(self.dependent_frames(come, index));
             }
@@ -127,7 +129,7 @@ impl LabelNeeds {
         self.edition += u64::from(frame.is_unanswered() || is_uncertain(frame));
         let shot = self.shots.entry(shot_of(frame)).or_default();
         shot.looks
-            .extend(Look::from_frame(frame).map(|look| (index, look)));
+            .extend(HorizontalView::from_frame(frame).map(|look| (index, look)));
         shot.unanswered
             .extend(can_be_labelled(frame).then_some(index));
     }
@@ -179,7 +181,7 @@ impl LabelNeeds {
         let found = if is_unanswered {
             shot.between(index).map(|look| (look, 1.0))
         } else {
-            doubt(frame).and_then(|doubt| Some((Look::from_frame(frame)?, doubt)))
+            doubt(frame).and_then(|doubt| Some((HorizontalView::from_frame(frame)?, doubt)))
         };
         let is_unknown = is_unanswered && found.is_none();
         let mut is_news = if is_unknown {
@@ -188,7 +190,7 @@ impl LabelNeeds {
             shot.unknown.remove(&index)
         };
         // The edition changes only if the entry does.
-        let needing = found.map(|(look, need)| Needing {
+        let needing = found.map(|(look, need)| LabelCandidate {
             frame: index,
             look,
             need,
@@ -206,13 +208,13 @@ impl Shot {
     /// The interpolated view of a frame. Between two solved neighbours it is linear in the frame
     /// index, along the shorter way in pan. With one neighbour only, it is that neighbour's view if
     /// it is at most [`BESIDE`] frames away.
-    fn between(&self, index: usize) -> Option<Look> {
+    fn between(&self, index: usize) -> Option<HorizontalView> {
         let before = self.looks.range(..index).next_back();
         let after = self.looks.range(index + 1..).next();
         match (before, after) {
             (Some((start, from)), Some((end, to))) => {
                 let share = (index - start) as f64 / (end - start) as f64;
-                Some(Look {
+                Some(HorizontalView {
                     pan: (from.pan + to.pan.turn_from(from.pan) * share).wrap(),
                     half_view: from.half_view + (to.half_view - from.half_view) * share,
                 })

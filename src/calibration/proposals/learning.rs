@@ -3,7 +3,8 @@
 use super::burnt_in::{leave_out_burnt_in, with_found_masks};
 use super::label::label_of;
 use super::{
-    FoundMask, FrameFeatures, FramePictures, Look, PictureError, Resolution, TrainingSample,
+    FoundMask, FrameFeatures, FramePictures, FrameWithFeatures, PictureError, Resolution,
+    TrainingSample,
 };
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -72,7 +73,7 @@ pub enum LearnError {
 
 /// The training samples of a document's references.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Studied {
+pub struct ReferenceSamples {
     /// The samples, in the order of the references.
     pub training_samples: Vec<TrainingSample>,
     /// Indices of the references that give no sample, and why.
@@ -82,14 +83,14 @@ pub struct Studied {
 }
 
 /// What is known of a reference while its features are extracted.
-enum Studying {
+enum SampleInProgress {
     /// Its coarse features; the fine ones follow.
     Coarse(Arc<Features>),
     /// Its sample, or why it gives none.
     Done(Box<Result<TrainingSample, TrainingSampleError>>),
 }
 
-impl Studying {
+impl SampleInProgress {
     fn is_coarse(&self) -> bool {
         matches!(self, Self::Coarse(_))
     }
@@ -116,7 +117,7 @@ pub fn study(
     reader: &mut dyn ReadFrames,
     training_frames: &[usize],
     progress: &Progress<'_, ()>,
-) -> Option<Studied> {
+) -> Option<ReferenceSamples> {
     let document = pictures.document;
     // If the field is not valid, the uncertainties of labels are those of four clicks.
     let fields = Fields::from_document(document.at(pictures.folder)).ok();
@@ -124,11 +125,11 @@ pub fn study(
         reader,
         training_frames,
         |look| study_look(document, fields.as_ref(), look, progress),
-        Studying::is_coarse,
+        SampleInProgress::is_coarse,
     )?;
-    let mut studied = Studied::default();
+    let mut studied = ReferenceSamples::default();
     // Each is done, in the order of the frames.
-    let samples = looks.into_iter().filter_map(Studying::sample);
+    let samples = looks.into_iter().filter_map(SampleInProgress::sample);
     for (&index, sample) in training_frames.iter().zip(samples) {
         match sample {
             Ok(sample) => studied.training_samples.push(sample),
@@ -144,24 +145,24 @@ pub fn study(
 fn study_look(
     document: &Document,
     fields: Option<&Fields>,
-    look: Look<'_, Studying>,
+    look: FrameWithFeatures<'_, SampleInProgress>,
     progress: &Progress<'_, ()>,
-) -> ControlFlow<(), Studying> {
+) -> ControlFlow<(), SampleInProgress> {
     let (index, frame) = (look.index, look.frame);
     let found = match look.found {
         Ok(found) if found.resolution == Resolution::Coarse => {
             progress.check()?;
-            return ControlFlow::Continue(Studying::Coarse(found.features));
+            return ControlFlow::Continue(SampleInProgress::Coarse(found.features));
         }
         found => found,
     };
     let field = fields.map(|fields| &**fields.for_frame(document, frame));
-    let coarse = look.earlier.and_then(Studying::coarse);
+    let coarse = look.earlier.and_then(SampleInProgress::coarse);
     let sample = found
         .map_err(TrainingSampleError::from)
         .and_then(|fine| training_sample(document, field, (index, frame), &fine, coarse));
     progress.report(())?;
-    ControlFlow::Continue(Studying::Done(Box::new(sample)))
+    ControlFlow::Continue(SampleInProgress::Done(Box::new(sample)))
 }
 
 /// The training sample of a reference, or why it gives none.
@@ -204,7 +205,7 @@ fn training_sample(
 /// There are no samples, `progress` cancelled it, or the document's cameras cannot be serialised.
 pub fn learn(
     document: &Document,
-    studied: &Studied,
+    studied: &ReferenceSamples,
     options: &LearnOptions,
     progress: &Progress<'_, TrainProgress>,
 ) -> Result<ForestModel, LearnError> {

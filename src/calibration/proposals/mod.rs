@@ -9,7 +9,7 @@
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | a query of the forest for a frame; its answer; writing the answer into the frame |
 //! | [`Project`] | the user's edits, the suggestions of the program in batches, and the view of both |
 //! | [`LineEvidence`] | the check of an answer against the painted lines |
-//! | `AskingOrder` | the order in which the forest is queried for frames |
+//! | `QueryOrder` | the order in which the forest is queried for frames |
 //! | `KeyWindow`, [`TrackedProposal`] | key frames of a video; cameras tracked from them to the frames between |
 //! | `TrainingSet` | identity of the references that a forest was trained on |
 //! | [`measure`], [`Quality`] | cross-validation of the forest: references left out and queried |
@@ -55,7 +55,7 @@ mod used_features;
 
 pub use advice::{LabelAdvice, LabelNext, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
-pub use batches::Look;
+pub use batches::FrameWithFeatures;
 pub use burnt_in::FoundMask;
 pub use coverage::{Coverage, CoverageCell};
 pub use expected_wrong::ExpectedWrong;
@@ -63,9 +63,9 @@ pub use features::{FrameFeatures, FramePictures, Resolution};
 pub use find_burnt_in::find_burnt_in;
 pub use key_frames::KeyWindow;
 pub use label_needs::{LabelNeeds, is_uncertain};
-pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
+pub use learning::{LearnError, LearnOptions, ReferenceSamples, TrainingSampleError, learn, study};
 pub use line_evidence::LineEvidence;
-pub use order::AskingOrder;
+pub use order::QueryOrder;
 pub use picture::{FramePicture, PictureError, PictureStream, read_picture};
 pub use project::{Discarded, Project, RefusedForests, SuggestionUpdate};
 pub use proposal::{Answer, NoProposal, Proposal, Timings};

@@ -9,16 +9,16 @@ pub(super) const DIRECTION_DEG: f64 = 1.0;
 
 /// The horizontal view of a frame: pan of its centre and half of its field of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Look {
+pub(super) struct HorizontalView {
     pub(super) pan: Angle,
     pub(super) half_view: Angle,
 }
 
 /// A frame that needs a label in about its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Needing {
+pub(super) struct LabelCandidate {
     pub(super) frame: usize,
-    pub(super) look: Look,
+    pub(super) look: HorizontalView,
     /// The probability that its answer is wrong, 0 to 1; 1 without an answer.
     pub(super) need: f64,
 }
@@ -26,7 +26,7 @@ pub(super) struct Needing {
 /// The frames of a camera that need a label and have a known view.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NeedingFrames {
-    /// The direction of each frame, by its index in the document: see [`Look::direction`].
+    /// The direction of each frame, by its index in the document: see [`HorizontalView::direction`].
     frames: BTreeMap<usize, i64>,
     directions: BTreeMap<i64, Direction>,
 }
@@ -35,7 +35,7 @@ pub(super) struct NeedingFrames {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Direction {
     /// The frames, by index in the document.
-    frames: BTreeMap<usize, Needing>,
+    frames: BTreeMap<usize, LabelCandidate>,
     /// The sum of their needs, in units of 1/[`PARTS`]. Integer sums do not depend on the order in
     /// which frames were added and removed.
     need: u64,
@@ -49,7 +49,7 @@ const PARTS: f64 = (1 << 30) as f64;
 
 impl NeedingFrames {
     /// Sets or removes the need of a frame. Returns whether that changed anything.
-    pub(super) fn put(&mut self, index: usize, needing: Option<Needing>) -> bool {
+    pub(super) fn put(&mut self, index: usize, needing: Option<LabelCandidate>) -> bool {
         let to = self.frames.get(&index).copied();
         let known = to.and_then(|to| Some((to, *self.directions.get(&to)?.frames.get(&index)?)));
         if known.map(|(_, known)| known) == needing {
@@ -86,13 +86,13 @@ impl NeedingFrames {
     }
 
     /// Of the frames of a direction with the greatest need, the middle one in the document's order.
-    pub(super) fn neediest(&self, to: i64) -> Option<&Needing> {
+    pub(super) fn neediest(&self, to: i64) -> Option<&LabelCandidate> {
         let here = &self.directions.get(&to)?.frames;
         let most = here
             .values()
             .map(|needing| needing.need)
             .max_by(f64::total_cmp)?;
-        let neediest: Vec<&Needing> = here
+        let neediest: Vec<&LabelCandidate> = here
             .values()
             .filter(|needing| needing.need == most)
             .collect();
@@ -105,7 +105,7 @@ impl NeedingFrames {
         // Directions entirely within or beyond the reach are counted as a whole, those at the limit
         // frame by frame.
         let counts = self.directions.iter().map(|(&to, direction)| {
-            let apart = Look::towards(to).turn_from(pan).abs();
+            let apart = HorizontalView::towards(to).turn_from(pan).abs();
             if apart + half <= reach {
                 direction.frames.len()
             } else if apart - half > reach {
@@ -133,7 +133,7 @@ impl Direction {
 }
 
 /// The need as an integer, in units of 1/[`PARTS`].
-impl Needing {
+impl LabelCandidate {
     fn need_parts(&self) -> u64 {
         (self.need * PARTS).round() as u64
     }
@@ -143,7 +143,7 @@ impl Needing {
     }
 }
 
-impl Look {
+impl HorizontalView {
     /// The view of a solved frame that is not rejected; the half view is atan(width / 2f).
     pub fn from_frame(frame: &Frame) -> Option<Self> {
         let ptz = frame

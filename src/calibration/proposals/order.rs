@@ -10,7 +10,7 @@ const LONGEST_SHOT: usize = 250;
 
 /// The frames in the order of their queries.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct AskingOrder {
+pub struct QueryOrder {
     /// The neighbours of the current frame in its shot, then one frame of each shot that has none
     /// yet.
     pub first: Vec<usize>,
@@ -18,7 +18,7 @@ pub struct AskingOrder {
     pub rest: Vec<usize>,
 }
 
-impl AskingOrder {
+impl QueryOrder {
     /// The order of the frames for which `wanted` is true. Within each part, frames nearer to the
     /// current one come first.
     #[must_use]
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn neighbours_first_then_one_of_each_shot_then_the_rest() {
         let document = document(&[5, 30, 5, 5]);
-        let order = AskingOrder::new(&document, 20, |index| index != 20 && index != 36);
+        let order = QueryOrder::new(&document, 20, |index| index != 20 && index != 36);
         assert_eq!(order.first[..4], [19, 21, 18, 22]);
         assert_eq!(
             order.first[16..],
@@ -109,15 +109,15 @@ mod tests {
     #[test]
     fn a_recording_without_shots_is_sampled() {
         let document = document(&[1000]);
-        let order = AskingOrder::new(&document, 0, |_| true);
+        let order = QueryOrder::new(&document, 0, |_| true);
         assert_eq!(order.first[9..], [375, 625, 875]);
         assert_eq!(
-            AskingOrder::new(&document, 0, |_| false),
-            AskingOrder::default()
+            QueryOrder::new(&document, 0, |_| false),
+            QueryOrder::default()
         );
         assert_eq!(
-            AskingOrder::new(&Document::new(FieldSpec::new("soccer")), 7, |_| true),
-            AskingOrder::default()
+            QueryOrder::new(&Document::new(FieldSpec::new("soccer")), 7, |_| true),
+            QueryOrder::default()
         );
     }
 }

@@ -10,7 +10,7 @@
 //! earlier suggestions again. Undo and redo change the user's edits only. When an acceptance is
 //! undone, the frame is untouched again and shows whatever is suggested for it at that time.
 
-use super::suggestions::{Novelty, Suggestions, TakenOut};
+use super::suggestions::{Novelty, RemovedBatch, Suggestions};
 use super::{BatchId, Finder, FrameRequest};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::CameraBase;
@@ -304,7 +304,7 @@ impl Project {
             }
         }
         // Show the new answers and name the edit by their number.
-        let Shown { view, given, .. } = self.show_suggestions(now, &changed);
+        let UpdatedView { view, given, .. } = self.show_suggestions(now, &changed);
         let name = match self.suggestions.finder(batch) {
             Some(Finder::Command { name }) => name.clone(),
             _ => format!("Proposals for {}", pluralise(given, "frame")),
@@ -325,10 +325,11 @@ impl Project {
     /// [`Self::suggest`].
     pub fn discard(&mut self, now: &mut Document, batch: BatchId, newest_forest: u64) -> Discarded {
         let edited = &self.edited.frames;
-        let TakenOut { frames, refused } = self.suggestions.take_out(batch, newest_forest, |id| {
-            edited.by_id(id).is_some_and(|frame| frame.is_untouched())
-        });
-        let Shown {
+        let RemovedBatch { frames, refused } =
+            self.suggestions.take_out(batch, newest_forest, |id| {
+                edited.by_id(id).is_some_and(|frame| frame.is_untouched())
+            });
+        let UpdatedView {
             view,
             emptied,
             given: given_back,
@@ -349,9 +350,9 @@ impl Project {
 
     /// The view with the current suggestions in some frames. `now` is updated in the same way,
     /// except in frames that are being edited.
-    fn show_suggestions(&self, now: &mut Document, frames: &[FrameId]) -> Shown {
+    fn show_suggestions(&self, now: &mut Document, frames: &[FrameId]) -> UpdatedView {
         let bases = Bases::in_document(&self.edited);
-        let mut shown = Shown {
+        let mut shown = UpdatedView {
             view: self.view.clone(),
             emptied: 0,
             given: 0,
@@ -445,7 +446,7 @@ impl Project {
 }
 
 /// A view in which frames show other suggestions than before.
-struct Shown {
+struct UpdatedView {
     view: Document,
     /// Number of frames that show no suggestion now.
     emptied: usize,

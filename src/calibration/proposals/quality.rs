@@ -10,7 +10,7 @@
 //! pictures.
 
 use super::spread::spread;
-use super::{FramePictures, LearnOptions, Studied, study};
+use super::{FramePictures, LearnOptions, ReferenceSamples, study};
 use std::collections::BTreeSet;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, median, subsample};
@@ -18,7 +18,8 @@ use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
-    CERTAIN, ForestModel, RelocalizeOptions, Samples, SeenRange, Shown, Stopped, train_without,
+    CERTAIN, CertainAnswerCounts, ForestModel, RelocalizeOptions, Samples, SeenRange, Stopped,
+    train_without,
 };
 
 /// If there is only one shot, references closer in time than this are left out together, s.
@@ -113,14 +114,14 @@ impl Quality {
     /// The number of confident answers and of right ones among them, from which the upper bound of
     /// stated confidences follows.
     #[must_use]
-    pub fn confident_answers(&self) -> Shown {
+    pub fn confident_answers(&self) -> CertainAnswerCounts {
         let certain = self
             .tested
             .iter()
             .filter_map(|tested| tested.found)
             .filter(|found| found.confidence >= CERTAIN);
         let right = certain.clone().filter(|found| found.error_px <= RIGHT_PX);
-        Shown {
+        CertainAnswerCounts {
             certain: certain.count() as u32,
             right: right.count() as u32,
         }
@@ -222,7 +223,7 @@ pub fn measure(
             .iter()
             .map(|&place| collected.frames[place])
             .collect();
-        let Studied {
+        let ReferenceSamples {
             training_samples, ..
         } = study(pictures, reader, &frames, &progress.part(|()| so_far))?;
         for sample in training_samples {
@@ -272,7 +273,7 @@ impl Collected {
     ) -> Option<Self> {
         let mut collected = Self::default();
         for few in training_frames.chunks(BATCH) {
-            let Studied {
+            let ReferenceSamples {
                 training_samples, ..
             } = study(pictures, reader, few, progress)?;
             for sample in training_samples

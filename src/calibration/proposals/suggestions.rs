@@ -99,7 +99,7 @@ impl KeptSuggestion {
 
 /// The frames from which a batch was removed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct TakenOut {
+pub(super) struct RemovedBatch {
     pub frames: Vec<FrameId>,
     /// Generation of the newest forest that may not answer there again; none if no forest found the
     /// batch.
@@ -244,8 +244,8 @@ impl Suggestions {
         batch: BatchId,
         newest_forest: u64,
         is_open: impl Fn(&FrameId) -> bool,
-    ) -> TakenOut {
-        let mut taken = TakenOut::default();
+    ) -> RemovedBatch {
+        let mut taken = RemovedBatch::default();
         for (frame, kept) in self.by_frame.iter_mut().filter(|(frame, _)| is_open(frame)) {
             let count = kept.len();
             kept.retain(|kept| kept.batch != batch);

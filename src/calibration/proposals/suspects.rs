@@ -1,6 +1,6 @@
 //! Finds references with labels that contradict those of others.
 
-use super::{FramePictures, Studied, TrainingSample, study};
+use super::{FramePictures, ReferenceSamples, TrainingSample, study};
 use std::cmp::Reverse;
 use touchline_core::geometry::{Angle, AngleRange};
 use touchline_core::progress::Progress;
@@ -47,7 +47,7 @@ pub fn find_suspects(
             .map(|place| of_camera[place])
             .collect();
         for together in of_camera.chunks(TOGETHER) {
-            let Studied {
+            let ReferenceSamples {
                 training_samples, ..
             } = study(pictures, reader, together, progress)?;
             found.extend(suspects_among(document, &training_samples));

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_calibration::pipelines::{ForestRequest, propose_on_lines};
 use touchline_calibration::proposals::{
-    FeatureStore, FramePictures, LearnOptions, LineEvidence, Look, Resolution, TrainingFrames,
-    learn, overlay_error_px, study,
+    FeatureStore, FramePictures, FrameWithFeatures, LearnOptions, LineEvidence, Resolution,
+    TrainingFrames, learn, overlay_error_px, study,
 };
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImageSize;
@@ -58,7 +58,7 @@ fn work_that_is_content_sees_coarse_features_alone_and_the_rest_both_in_order() 
     let looks = pictures.each_coarse_to_fine(
         &mut FrameReader::new(),
         &open,
-        |look: Look<'_, Vec<(usize, Resolution)>>| {
+        |look: FrameWithFeatures<'_, Vec<(usize, Resolution)>>| {
             let mut seen = look.earlier.unwrap_or_default();
             seen.push((look.index, look.found.unwrap().resolution));
             ControlFlow::Continue(seen)
@@ -76,7 +76,7 @@ fn work_that_is_content_sees_coarse_features_alone_and_the_rest_both_in_order() 
     let ended = pictures.each_coarse_to_fine(
         &mut FrameReader::new(),
         &[0, 1],
-        |look: Look<'_, ()>| match look.earlier {
+        |look: FrameWithFeatures<'_, ()>| match look.earlier {
             Some(()) => ControlFlow::Break(()),
             None => ControlFlow::Continue(()),
         },

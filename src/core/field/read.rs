@@ -207,7 +207,7 @@ impl Reader<'_> {
         id: &str,
         label: &str,
         code: &str,
-    ) -> Result<Vec<Named>, FieldError> {
+    ) -> Result<Vec<EntryNames>, FieldError> {
         let part = format!("{kind} {id:?}");
         self.text_given(&part, "label", label)?;
         variants(id)
@@ -232,7 +232,7 @@ impl Reader<'_> {
                         format!("its code {code:?} is not 2 to 4 lower-case letters or digits"),
                     ));
                 }
-                Ok(Named {
+                Ok(EntryNames {
                     part: format!("{kind} {id:?}"),
                     id,
                     label,
@@ -292,7 +292,7 @@ impl Reader<'_> {
         sigma_px: f64,
         into: &mut Vec<LandmarkPart>,
     ) -> Result<(), FieldError> {
-        for Named {
+        for EntryNames {
             part,
             id,
             label,
@@ -331,7 +331,7 @@ impl Reader<'_> {
         landmarks: &[LandmarkPart],
         into: &mut Vec<LinePart>,
     ) -> Result<(), FieldError> {
-        for Named {
+        for EntryNames {
             part,
             id,
             label,
@@ -483,7 +483,7 @@ impl Reader<'_> {
 }
 
 /// An entry's names, filled in.
-struct Named {
+struct EntryNames {
     part: String,
     id: String,
     label: String,

@@ -61,15 +61,15 @@ pub struct NamedMatch {
 }
 
 /// The visible polylines (px) of each marking, by line index.
-type Seen = Vec<Vec<Vec<ImagePoint>>>;
+type VisiblePolylines = Vec<Vec<Vec<ImagePoint>>>;
 
 /// Projects all markings of sufficient length.
-fn visible_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Seen {
+fn visible_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> VisiblePolylines {
     let options = MarkingOptions {
         margin_px: 0.0,
         ..MarkingOptions::default()
     };
-    let mut seen: Seen = vec![Vec::new(); field.lines.len()];
+    let mut seen: VisiblePolylines = vec![Vec::new(); field.lines.len()];
     for polyline in project_lines(field, camera, size, &options) {
         if counts(field, polyline.line) {
             seen[polyline.line].push(polyline.points);
@@ -165,7 +165,7 @@ impl MarkingMatch {
         // The estimate may use another field (size or template); match lines by name.
         let mut of_estimate = visible_lines(estimate.field, estimate.camera, size);
         let twins = same_names(&field.lines, &estimate.field.lines, |line| line.id.as_str());
-        let seen: Seen = twins
+        let seen: VisiblePolylines = twins
             .iter()
             .map(|twin| {
                 twin.map(|line| std::mem::take(&mut of_estimate[line]))
@@ -197,7 +197,7 @@ impl NamedMatch {
     fn compare(
         field: &FieldModel,
         annotated: &[AnnotatedLine],
-        seen: &Seen,
+        seen: &VisiblePolylines,
         size: ImageSize,
         renamed: impl Fn(usize) -> Option<usize>,
     ) -> Self {

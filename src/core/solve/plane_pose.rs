@@ -55,7 +55,7 @@ impl PlanePose {
     /// the start.
     #[must_use]
     pub fn refine(self, points: &[(Vec2, ImagePoint)], principal_point: ImagePoint) -> Self {
-        let points = points.iter().map(|(ground, image)| ShownGround {
+        let points = points.iter().map(|(ground, image)| GroundCorrespondence {
             ground_m: Vec3::new(ground.x, ground.y, 0.0),
             offset_px: image.offset_from(principal_point),
         });
@@ -72,7 +72,7 @@ impl PlanePose {
 }
 
 /// A point of the ground, `world`, and the offset of its pixel from the principal point.
-struct ShownGround {
+struct GroundCorrespondence {
     ground_m: Vec3,
     offset_px: Vec2,
 }
@@ -80,7 +80,7 @@ struct ShownGround {
 /// Rotation (rad, applied in `cam`), position (m, `world`) and logarithm of the focal length.
 type PoseStep = SVector<f64, 7>;
 
-impl ShownGround {
+impl GroundCorrespondence {
     /// The point in `cam`; none where the camera does not see it.
     fn in_cam(&self, pose: &PlanePose) -> Option<Vec3> {
         let seen = pose.cam_from_world * (self.ground_m - pose.position_m);
@@ -88,7 +88,7 @@ impl ShownGround {
     }
 }
 
-impl Residual<2, 0, 7> for ShownGround {
+impl Residual<2, 0, 7> for GroundCorrespondence {
     type State = PlanePose;
 
     fn element(&self) -> Option<FieldElement> {
@@ -130,7 +130,7 @@ impl Residual<2, 0, 7> for ShownGround {
 
 /// The pose with the least squared reprojection errors.
 struct NearestPose {
-    points: Vec<ShownGround>,
+    points: Vec<GroundCorrespondence>,
 }
 
 impl Problem for NearestPose {
@@ -240,7 +240,7 @@ mod tests {
             focal_px: camera.ptz().focal_px,
         };
         for ground in [[-20.0, 3.0], [-31.0, 20.0], [0.0, 34.0]] {
-            let point = ShownGround {
+            let point = GroundCorrespondence {
                 ground_m: Vec3::new(ground[0], ground[1], 0.0),
                 offset_px: Vec2::new(12.0, -80.0),
             };
@@ -271,7 +271,7 @@ mod tests {
         }
         let rms_px = |pose: &PlanePose, points: &[(Vec2, ImagePoint)]| {
             let squared = |(ground, image): &(Vec2, ImagePoint)| {
-                let shown = ShownGround {
+                let shown = GroundCorrespondence {
                     ground_m: Vec3::new(ground.x, ground.y, 0.0),
                     offset_px: image.offset_from(pp),
                 };

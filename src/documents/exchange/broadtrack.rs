@@ -9,7 +9,7 @@
 use super::camera_format::{CameraFormat, WriteContext, file_name_of, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
-use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use super::held::{parts, with};
 use super::node::{Node, parse, safe_path};
 use super::options::ImportOptions;
@@ -119,7 +119,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     let mut frame = FrameCamera::new(
         name,
         Some(size),
-        Shown::Camera(pinhole.validate("the camera")?),
+        FrameProjection::Camera(pinhole.validate("the camera")?),
     );
     frame.image = Some(safe_path(name)?);
     frame.record = Record {

@@ -7,7 +7,7 @@
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::held::{parts, plain, with};
 use super::options::ImportOptions;
 use super::table::numbers;
@@ -84,7 +84,7 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
     Ok(Some(FrameCamera::new(
         &name,
         Some(size),
-        Shown::Camera(pinhole.validate("the camera")?),
+        FrameProjection::Camera(pinhole.validate("the camera")?),
     )))
 }
 

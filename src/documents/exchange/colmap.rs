@@ -9,7 +9,7 @@
 use super::camera_format::{CameraFormat, WriteContext};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
@@ -183,7 +183,7 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
     let pinhole = pinhole.validate("the camera")?;
     Ok(FrameCamera {
         image: Some(name.clone()),
-        ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole))
+        ..FrameCamera::new(&name, Some(size), FrameProjection::Camera(pinhole))
     })
 }
 

@@ -9,12 +9,12 @@
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
-use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use super::ground_fit::fit_image_from_ground;
 use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
-use super::table::{Row, Table, push_row};
+use super::table::{Table, TableRow, push_row};
 use super::values::side_px;
 use crate::document::{FrameStatus, SolutionSource};
 use touchline_core::camera::Radial;
@@ -185,7 +185,7 @@ fn name_by_number(index: u64, camera: &str) -> String {
     format!("{camera}#{index}")
 }
 
-fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
+fn read_row(row: TableRow<'_>) -> Result<FrameCamera, Problem> {
     let rotation: Vec<f64> = entries("r")
         .map(|column| row.number(&column))
         .collect::<Result<_, _>>()?;
@@ -227,7 +227,7 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
             side(row, "width_px")?,
             side(row, "height_px")?,
         )),
-        shown: Shown::Camera(pinhole),
+        shown: FrameProjection::Camera(pinhole),
         frame_index: index,
         pts_s: row.find("pts_s")?,
         rate: None,
@@ -247,7 +247,7 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
 }
 
 /// A side of the picture in a column, px.
-fn side(row: Row<'_>, column: &str) -> Result<u32, Problem> {
+fn side(row: TableRow<'_>, column: &str) -> Result<u32, Problem> {
     side_px(column, row.number(column)?).map_err(|problem| problem.at_line(row.line()))
 }
 

@@ -7,7 +7,7 @@
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, without_ending};
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::node::{Node, parse};
 use super::options::{ImportOptions, Pixels};
 use super::soccernet::flip_rotation;
@@ -108,7 +108,7 @@ impl CameraFormat for DeepSport {
         let court = options.field.model(Path::new("."))?;
         read_frame_files(&files.sorted_entries(), without_ending, |stem, bytes| {
             let (pinhole, size) = camera(bytes, &court)?;
-            let frame = FrameCamera::new(stem, Some(size), Shown::Camera(pinhole));
+            let frame = FrameCamera::new(stem, Some(size), FrameProjection::Camera(pinhole));
             Ok(FrameCamera {
                 image: Some(format!("{stem}_0.png")),
                 ..frame

@@ -7,7 +7,7 @@ use super::error::ExchangeError;
 use super::exported::Exported;
 use super::files::Files;
 use super::format::Format;
-use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use super::into_document::camera_of;
 use super::loss::{crown_off_px, farthest_landmark, loss_between};
 use super::options::ExportOptions;
@@ -44,7 +44,7 @@ fn frame_camera(
         camera: Some(frame.camera.as_str().to_owned()),
         video: frame.video.as_ref().map(|video| video.path.clone()),
         size: Some(size.unwrap_or(frame.image_size)),
-        shown: Shown::Camera(pinhole),
+        shown: FrameProjection::Camera(pinhole),
         frame_index: frame.video.as_ref().map(|video| video.frame_index),
         pts_s: frame.video.as_ref().and_then(|video| video.pts_s),
         rate: None,
@@ -364,7 +364,8 @@ impl Proof<'_> {
                 .filter(|again| is_complete && again.unreadable.is_none())
                 .ok_or_else(|| self.reads_back_otherwise(kept))?;
             worst_px = worst_px.max(self.compare(kept, &again, context.field)?);
-            if let (Some(size), Shown::Camera(_) | Shown::Lens(_)) = (kept.size, &again.shown)
+            if let (Some(size), FrameProjection::Camera(_) | FrameProjection::Lens(_)) =
+                (kept.size, &again.shown)
                 && let Ok(view) = camera_of(&again, size)
             {
                 views.push((again, size, view));
@@ -375,12 +376,12 @@ impl Proof<'_> {
         let document = of.document(reading.field, &views);
         drop(views);
         for (kept, frame) in held.iter().zip(&document.frames) {
-            if matches!(kept.shown, Shown::Lens(_)) {
+            if matches!(kept.shown, FrameProjection::Lens(_)) {
                 continue;
             }
             let camera = document
                 .ptz_camera(frame)
-                .map(|camera| Shown::Camera(Pinhole::from_ptz_camera(&camera)));
+                .map(|camera| FrameProjection::Camera(Pinhole::from_ptz_camera(&camera)));
             let again = FrameCamera {
                 shown: camera.ok_or_else(|| self.reads_back_otherwise(kept))?,
                 ..kept.clone()
@@ -398,8 +399,8 @@ impl Proof<'_> {
         again: &FrameCamera,
         field: &FieldModel,
     ) -> Result<f64, ExchangeError> {
-        if let (Shown::Lens(before), lens) = (&kept.shown, again.shown)
-            && lens != Shown::Lens(*before)
+        if let (FrameProjection::Lens(before), lens) = (&kept.shown, again.shown)
+            && lens != FrameProjection::Lens(*before)
         {
             return Err(self.reads_back_otherwise(kept));
         }

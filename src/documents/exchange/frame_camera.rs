@@ -13,7 +13,7 @@ use super::rate::Rate;
 
 /// The projection of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shown {
+pub enum FrameProjection {
     /// By a camera.
     Camera(Pinhole),
     /// By a homography from the ground (world x and y, m) to the picture (px, corner convention).
@@ -66,7 +66,7 @@ pub struct FrameCamera {
     /// The size of the picture; none where the format does not say.
     pub size: Option<ImageSize>,
     /// Its projection.
-    pub shown: Shown,
+    pub shown: FrameProjection,
     /// The video frame, counted from 0.
     pub frame_index: Option<u64>,
     /// Its time from the stream's start, s.
@@ -113,7 +113,7 @@ pub struct Unreadable {
 impl FrameCamera {
     /// A frame of which only a name and a camera are known.
     #[must_use]
-    pub fn new(name: &str, size: Option<ImageSize>, shown: Shown) -> Self {
+    pub fn new(name: &str, size: Option<ImageSize>, shown: FrameProjection) -> Self {
         Self {
             name: name.to_owned(),
             image: None,
@@ -143,8 +143,10 @@ impl FrameCamera {
     #[must_use]
     pub const fn pinhole(&self) -> Option<&Pinhole> {
         match &self.shown {
-            Shown::Camera(pinhole) => Some(pinhole),
-            Shown::Ground(_) | Shown::Lens(_) | Shown::Nothing => None,
+            FrameProjection::Camera(pinhole) => Some(pinhole),
+            FrameProjection::Ground(_) | FrameProjection::Lens(_) | FrameProjection::Nothing => {
+                None
+            }
         }
     }
 
@@ -153,8 +155,10 @@ impl FrameCamera {
     #[must_use]
     pub fn image_from_world(&self, point_in_world: Vec3) -> Option<ImagePoint> {
         match &self.shown {
-            Shown::Camera(pinhole) => pinhole.ptz_camera()?.image_from_world(point_in_world).ok(),
-            Shown::Ground(image_from_ground) => {
+            FrameProjection::Camera(pinhole) => {
+                pinhole.ptz_camera()?.image_from_world(point_in_world).ok()
+            }
+            FrameProjection::Ground(image_from_ground) => {
                 if point_in_world.z != 0.0 {
                     return None;
                 }
@@ -162,7 +166,7 @@ impl FrameCamera {
                 Some(ImagePoint::new(image.x / image.z, image.y / image.z))
                     .filter(|point| point.is_finite())
             }
-            Shown::Lens(_) | Shown::Nothing => None,
+            FrameProjection::Lens(_) | FrameProjection::Nothing => None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Helpers for formats that store less than a whole camera.
 
 use super::camera_format::stem_of;
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::node::safe_path;
 use std::path::Path;
 use touchline_core::camera::Radial;
@@ -24,7 +24,7 @@ pub fn parts(frame: &FrameCamera) -> Result<(Pinhole, ImageSize), String> {
 pub fn with(frame: &FrameCamera, name: String, pinhole: Pinhole) -> FrameCamera {
     FrameCamera {
         name,
-        shown: Shown::Camera(pinhole),
+        shown: FrameProjection::Camera(pinhole),
         ..frame.clone()
     }
 }

@@ -11,7 +11,7 @@
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, stem, text};
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::ground_fit::fit_image_from_ground;
 use super::held::{parts, relative_name};
 use super::node::{Node, parse, safe_path};
@@ -82,7 +82,7 @@ fn inverse(h: &Mat3, what: &str) -> Result<Mat3, Problem> {
 
 /// The homography from picture to template that a frame is written with.
 fn template_from_image(frame: &FrameCamera) -> Option<Mat3> {
-    let Shown::Ground(image_from_ground) = &frame.shown else {
+    let FrameProjection::Ground(image_from_ground) = &frame.shown else {
         return None;
     };
     let ground_from_image = image_from_ground.try_inverse()?;
@@ -127,7 +127,7 @@ fn hold(
     }
     Ok(FrameCamera {
         name,
-        shown: Shown::Ground(shown),
+        shown: FrameProjection::Ground(shown),
         ..frame.clone()
     })
 }
@@ -227,7 +227,7 @@ impl CameraFormat for Wc14 {
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         read_frame_files(&files.sorted_entries(), stem, |name, bytes| {
             let shown = image_from_ground(&matrix(&numbers("the homography", text(bytes)?)?)?)?;
-            let shown = Shown::Ground(shown);
+            let shown = FrameProjection::Ground(shown);
             Ok(FrameCamera::new(name, Some(SET_SIZE), shown))
         })
     }
@@ -301,7 +301,7 @@ impl CameraFormat for TsWorldCup {
         let mut homographies = files.sorted_entries();
         homographies.retain(|(name, _)| self.is_wanted(name));
         read_frame_files(&homographies, ts_frame_name, |name, bytes| {
-            let shown = Shown::Ground(image_from_ground(&npy::matrix(bytes)?)?);
+            let shown = FrameProjection::Ground(image_from_ground(&npy::matrix(bytes)?)?);
             Ok(FrameCamera::new(name, Some(SET_SIZE), shown))
         })
     }
@@ -388,7 +388,7 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
     };
     Ok(FrameCamera {
         image: Some(image.clone()),
-        ..FrameCamera::new(&image, size, Shown::Ground(shown))
+        ..FrameCamera::new(&image, size, FrameProjection::Ground(shown))
     })
 }
 
@@ -413,7 +413,7 @@ impl CameraFormat for HomographyLines {
     ) -> Result<Files, ExchangeError> {
         let mut text = String::new();
         for frame in held {
-            let Shown::Ground(image_from_ground) = &frame.shown else {
+            let FrameProjection::Ground(image_from_ground) = &frame.shown else {
                 continue;
             };
             let Some(h) = image_from_ground.try_inverse().map(normalise_homography) else {
@@ -537,7 +537,7 @@ mod tests {
             "homographies.jsonl",
         );
         let one = read_line(text.trim()).unwrap();
-        let Shown::Ground(shown) = one.shown else {
+        let FrameProjection::Ground(shown) = one.shown else {
             panic!("a homography")
         };
         let in_yards = corner_from(Pixels::Centre).try_inverse().unwrap() * shown;

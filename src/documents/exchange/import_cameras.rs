@@ -4,7 +4,7 @@ use super::camera_format::CameraFormat;
 use super::error::ExchangeError;
 use super::files::Files;
 use super::format::Format;
-use super::frame_camera::{FrameCamera, Shown, Unreadable};
+use super::frame_camera::{FrameCamera, FrameProjection, Unreadable};
 use super::imported::Imported;
 use super::into_document::{View, camera_of};
 use super::options::ImportOptions;
@@ -155,7 +155,7 @@ impl ViewReader<'_> {
         });
         Ok(match checked {
             Ok(view) => {
-                self.fitted += usize::from(matches!(fit.shown, Shown::Ground(_)));
+                self.fitted += usize::from(matches!(fit.shown, FrameProjection::Ground(_)));
                 Ok((fit, size, view))
             }
             Err(error) => {

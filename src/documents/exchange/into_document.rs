@@ -1,6 +1,6 @@
 //! Converts cameras that were read into a document: frames with a common base share a camera.
 
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::document::{
     Camera, CameraId, Distortion, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution,
     SolutionSource, VideoFrame,
@@ -306,10 +306,10 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
 /// No camera with square pixels fits the homography, or the frame shows nothing.
 pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlanePoseError> {
     let points = match &frame.shown {
-        Shown::Camera(pinhole) => return Ok(*pinhole),
-        Shown::Lens(lens) => return Ok(lens.camera_at_origin()),
-        Shown::Ground(image_from_ground) => grid_on_ground(image_from_ground, size),
-        Shown::Nothing => Vec::new(),
+        FrameProjection::Camera(pinhole) => return Ok(*pinhole),
+        FrameProjection::Lens(lens) => return Ok(lens.camera_at_origin()),
+        FrameProjection::Ground(image_from_ground) => grid_on_ground(image_from_ground, size),
+        FrameProjection::Nothing => Vec::new(),
     };
     let principal_point = size.centre();
     let pose = pose_from_plane(&points, principal_point)?.refine(&points, principal_point);
@@ -376,7 +376,7 @@ mod tests {
             Ptz::from_degrees(ptz.0, ptz.1, ptz.2),
         ));
         (
-            FrameCamera::new(name, Some(SIZE), Shown::Camera(view)),
+            FrameCamera::new(name, Some(SIZE), FrameProjection::Camera(view)),
             SIZE,
             view,
         )

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// A document with imported labels, and counts of what was joined.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Joined {
+pub struct JoinedImport {
     /// The document.
     pub document: Document,
     /// Frames of the document that got clicks or a camera.
@@ -50,7 +50,7 @@ pub struct JoinedPair {
 /// only video in the most plausible way ([`plan_attachment`]); where none is plausible, a note says
 /// why, and they are appended.
 #[must_use]
-pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
+pub fn join(open: DocumentAt<'_>, imported: &Imported) -> JoinedImport {
     let attachment = plan_attachment(open, imported);
     let attached = attachment.as_ref().ok().and_then(|plan| {
         let plan = plan.as_ref()?;
@@ -59,7 +59,7 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
     let imported = attached.as_ref().unwrap_or(imported);
     let may_match = attachment.is_ok();
     let reason = attachment.as_ref().err().map(ToString::to_string);
-    let mut joined = Joined {
+    let mut joined = JoinedImport {
         document: open.document.clone(),
         matched: 0,
         pairs: Vec::new(),

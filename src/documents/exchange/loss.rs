@@ -1,6 +1,6 @@
 //! The information that a format loses, as distances in px of the pictures.
 
-use super::frame_camera::{FrameCamera, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection};
 use std::fmt;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, pluralise};
@@ -130,7 +130,7 @@ pub fn loss_between(
     let (mut sum, mut count) = (0.0, 0_usize);
     for (frame, kept) in frames.iter().zip(held) {
         let what = differences(frame, kept);
-        let is_ground = matches!(kept.shown, Shown::Ground(_));
+        let is_ground = matches!(kept.shown, FrameProjection::Ground(_));
         let mut moved = 0.0_f64;
         for (point, image) in visible(frame, &points) {
             if is_ground && point.nominal.z != 0.0 {

@@ -96,7 +96,7 @@ pub use format::Format;
 pub use homography_files::template_from_ground;
 pub use import::import;
 pub use imported::Imported;
-pub use join::{Joined, JoinedPair, join};
+pub use join::{JoinedImport, JoinedPair, join};
 pub use loss::Loss;
 pub use options::{
     ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource,

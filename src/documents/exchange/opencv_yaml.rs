@@ -7,7 +7,7 @@
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, stem, text};
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
 use super::unreadable::read_frame_files;
@@ -234,7 +234,11 @@ impl CameraFormat for OpenCvYaml {
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         read_frame_files(&files.sorted_entries(), stem, |name, bytes| {
             let (pinhole, size) = camera(bytes)?;
-            Ok(FrameCamera::new(name, Some(size), Shown::Camera(pinhole)))
+            Ok(FrameCamera::new(
+                name,
+                Some(size),
+                FrameProjection::Camera(pinhole),
+            ))
         })
     }
 }

@@ -10,7 +10,7 @@ use super::body_angles::{angles_deg, cam_from_world, world_from_body};
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::held::parts;
 use super::node::{Node, parse};
 use super::options::ImportOptions;
@@ -364,7 +364,7 @@ fn read_line(
     Ok(FrameCamera::new(
         &name,
         Some(size),
-        Shown::Camera(pinhole.validate("the camera")?),
+        FrameProjection::Camera(pinhole.validate("the camera")?),
     ))
 }
 

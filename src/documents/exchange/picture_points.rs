@@ -11,7 +11,7 @@
 use super::cvat::{Element, attribute, parse_annotations};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, base_name, text, without_ending};
-use super::table::{Row, Table, number};
+use super::table::{Table, TableRow, number};
 use super::values::frame_number;
 use crate::document::Frame;
 use std::collections::BTreeMap;
@@ -156,7 +156,7 @@ fn points_of_table(bytes: &[u8]) -> Result<PicturePoints, Problem> {
 }
 
 /// The frame of a row: a number, else a picture's name.
-fn frame_of_row(row: &Row<'_>) -> Result<FrameName, Problem> {
+fn frame_of_row(row: &TableRow<'_>) -> Result<FrameName, Problem> {
     let frame = row.text("frame").ok_or_else(|| row.missing("frame"))?;
     match number("frame", frame) {
         Ok(value) => frame_number("frame", value)

@@ -4,7 +4,7 @@
 //! Focal length, principal point and homography are in pixels of the camera's own picture. Used
 //! unchanged with a picture twice as wide, they would be off by up to half a picture.
 
-use super::frame_camera::{FrameCamera, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection};
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 
 /// The source of a format's picture size.
@@ -59,12 +59,14 @@ fn has_its_centre_in(frame: &FrameCamera, picture: ImageSize) -> bool {
 
 fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera {
     let shown = match frame.shown {
-        Shown::Camera(pinhole) => Shown::Camera(pinhole.scale_by(factor)),
-        Shown::Ground(image_from_ground) => {
-            Shown::Ground(Mat3::from_diagonal(&Vec3::new(factor, factor, 1.0)) * image_from_ground)
+        FrameProjection::Camera(pinhole) => FrameProjection::Camera(pinhole.scale_by(factor)),
+        FrameProjection::Ground(image_from_ground) => FrameProjection::Ground(
+            Mat3::from_diagonal(&Vec3::new(factor, factor, 1.0)) * image_from_ground,
+        ),
+        FrameProjection::Lens(lens) => {
+            FrameProjection::Lens(lens.camera_at_origin().scale_by(factor).known_lens())
         }
-        Shown::Lens(lens) => Shown::Lens(lens.camera_at_origin().scale_by(factor).known_lens()),
-        Shown::Nothing => Shown::Nothing,
+        FrameProjection::Nothing => FrameProjection::Nothing,
     };
     FrameCamera {
         size: Some(picture),
@@ -115,7 +117,7 @@ mod tests {
         FrameCamera::new(
             "a",
             Some(size),
-            Shown::Camera(Pinhole {
+            FrameProjection::Camera(Pinhole {
                 principal_point,
                 ..pointed
             }),
@@ -134,7 +136,7 @@ mod tests {
         );
         assert!(there.distance_px(ImagePoint::new(2.0 * at.x, 2.0 * at.y)) < 1e-9);
         let ground = FrameCamera {
-            shown: Shown::Ground(small.pinhole().unwrap().image_from_ground()),
+            shown: FrameProjection::Ground(small.pinhole().unwrap().image_from_ground()),
             ..small
         };
         let at = ground.image_from_world(point).unwrap();

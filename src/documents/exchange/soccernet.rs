@@ -9,7 +9,7 @@
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, stem};
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::node::{Node, parse};
 use super::options::ImportOptions;
 use super::picture_size::SizeSource;
@@ -198,7 +198,7 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
     Ok(FrameCamera::new(
         name,
         size_by_principal_point(pinhole.principal_point),
-        Shown::Camera(pinhole),
+        FrameProjection::Camera(pinhole),
     ))
 }
 
@@ -219,7 +219,11 @@ fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
         let pinhole = from_json(&sample)?;
         let name = name.unwrap_or_else(|| format!("{index:06}"));
         let size = size_by_principal_point(pinhole.principal_point);
-        Ok(FrameCamera::new(stem(&name), size, Shown::Camera(pinhole)))
+        Ok(FrameCamera::new(
+            stem(&name),
+            size,
+            FrameProjection::Camera(pinhole),
+        ))
     });
     frames.collect::<Result<Vec<_>, Problem>>().map(Some)
 }

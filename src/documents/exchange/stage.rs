@@ -2,7 +2,7 @@
 //! written.
 
 use super::format::Format;
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::document::Stage;
 use touchline_core::geometry::{Mat3, Vec3};
 
@@ -27,7 +27,7 @@ fn transform_camera(
     position: impl Fn(Vec3) -> Vec3,
     rotation: &Mat3,
 ) -> FrameCamera {
-    let Shown::Camera(pinhole) = &frame.shown else {
+    let FrameProjection::Camera(pinhole) = &frame.shown else {
         return frame.clone();
     };
     let moved = Pinhole {
@@ -36,7 +36,7 @@ fn transform_camera(
         ..*pinhole
     };
     FrameCamera {
-        shown: Shown::Camera(moved),
+        shown: FrameProjection::Camera(moved),
         ..frame.clone()
     }
 }

@@ -63,7 +63,7 @@ impl Fields {
 
 /// A row and its line.
 #[derive(Clone, Copy)]
-pub struct Row<'a> {
+pub struct TableRow<'a> {
     table: &'a Table,
     /// The header is row 0.
     index: usize,
@@ -106,8 +106,8 @@ impl Table {
     }
 
     /// The rows in order.
-    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        (1..self.fields.rows()).map(|index| Row { table: self, index })
+    pub fn rows(&self) -> impl Iterator<Item = TableRow<'_>> {
+        (1..self.fields.rows()).map(|index| TableRow { table: self, index })
     }
 
     /// Rejects a table that lacks one of the given columns.
@@ -124,7 +124,7 @@ impl Table {
     }
 }
 
-impl Row<'_> {
+impl TableRow<'_> {
     /// The line of the row in the file, where no field holds a line break.
     #[must_use]
     pub const fn line(&self) -> usize {

@@ -5,7 +5,7 @@
 //! counts and names such files. Only where no file has a camera the import fails.
 
 use super::error::{ExchangeError, Problem};
-use super::frame_camera::{FrameCamera, Shown, Unreadable};
+use super::frame_camera::{FrameCamera, FrameProjection, Unreadable};
 use super::import_clicks::Cameras;
 use super::into_document::unsolved_frame;
 use super::values::shorten;
@@ -43,7 +43,7 @@ pub fn read_frame_files(
                 };
                 frames.push(FrameCamera {
                     unreadable: Some(unreadable),
-                    ..FrameCamera::new(name, None, Shown::Nothing)
+                    ..FrameCamera::new(name, None, FrameProjection::Nothing)
                 });
                 first_problem.get_or_insert_with(|| problem.within(file));
             }

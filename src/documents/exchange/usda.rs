@@ -10,7 +10,7 @@ use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::chan::{looking_back, y_up};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
-use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::held::{parts, with};
 use super::options::ImportOptions;
 use super::table::{number, numbers};
@@ -245,7 +245,7 @@ impl ReadTake {
         let name = format!("{}@{time}", self.camera);
         Ok(FrameCamera {
             frame_index: Some(time),
-            ..FrameCamera::new(&name, Some(self.size), Shown::Camera(pinhole))
+            ..FrameCamera::new(&name, Some(self.size), FrameProjection::Camera(pinhole))
         })
     }
 }

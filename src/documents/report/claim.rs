@@ -10,7 +10,7 @@ pub struct Claim {
     /// What it states, as a number.
     pub paper: Stated,
     /// The measurements. The first one decides; the others stand beside it.
-    pub tests: Vec<Measured>,
+    pub tests: Vec<ClaimMeasurement>,
     /// Number of comparisons that the statement makes at once. Intervals are as wide as
     /// Bonferroni's correction for them asks.
     pub comparisons: usize,
@@ -39,7 +39,7 @@ pub enum Stated {
 
 /// A measurement of what is stated.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct ClaimMeasurement {
     /// On what it was measured: `published`.
     pub on: String,
     /// Its value.
@@ -228,13 +228,13 @@ impl Claim {
 
     /// The verdict by one of the measurements.
     #[must_use]
-    pub fn verdict_on(&self, test: &Measured) -> Verdict {
+    pub fn verdict_on(&self, test: &ClaimMeasurement) -> Verdict {
         self.paper.verdict(test.interval)
     }
 
     /// A measurement with its interval for readers: `+0.146 (+0.098 to +0.190)`.
     #[must_use]
-    pub fn describe(&self, test: &Measured) -> String {
+    pub fn describe(&self, test: &ClaimMeasurement) -> String {
         let value = self.describe_number(test.value);
         let [low, high] = test.interval;
         if low < high {

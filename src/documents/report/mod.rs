@@ -14,7 +14,7 @@ pub mod figure;
 mod provenance;
 mod table;
 
-pub use claim::{Claim, Measured, Source, Stated, Verdict};
+pub use claim::{Claim, ClaimMeasurement, Source, Stated, Verdict};
 pub use contact_sheet::{SheetFrame, contact_sheet};
 pub use document::{Block, Report, ReportFile};
 pub use provenance::Provenance;

@@ -116,7 +116,7 @@ impl Editor {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Doing {
+enum EditorEvent {
     Comment(usize, u8),
     GoOn(usize, u8),
     Reorder,
@@ -131,19 +131,19 @@ enum Doing {
     Restart,
 }
 
-fn doing() -> impl Strategy<Value = Doing> {
+fn doing() -> impl Strategy<Value = EditorEvent> {
     prop_oneof![
-        3 => (0usize..5, 0u8..3).prop_map(|(frame, text)| Doing::Comment(frame, text)),
-        2 => (0usize..5, 0u8..3).prop_map(|(frame, text)| Doing::GoOn(frame, text)),
-        1 => Just(Doing::Reorder),
-        1 => (0usize..5).prop_map(Doing::Remove),
-        1 => (0u8..9).prop_map(Doing::Add),
-        1 => (0u8..3).prop_map(Doing::Camera),
-        1 => (0u8..3).prop_map(Doing::Field),
-        4 => Just(Doing::Undo),
-        3 => Just(Doing::Redo),
-        2 => Just(Doing::Save),
-        2 => Just(Doing::Restart),
+        3 => (0usize..5, 0u8..3).prop_map(|(frame, text)| EditorEvent::Comment(frame, text)),
+        2 => (0usize..5, 0u8..3).prop_map(|(frame, text)| EditorEvent::GoOn(frame, text)),
+        1 => Just(EditorEvent::Reorder),
+        1 => (0usize..5).prop_map(EditorEvent::Remove),
+        1 => (0u8..9).prop_map(EditorEvent::Add),
+        1 => (0u8..3).prop_map(EditorEvent::Camera),
+        1 => (0u8..3).prop_map(EditorEvent::Field),
+        4 => Just(EditorEvent::Undo),
+        3 => Just(EditorEvent::Redo),
+        2 => Just(EditorEvent::Save),
+        2 => Just(EditorEvent::Restart),
     ]
 }
 
@@ -154,37 +154,39 @@ fn set_comment(document: &mut Document, frame: usize, text: u8) {
     }
 }
 
-fn obey(mut editor: Editor, path: &Path, doing: Doing) -> Editor {
+fn obey(mut editor: Editor, path: &Path, doing: EditorEvent) -> Editor {
     match doing {
-        Doing::Comment(frame, text) => {
+        EditorEvent::Comment(frame, text) => {
             editor.step("Comment", |document| set_comment(document, frame, text));
         }
-        Doing::GoOn(frame, text) => editor.go_on(|document| set_comment(document, frame, text)),
-        Doing::Reorder => editor.step("Reorder", |document| {
+        EditorEvent::GoOn(frame, text) => {
+            editor.go_on(|document| set_comment(document, frame, text))
+        }
+        EditorEvent::Reorder => editor.step("Reorder", |document| {
             document.frames = document.frames.iter().rev().cloned().collect();
         }),
-        Doing::Remove(frame) => editor.step("Remove", |document| {
+        EditorEvent::Remove(frame) => editor.step("Remove", |document| {
             document.frames.remove(frame);
         }),
-        Doing::Add(name) => editor.step("Add", |document| {
+        EditorEvent::Add(name) => editor.step("Add", |document| {
             document.frames.insert(
                 1,
                 Frame::from_image(&name.to_string(), "main".into(), SIZE).into(),
             );
         }),
-        Doing::Camera(name) => editor.step("Camera", |document| {
+        EditorEvent::Camera(name) => editor.step("Camera", |document| {
             document.cameras = vec![Camera::new(name.to_string().as_str().into(), SIZE).into()];
         }),
-        Doing::Field(length) => editor.step("Field", |document| {
+        EditorEvent::Field(length) => editor.step("Field", |document| {
             document
                 .field
                 .params
                 .insert("length_m".to_owned(), 100.0 + f64::from(length));
         }),
-        Doing::Undo => editor.undo(),
-        Doing::Redo => editor.redo(),
-        Doing::Save => editor.save(),
-        Doing::Restart => {
+        EditorEvent::Undo => editor.undo(),
+        EditorEvent::Redo => editor.redo(),
+        EditorEvent::Save => editor.save(),
+        EditorEvent::Restart => {
             let Editor {
                 store,
                 document,
@@ -206,7 +208,7 @@ proptest! {
     #[test]
     fn what_can_be_undone_and_redone_is_the_same_after_a_restart(all in prop::collection::vec(doing(), 1..40)) {
         let (_folder, path, mut editor) = Editor::create(3);
-        for doing in all.into_iter().chain([Doing::Restart]) {
+        for doing in all.into_iter().chain([EditorEvent::Restart]) {
             editor = obey(editor, &path, doing);
         }
     }
@@ -216,13 +218,13 @@ proptest! {
 fn a_step_that_goes_on_and_changes_nothing_more_keeps_what_can_be_redone() {
     let (_folder, path, mut editor) = Editor::create(3);
     for doing in [
-        Doing::Comment(1, 2),
-        Doing::Comment(2, 0),
-        Doing::Comment(0, 0),
-        Doing::Undo,
-        Doing::GoOn(1, 2),
-        Doing::Restart,
-        Doing::Redo,
+        EditorEvent::Comment(1, 2),
+        EditorEvent::Comment(2, 0),
+        EditorEvent::Comment(0, 0),
+        EditorEvent::Undo,
+        EditorEvent::GoOn(1, 2),
+        EditorEvent::Restart,
+        EditorEvent::Redo,
     ] {
         editor = obey(editor, &path, doing);
     }

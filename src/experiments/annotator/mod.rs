@@ -128,7 +128,7 @@ pub fn run(
 }
 
 /// The result of one frame.
-struct Answer {
+struct FrameAccuracy {
     frame: usize,
     is_clicked: bool,
     /// Errors of the overlay at the four corners, px.
@@ -144,7 +144,7 @@ struct Answer {
 
 /// Compares the cameras of a labelled clip with the true ones. Frames without a camera are left
 /// out.
-fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
+fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<FrameAccuracy> {
     let each = labelled.document.frames.iter().zip(&clip.truth).enumerate();
     each.filter_map(|(at, (frame, truth))| {
         let ptz = frame.ptz.as_ref().map(FramePtz::ptz)?;
@@ -161,7 +161,7 @@ fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
         );
         let worst = corners.iter().copied().fold(0.0, f64::max);
         let solution = frame.solution.as_ref();
-        Some(Answer {
+        Some(FrameAccuracy {
             frame: at,
             is_clicked: labelled.clicked.contains(&at),
             corners,
@@ -177,7 +177,7 @@ fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
 }
 
 /// A row of the table: clicks, corner errors, coverage of the stated sigmas, wrong cameras.
-fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) -> Vec<Cell> {
+fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[FrameAccuracy]) -> Vec<Cell> {
     let wrong = || answers.iter().filter(|answer| answer.is_wrong);
     let certain = wrong()
         .filter(|answer| {
@@ -210,7 +210,7 @@ fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) ->
 }
 
 /// Adds a row for each frame with a camera.
-fn add_frames(table: &mut Table, name: &str, answers: &[Answer]) {
+fn add_frames(table: &mut Table, name: &str, answers: &[FrameAccuracy]) {
     for answer in answers {
         let worst = answer.corners.iter().copied().fold(0.0, f64::max);
         table.push(vec![

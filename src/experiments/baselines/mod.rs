@@ -97,7 +97,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let mut done = 0;
     for (repeat, set) in sets.iter().enumerate() {
         for split in 0..set.splits.len() {
-            ask_split(&Place { set, repeat, split }, stride, &mut by_count);
+            ask_split(&SplitOfSet { set, repeat, split }, stride, &mut by_count);
             done += 1;
             progress(done, total);
         }
@@ -119,14 +119,14 @@ fn no_more_than(most: usize, wanted: &[usize]) -> Vec<usize> {
 }
 
 /// A split of a set, and the set's index among those of other seeds.
-struct Place<'a> {
+struct SplitOfSet<'a> {
     set: &'a FrameSet,
     repeat: usize,
     split: usize,
 }
 
 /// Runs all methods on the test frames of a split, with each number of references.
-fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
+fn ask_split(place: &SplitOfSet<'_>, stride: usize, by_count: &mut ByCount) {
     let (set, split) = (place.set, &place.set.splits[place.split]);
     let mut order = split.training_frames.clone();
     order.shuffle(&mut rng(set.seed, [70, place.split as u64]));

@@ -83,11 +83,11 @@ pub struct Described {
     pub kind: FeatureKind,
     /// The set. The descriptors of binary features are 128 of their bits, as bytes.
     pub set: FrameSet,
-    compared: Compared,
+    compared: SearchableDescriptors,
 }
 
 /// The descriptors of all frames, in the form in which neighbours are searched.
-enum Compared {
+enum SearchableDescriptors {
     Numbers(Vec<DescriptorRows>),
     Bits(Vec<Vec<BinaryDescriptor>>, BinaryKind),
 }
@@ -113,7 +113,7 @@ impl Described {
         }
         let compared = match kind {
             // A set's own features are SIFT.
-            FeatureKind::Sift => Compared::numbers_of(&set),
+            FeatureKind::Sift => SearchableDescriptors::numbers_of(&set),
             FeatureKind::Surf => {
                 let found = with_pictures(&set, |known, picture| {
                     let found = extract_surf(picture, known.used_masks(), SURPLUS * MOST_FEATURES);
@@ -122,7 +122,7 @@ impl Described {
                 for (known, features) in set.frames.iter_mut().zip(found) {
                     known.features = features;
                 }
-                Compared::numbers_of(&set)
+                SearchableDescriptors::numbers_of(&set)
             }
             FeatureKind::Orb => describe_in_bits(&mut set, BinaryKind::Orb)?,
             FeatureKind::Akaze => describe_in_bits(&mut set, BinaryKind::Akaze)?,
@@ -138,15 +138,17 @@ impl Described {
     /// features.
     pub fn neighbours(&self, frame: usize, other: usize) -> Vec<Option<Neighbour>> {
         match &self.compared {
-            Compared::Numbers(rows) if rows[other].is_empty() => vec![None; rows[frame].len()],
-            Compared::Numbers(rows) => {
+            SearchableDescriptors::Numbers(rows) if rows[other].is_empty() => {
+                vec![None; rows[frame].len()]
+            }
+            SearchableDescriptors::Numbers(rows) => {
                 let largest = MAX_SQUARED_DISTANCE * self.kind.scale_of_squares();
                 crate::matching::nearest(&rows[frame], &rows[other])
                     .iter()
                     .map(|found| Some((found.squared_distance / largest, found.feature)))
                     .collect()
             }
-            Compared::Bits(frames, kind) => {
+            SearchableDescriptors::Bits(frames, kind) => {
                 let nearest = |query: &BinaryDescriptor| {
                     let others = frames[other].iter().enumerate();
                     let (bits, feature) = others
@@ -162,13 +164,13 @@ impl Described {
     /// The maximum distance of neighbours, as a share of the largest possible one.
     pub fn neighbour_gate(&self) -> f32 {
         match self.compared {
-            Compared::Numbers(_) => self.kind.unit_gate() / MAX_SQUARED_DISTANCE,
-            Compared::Bits(..) => BINARY_NEIGHBOUR_GATE,
+            SearchableDescriptors::Numbers(_) => self.kind.unit_gate() / MAX_SQUARED_DISTANCE,
+            SearchableDescriptors::Bits(..) => BINARY_NEIGHBOUR_GATE,
         }
     }
 }
 
-impl Compared {
+impl SearchableDescriptors {
     fn numbers_of(set: &FrameSet) -> Self {
         let frames = set.frames.iter();
         Self::Numbers(
@@ -180,7 +182,10 @@ impl Compared {
 }
 
 /// Puts binary features in place of a set's own: as bytes for the forests. Returns all their bits.
-fn describe_in_bits(set: &mut FrameSet, kind: BinaryKind) -> Result<Compared, ExperimentError> {
+fn describe_in_bits(
+    set: &mut FrameSet,
+    kind: BinaryKind,
+) -> Result<SearchableDescriptors, ExperimentError> {
     let found = with_pictures(set, |known, picture| {
         let masks = known.used_masks();
         Ok(extract_binary(picture, masks, kind, MOST_FEATURES)?)
@@ -195,7 +200,7 @@ fn describe_in_bits(set: &mut FrameSet, kind: BinaryKind) -> Result<Compared, Ex
         };
         bits.push(found.descriptors);
     }
-    Ok(Compared::Bits(bits, kind))
+    Ok(SearchableDescriptors::Bits(bits, kind))
 }
 
 /// Calls the function for each frame with its picture, in parallel.

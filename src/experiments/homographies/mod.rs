@@ -117,12 +117,12 @@ pub fn run(
         .iter()
         .map(|scored| scored.sampled.as_seen_by(&scored.fitted.camera))
         .collect();
-    let sought = |what: &'static str, sampled: &[Sampled]| -> Vec<Found> {
+    let sought = |what: &'static str, sampled: &[Sampled]| -> Vec<BaseGroups> {
         let one_base = under_one_base(sampled, &fitted);
         let of = |within_px: f64| {
             let groups = groups(&read.field, sampled, &fitted, within_px);
             step();
-            Found {
+            BaseGroups {
                 what,
                 within_px,
                 one_base: one_base
@@ -321,7 +321,7 @@ fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
 }
 
 /// The groups for one kind of data and one limit.
-struct Found {
+struct BaseGroups {
     what: &'static str,
     within_px: f64,
     one_base: usize,
@@ -329,7 +329,7 @@ struct Found {
 }
 
 /// Numbers of groups and of frames in them, for each limit.
-fn group_table(found: &[Found], frames: usize) -> Table {
+fn group_table(found: &[BaseGroups], frames: usize) -> Table {
     let mut table = Table::new(&[
         ("what", "agree with their"),
         ("within_px", "within (px)"),
@@ -339,7 +339,7 @@ fn group_table(found: &[Found], frames: usize) -> Table {
         ("share", "share of all"),
         ("largest", "frames of the largest"),
     ]);
-    for Found {
+    for BaseGroups {
         what,
         within_px,
         one_base,

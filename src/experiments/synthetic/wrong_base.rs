@@ -31,7 +31,7 @@ const COMPARED: f64 = 0.1;
 const METHOD: &str = "all rays, refined";
 
 /// The errors of all cameras at each noise level.
-type Measured = Vec<(f64, [Collected; 1])>;
+type ErrorsByNoise = Vec<(f64, [Collected; 1])>;
 
 /// Mean errors over all cameras.
 #[derive(Clone, Copy)]
@@ -95,7 +95,7 @@ pub(super) fn add(setting: &Setting<'_>, report: &mut Report) {
 }
 
 /// Figure (c): errors of the base's position.
-fn add_position(report: &mut Report, measured: &Measured) {
+fn add_position(report: &mut Report, measured: &ErrorsByNoise) {
     let near = means(measured, COMPARED);
     let farthest_m = measured.last().map_or(f64::NAN, |(sigma, _)| *sigma);
     let far = means(measured, farthest_m);
@@ -122,7 +122,7 @@ fn add_position(report: &mut Report, measured: &Measured) {
 }
 
 /// Figure (d): errors of the base's rotation.
-fn add_rotation(report: &mut Report, measured: &Measured) {
+fn add_rotation(report: &mut Report, measured: &ErrorsByNoise) {
     let near = means(measured, COMPARED);
     report.text(&format!(
         "**(d) Error of the base's rotation.** Pan and tilt make up for two of its three axes: \
@@ -157,7 +157,7 @@ fn measure(
     place: u64,
     noises: &[f64],
     disturb: impl Fn(&CameraBase, f64, Vec3) -> CameraBase + Sync,
-) -> Measured {
+) -> ErrorsByNoise {
     let at_noise = |(number, sigma): (usize, &f64)| {
         let collected = setting.collect(place + number as u64, |camera, seen, rng| {
             let wrong = disturb(camera.base(), *sigma, normals(rng));
@@ -186,7 +186,7 @@ const ERRORS: [fn(&Errors) -> f64; 3] = [
 ];
 
 /// Mean errors at a noise level; NaN if it was not measured.
-fn means(measured: &Measured, sigma: f64) -> Means {
+fn means(measured: &ErrorsByNoise, sigma: f64) -> Means {
     let at = measured.iter().find(|(noise, _)| *noise == sigma);
     let [rotation_deg, pan_tilt_deg, focal_px] = at.map_or([f64::NAN; 3], |(_, [collected])| {
         ERRORS.map(|of| collected.mean_sd(of)[0])
@@ -199,7 +199,7 @@ fn means(measured: &Measured, sigma: f64) -> Means {
 }
 
 /// Adds the figure and the tables of one part.
-fn add_part(report: &mut Report, part: &Part, measured: &Measured) {
+fn add_part(report: &mut Report, part: &Part, measured: &ErrorsByNoise) {
     let letter = part.letter;
     report.figure(
         &format!("{letter}-rotation"),
@@ -226,7 +226,7 @@ fn add_part(report: &mut Report, part: &Part, measured: &Measured) {
 
 /// The rotation error over the noise; in (d), where they differ, also that of pan and tilt as
 /// numbers.
-fn figure(part: &Part, measured: &Measured) -> Figure {
+fn figure(part: &Part, measured: &ErrorsByNoise) -> Figure {
     let series = |name: &str, colour: usize, of: fn(&Errors) -> f64| {
         let points = measured
             .iter()
@@ -252,7 +252,7 @@ fn figure(part: &Part, measured: &Measured) -> Figure {
 }
 
 /// Means and standard deviations over the cameras, a row for each noise.
-fn table(part: &Part, measured: &Measured) -> Table {
+fn table(part: &Part, measured: &ErrorsByNoise) -> Table {
     let mut table = Table::new(&[
         ("sigma", part.noise),
         ("rotation_deg", "rotation error (°)"),

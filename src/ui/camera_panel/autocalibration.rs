@@ -8,7 +8,7 @@ use crate::ui::{
 };
 use egui::{Button, Label, ProgressBar, RichText, Ui};
 use touchline_application::app::operations::UnderWay;
-use touchline_application::app::operations::camera_search::{Left, TwoCameras};
+use touchline_application::app::operations::camera_search::{SearchFollowUp, TwoCameras};
 use touchline_application::app::{Action, Command, Navigation};
 use touchline_documents::document::{Camera, FrameId};
 
@@ -23,11 +23,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
     // What the last search left to decide or to report.
     match &search.left {
-        Left::Two(two) => {
+        SearchFollowUp::Two(two) => {
             section(ui, "TWO ANSWERS");
             show_choice(panel, ui, two);
         }
-        Left::Abstained {
+        SearchFollowUp::Abstained {
             camera: of,
             why,
             frame,

@@ -28,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         row(
             panel,
             ui,
-            &Row {
+            &MaskRow {
                 list: MaskList::Camera,
                 index,
                 mask,
@@ -41,7 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         row(
             panel,
             ui,
-            &Row {
+            &MaskRow {
                 list: MaskList::Ranged,
                 index,
                 mask: &mask.pixel_box,
@@ -53,7 +53,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         row(
             panel,
             ui,
-            &Row {
+            &MaskRow {
                 list: MaskList::Frame,
                 index,
                 mask,
@@ -77,7 +77,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 }
 
 /// A mask and its place in one of the three lists.
-struct Row<'a> {
+struct MaskRow<'a> {
     list: MaskList,
     index: usize,
     mask: &'a PixelBox,
@@ -101,8 +101,8 @@ fn covers(mask: &RangedMask) -> String {
 }
 
 /// Shows a mask with a menu that changes which frames it covers, and a button that removes it.
-fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &Row<'_>) {
-    let Row {
+fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &MaskRow<'_>) {
+    let MaskRow {
         list,
         index,
         mask,

@@ -6,7 +6,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Id, Key, RichText, TextEdit, vec2};
-use touchline_application::app::place::Place;
+use touchline_application::app::place::FrameOrTime;
 use touchline_application::app::{Action, Navigation, sentence};
 
 /// Shows the dialog.
@@ -35,7 +35,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 if opened {
                     response.request_focus();
                 }
-                let place = typed.parse::<Place>();
+                let place = typed.parse::<FrameOrTime>();
                 let entered =
                     response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 let go = ui.add_enabled(

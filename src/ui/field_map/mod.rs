@@ -22,7 +22,7 @@ use touchline_application::app::{Action, EditAction};
 use touchline_application::render::Layer;
 use touchline_application::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
-use touchline_application::scene::overlay::{OverlayScene, SELECTED, Standing};
+use touchline_application::scene::overlay::{CameraStatus, OverlayScene, SELECTED};
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_documents::document::Target;
@@ -90,7 +90,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         .and_then(|at| pick::under(&field, &map, &placement, &spots, at, lines).zip(Some(at)));
     paint(panel.app, ui, &field, &map, &placement, &spots);
     let painter = ui.painter_at(rect);
-    let on_map = Place {
+    let on_map = MapLayout {
         field: &field,
         map: &map,
         placement: &placement,
@@ -151,7 +151,7 @@ fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
 }
 
 /// Field and map, and where they are on the screen. `spots` are the landmarks in the field's order.
-struct Place<'a> {
+struct MapLayout<'a> {
     field: &'a FieldModel,
     map: &'a FieldMap,
     placement: &'a Placement,
@@ -216,7 +216,7 @@ fn paint(
     let scene = OverlayScene {
         field,
         camera: preview.or(shown.camera.as_ref()).filter(|_| !hidden),
-        standing: Standing::Solved,
+        standing: CameraStatus::Solved,
         image_size: app
             .frame()
             .map_or_else(|| map.size_px(), |frame| frame.image_size),
@@ -324,7 +324,7 @@ fn chosen(app: &App) -> Option<Target> {
 }
 
 /// Draws a ring around a landmark, or draws over a line.
-fn ring(painter: &Painter, place: &Place<'_>, target: &Target) {
+fn ring(painter: &Painter, place: &MapLayout<'_>, target: &Target) {
     let rim = Color32::from_black_alpha(160);
     match target {
         Target::Landmark(id) => {
@@ -376,7 +376,7 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
 
 /// Draws the camera in its position, looking at the field's centre. If it is outside the map, it is
 /// drawn at the border.
-fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
+fn camera_icon(app: &App, painter: &Painter, place: &MapLayout<'_>) {
     let Some(base) = app.shown_values().base else {
         return;
     };

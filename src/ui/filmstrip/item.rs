@@ -15,7 +15,7 @@ use touchline_application::app::review::percent;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::session::{reason_label, status_label};
 use touchline_application::app::{
-    Action, Command, Navigation, OpenProject, PaintSays, ViewAction, sentence,
+    Action, Command, LineCheckSummary, Navigation, OpenProject, ViewAction, sentence,
 };
 use touchline_documents::document::{Frame, FrameStatus, Solution};
 
@@ -314,7 +314,7 @@ fn fit_within(size: egui::Vec2, within: Rect) -> Rect {
 }
 
 /// Describes a frame: name, number, status, confidence, line check, time, warnings, comment.
-fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<PaintSays>) {
+fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<LineCheckSummary>) {
     response.on_hover_ui(|ui| {
         ui.label(egui::RichText::new(file_name(&frame.name())).color(ui.palette().strong));
         let reason = frame

@@ -114,7 +114,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     // Where to scroll, from what the strip showed before.
     let memory = Id::unique("filmstrip shows");
-    let before = ui.data(|data| data.get_temp::<Shown>(memory));
+    let before = ui.data(|data| data.get_temp::<PreviousStripView>(memory));
     let mut area = ScrollArea::horizontal().auto_shrink(false);
     if let Some(offset) = offset(
         app.session.frame,
@@ -146,7 +146,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     // Remembered for the next frame of the window.
     let offset = scrolled.state.clamped_offset().x;
     let anchor = strip.first_from(offset);
-    let shown = Shown {
+    let shown = PreviousStripView {
         frame: app.session.frame,
         filter: app.session.filter,
         offset,
@@ -160,7 +160,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// What the strip showed in the previous frame of the window.
 #[derive(Clone, Copy, Debug)]
-struct Shown {
+struct PreviousStripView {
     frame: usize,
     filter: Filter,
     /// How far it was scrolled, points.
@@ -178,7 +178,7 @@ fn offset(
     frame: usize,
     filter: Filter,
     strip: &Strip,
-    before: Option<Shown>,
+    before: Option<PreviousStripView>,
     width: f32,
 ) -> Option<f32> {
     // With another filter the strip is a new one.

@@ -143,7 +143,7 @@ impl Strip {
         shown: usize,
         item: f32,
     ) -> Arc<Self> {
-        type Known = Option<(LaidOutFor, Parts, Arc<Strip>)>;
+        type StripMemory = Option<(LaidOutFor, Parts, Arc<Strip>)>;
         let memory = Id::unique("filmstrip as laid out");
         let frames = &open.document.frames;
         // The layout depends on the shown frame only if that frame would be folded.
@@ -157,7 +157,7 @@ impl Strip {
             item,
         };
         let known = ui
-            .data_mut(|data| data.remove_temp::<Known>(memory))
+            .data_mut(|data| data.remove_temp::<StripMemory>(memory))
             .flatten();
         // The values of the frames depend on the filter.
         let known = known.filter(|known| known.0.filter == filter);
@@ -170,7 +170,7 @@ impl Strip {
         };
         let strip = kept.unwrap_or_else(|| Arc::new(Self::new(&parts, shown, item)));
         ui.data_mut(|data| {
-            data.insert_temp::<Known>(memory, Some((now, parts, Arc::clone(&strip))))
+            data.insert_temp::<StripMemory>(memory, Some((now, parts, Arc::clone(&strip))))
         });
         strip
     }

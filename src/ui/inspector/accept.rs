@@ -33,7 +33,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .is_some_and(|frame| frame.status == FrameStatus::Reference);
     let says = if accepted { "Accepted" } else { "Accept" };
     ui.add_enabled_ui(why_not.is_none(), |ui| {
-        let look = if accepted { Look::Done } else { Look::ToDo };
+        let look = if accepted {
+            AcceptButtonState::Done
+        } else {
+            AcceptButtonState::ToDo
+        };
         let response = button(ui, says, Some(Symbol::Return), look, ui.available_width());
         let keys = &panel.app.settings.keys;
         let stay = keys.tooltip(Command::AcceptAndStay);
@@ -55,7 +59,7 @@ fn stretch(panel: &mut Panel<'_>, ui: &mut Ui, count: usize) {
         ui,
         &says,
         Some(Symbol::Return),
-        Look::ToDo,
+        AcceptButtonState::ToDo,
         ui.available_width(),
     );
     let about = Command::AcceptStretch.about();
@@ -69,7 +73,7 @@ fn base(panel: &mut Panel<'_>, ui: &mut Ui) {
     let keys = &panel.app.settings.keys;
     ui.horizontal(|ui| {
         let width = ui.available_width() - DISCARD - ui.spacing().item_spacing.x;
-        let take = button(ui, "Use this base", None, Look::ToDo, width);
+        let take = button(ui, "Use this base", None, AcceptButtonState::ToDo, width);
         if take
             .on_hover_text(keys.tooltip(Command::UseEstimatedBase))
             .clicked()
@@ -92,13 +96,19 @@ fn base(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Whether the button's action has been done already.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Look {
+enum AcceptButtonState {
     ToDo,
     Done,
 }
 
 /// A large button with a word and an optional symbol, centred together.
-fn button(ui: &mut Ui, says: &str, sign: Option<Symbol>, look: Look, width: f32) -> Response {
+fn button(
+    ui: &mut Ui,
+    says: &str,
+    sign: Option<Symbol>,
+    look: AcceptButtonState,
+    width: f32,
+) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
     let enabled = ui.is_enabled();
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, says));
@@ -109,7 +119,9 @@ fn button(ui: &mut Ui, says: &str, sign: Option<Symbol>, look: Look, width: f32)
         response.hovered(),
     ) {
         (false, ..) => (ui.palette().raised, ui.palette().weak),
-        _ if look == Look::Done && !response.hovered() => (ui.palette().raised, ui.palette().good),
+        _ if look == AcceptButtonState::Done && !response.hovered() => {
+            (ui.palette().raised, ui.palette().good)
+        }
         (_, true, _) | (_, _, true) => (ui.palette().accent_hovered, ui.palette().on_accent),
         _ => (ui.palette().accent, ui.palette().on_accent),
     };

@@ -14,7 +14,7 @@ use crate::ui::{
 use egui::{Button, Label, RichText, Ui, vec2};
 use std::fmt::Write as _;
 use std::sync::Arc;
-use touchline_application::app::operations::Compared;
+use touchline_application::app::operations::ComparisonResult;
 use touchline_application::app::{Action, App, Command, Navigation};
 use touchline_calibration::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use touchline_documents::document::Target;
@@ -52,7 +52,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Shows the button that chooses the other document, and with which document the result was
 /// computed. If this document has changed since, a second button compares again.
-fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<Compared>>) {
+fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<ComparisonResult>>) {
     let command = Command::CompareAnnotators;
     let why_not = panel.app.why_not(command);
     let button = ui.add_enabled(why_not.is_none(), Button::new("Compare with…").small());

@@ -18,7 +18,8 @@ use egui::{
     Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::quality::{
-    Course, CoursePoint, Drawn, PointKind, Quantity, TimeAxis, thin_points, within_whole, zoom_span,
+    Course, CoursePoint, PointKind, Quantity, SpanMarks, TimeAxis, thin_points, within_whole,
+    zoom_span,
 };
 use touchline_application::app::review::{DISAGREES_PX, percent};
 use touchline_application::app::{Action, Command, Navigation, ViewAction};
@@ -424,7 +425,7 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
         plot.x,
         (plot.area.width() / COLUMN) as usize,
     ) {
-        Drawn::Points(points) => {
+        SpanMarks::Points(points) => {
             for shot in points.chunk_by(|a, b| a.shot == b.shot) {
                 painter.line(
                     shot.iter().map(at).collect(),
@@ -437,7 +438,7 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
                 }
             }
         }
-        Drawn::Columns(columns) => {
+        SpanMarks::Columns(columns) => {
             for column in columns {
                 let left = plot.area.left() + column.column as f32 * COLUMN;
                 let (top, bottom) = (plot.y_of(column.high) - 1.0, plot.y_of(column.low) + 1.0);

@@ -6,7 +6,7 @@ use crate::ui::coverage_map::{CoverageMap, coverage_colour, label_next, missing}
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
-use touchline_application::app::quality::{CoursePoint, PointKind, Seen};
+use touchline_application::app::quality::{CoursePoint, CoverageComparison, PointKind};
 use touchline_application::app::where_to_label::whole_degrees;
 use touchline_application::app::{Action, Navigation};
 use touchline_calibration::proposals::Coverage;
@@ -68,7 +68,7 @@ fn is_empty(coverage: &Coverage) -> bool {
 }
 
 /// Shows the legend of the colours.
-fn keys(ui: &mut Ui, seen: &Seen) {
+fn keys(ui: &mut Ui, seen: &CoverageComparison) {
     let palette = ui.palette();
     ui.horizontal_wrapped(|ui| {
         legend::entry(
@@ -97,7 +97,7 @@ fn read_pointer(
     panel: &mut Panel<'_>,
     ui: &Ui,
     map: &CoverageMap<'_>,
-    looks: &Seen,
+    looks: &CoverageComparison,
     pointer: Pos2,
 ) {
     let Some((cell, [pan_deg, tilt_deg])) = map.under(pointer) else {

@@ -62,8 +62,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             |at: usize| Rect::from_min_size(origin + vec2(0.0, top_of(at)), vec2(width, ROW));
         // Scrolling, according to what has changed since the last frame of the window.
         let in_view = match moved {
-            Moved::Nothing => None,
-            Moved::Row { by } => {
+            ListChange::Nothing => None,
+            ListChange::Row { by } => {
                 let seen =
                     place.is_some_and(|at| viewport.y_range().contains(top_of(at) - ROW * by));
                 if seen {
@@ -74,9 +74,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 }
                 None
             }
-            Moved::Frame => place.map(|place| rect_of(place).expand2(vec2(0.0, ROW))),
+            ListChange::Frame => place.map(|place| rect_of(place).expand2(vec2(0.0, ROW))),
             // A user who chooses an order wants to see where it begins.
-            Moved::Order => Some(rect_of(0)),
+            ListChange::Order => Some(rect_of(0)),
         };
         if let Some(rect) = in_view {
             ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
@@ -107,7 +107,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 /// What has changed since the list was drawn last.
-enum Moved {
+enum ListChange {
     Nothing,
     /// The row of the shown frame has moved by this many rows.
     Row {
@@ -123,7 +123,7 @@ enum Moved {
 type Shows = (usize, ReviewOrder, Option<usize>);
 
 /// Compares what the list shows now with what it showed in the last frame of the window.
-fn what_moved(ui: &Ui, now: Shows) -> Moved {
+fn what_moved(ui: &Ui, now: Shows) -> ListChange {
     let memory = Id::unique("review list shows");
     let before = ui.data_mut(|data| {
         let before = data.get_temp::<Shows>(memory);
@@ -131,12 +131,14 @@ fn what_moved(ui: &Ui, now: Shows) -> Moved {
         before
     });
     match (before, now) {
-        (Some(before), now) if before == now => Moved::Nothing,
-        (Some((_, order, _)), now) if order != now.1 => Moved::Order,
-        (Some((frame, _, Some(before))), (shown, _, Some(after))) if frame == shown => Moved::Row {
-            by: after as f32 - before as f32,
-        },
-        _ => Moved::Frame,
+        (Some(before), now) if before == now => ListChange::Nothing,
+        (Some((_, order, _)), now) if order != now.1 => ListChange::Order,
+        (Some((frame, _, Some(before))), (shown, _, Some(after))) if frame == shown => {
+            ListChange::Row {
+                by: after as f32 - before as f32,
+            }
+        }
+        _ => ListChange::Frame,
     }
 }
 

@@ -36,7 +36,7 @@ const DOUBT: f32 = 8.0;
 
 /// The last summary, with the inputs that it was computed from.
 #[derive(Clone)]
-struct Known {
+struct CachedTimeline {
     /// Document, video and number of parts.
     of: (PathBuf, String, usize),
     /// Version of the document.
@@ -73,7 +73,7 @@ fn cached_timeline(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -
     let (of, version) = ((open.file.clone(), video, parts), open.document.version());
     let memory = Id::unique("timeline");
     let known = ctx
-        .data(|data| data.get_temp::<Known>(memory))
+        .data(|data| data.get_temp::<CachedTimeline>(memory))
         .filter(|known| known.of == of);
     if let Some(known) = known.as_ref().filter(|known| known.version == version) {
         return Arc::clone(&known.timeline);
@@ -87,7 +87,7 @@ fn cached_timeline(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -
     ctx.data_mut(|data| {
         data.insert_temp(
             memory,
-            Known {
+            CachedTimeline {
                 of,
                 version,
                 source,
@@ -100,14 +100,14 @@ fn cached_timeline(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -
 
 /// A cut that the pointer drags, and the frame below the pointer.
 #[derive(Clone, Copy)]
-struct Held {
+struct DraggedCut {
     cut: TimelineCut,
     over: usize,
 }
 
 /// Reads the pointer. A dragged cut is moved when the button goes up; a press anywhere else shows
 /// the frame at once.
-fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> Option<Held> {
+fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> Option<DraggedCut> {
     let memory = Id::unique("held cut");
     let at = response
         .interact_pointer_pos()
@@ -157,7 +157,7 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
         return None;
     }
     ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
-    Some(Held { cut, over })
+    Some(DraggedCut { cut, over })
 }
 
 /// The frame up to which frames were selected last, while the button is down.
@@ -311,7 +311,7 @@ impl Bar<'_> {
 
     /// Draws, from back to front: shots, frames by status, decoded frames, cuts, the cut that is
     /// dragged, the shown frame.
-    fn paint(&self, panel: &Panel<'_>, ui: &Ui, held: Option<Held>) {
+    fn paint(&self, panel: &Panel<'_>, ui: &Ui, held: Option<DraggedCut>) {
         let painter = ui.painter_at(self.area.expand2(vec2(4.0, 0.0)));
         let line = Rect::from_min_max(self.area.min + vec2(0.0, HANDLES), self.area.max);
         painter.rect_filled(line, 2.0, ui.palette().raised);

@@ -15,8 +15,8 @@ use egui::{
     Button, Checkbox, Color32, Frame, Grid, Label, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };
 use touchline_application::app::{
-    Action, Command, Doing, EditAction, ForestFacts, Navigation, TrainerStatus, UnusableReference,
-    describe_left,
+    Action, Command, EditAction, ForestFacts, Navigation, TrainerActivity, TrainerStatus,
+    UnusableReference, describe_left,
 };
 use touchline_calibration::proposals::Suspect;
 use touchline_core::geometry::thousands;
@@ -58,7 +58,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             if let Some(quality) = &status.quality {
                 section(ui, "ACCURACY");
                 accuracy::show(panel, ui, quality);
-            } else if status.forest.is_some() && !matches!(status.doing, Doing::Measuring(_)) {
+            } else if status.forest.is_some() && !matches!(status.doing, TrainerActivity::Measuring(_)) {
                 section(ui, "ACCURACY");
                 let text = "Available once references from two shots, or a few seconds apart, are accepted.";
                 weak(ui, text);
@@ -81,8 +81,10 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Shows the present work with its progress, the pause button, and problems.
 fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let said = match status.doing {
-        Doing::Nothing if status.references == 0 => "Waiting for the first reference.".to_owned(),
-        Doing::Nothing => "Up to date: every frame that can be answered is.".to_owned(),
+        TrainerActivity::Nothing if status.references == 0 => {
+            "Waiting for the first reference.".to_owned()
+        }
+        TrainerActivity::Nothing => "Up to date: every frame that can be answered is.".to_owned(),
         doing => match status.left {
             Some(left) => format!("{}, {}.", doing.describe(), describe_left(left)),
             None => format!("{}.", doing.describe()),

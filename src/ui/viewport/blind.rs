@@ -5,7 +5,7 @@
 //! field's lines stay hidden, because they would show where the first click was.
 
 use super::hints::{PLATE, beside};
-use super::pointer::Hold;
+use super::pointer::DragTarget;
 use crate::ui::labels::{self, PlateStyle, plate};
 use crate::ui::overlay::Overlay;
 use crate::ui::placement::Placement;
@@ -21,7 +21,13 @@ const ARM: [f32; 2] = [4.0, 11.0];
 
 /// Shows the picture, the instruction, the crosshair with the loupe, and sets the shape of the
 /// pointer.
-pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold, picture: &Layer) {
+pub fn show(
+    panel: &Panel<'_>,
+    ui: &egui::Ui,
+    placement: &Placement,
+    hold: &DragTarget,
+    picture: &Layer,
+) {
     let Some(round) = panel.app.round() else {
         return;
     };
@@ -68,8 +74,8 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
     }
     // The shape of the pointer.
     let icon = match hold {
-        Hold::Picture(_) => CursorIcon::Grabbing,
-        Hold::Click { moving: true, .. } => CursorIcon::None,
+        DragTarget::Picture(_) => CursorIcon::Grabbing,
+        DragTarget::Click { moving: true, .. } => CursorIcon::None,
         _ => CursorIcon::Crosshair,
     };
     // Only over the picture: a menu or a dialog on top sets its own pointer shape.

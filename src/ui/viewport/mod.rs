@@ -22,7 +22,7 @@ use super::overlay::Overlay;
 use super::placement::Placement;
 use super::{Panel, PictureState, canvas, labels, loupe, masks, naming, theme, tools};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
-use pointer::{Hold, Pointer, Surroundings};
+use pointer::{DragTarget, Pointer, Surroundings};
 use touchline_application::app::session::Mode;
 use touchline_application::app::{Action, Tool, ViewAction};
 use touchline_application::render::{Layer, PictureKey, PictureLayer};
@@ -233,7 +233,7 @@ fn show_frame(
     panel: &mut Panel<'_>,
     ui: &mut egui::Ui,
     placement: &Placement,
-    hold: &Hold,
+    hold: &DragTarget,
     key: u64,
     pixels: media::Picture,
 ) {
@@ -311,12 +311,12 @@ fn is_over_drawn_element(panel: &Panel<'_>, placement: &Placement, at: egui::Pos
 }
 
 /// Sets the pointer's shape according to what a press would do here.
-fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) {
+fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &DragTarget) {
     let icon = match hold {
-        Hold::Picture(_) => CursorIcon::Grabbing,
-        Hold::Click { moving: true, .. } => CursorIcon::None,
-        Hold::Click { .. } | Hold::Mask { .. } => CursorIcon::Crosshair,
-        Hold::Nothing => {
+        DragTarget::Picture(_) => CursorIcon::Grabbing,
+        DragTarget::Click { moving: true, .. } => CursorIcon::None,
+        DragTarget::Click { .. } | DragTarget::Mask { .. } => CursorIcon::Crosshair,
+        DragTarget::Nothing => {
             // Only over the picture: a menu or a dialog on top sets its own shape.
             let pointer = ui.input(|input| input.pointer.hover_pos());
             let Some(at) = pointer.filter(|at| is_uncovered(ui, placement.rect, *at)) else {

@@ -1,7 +1,7 @@
 //! From pointer events to actions: place and drag clicks, zoom, pan, draw masks.
 //!
 //! Events are read one by one, so that a press and its release within one frame of the window are
-//! both seen. What the pointer holds is state of the window ([`Hold`]); the clicks themselves
+//! both seen. What the pointer holds is state of the window ([`DragTarget`]); the clicks themselves
 //! belong to the application and change only by [`PointerAction`]s.
 
 use super::wheel::Gesture;
@@ -25,7 +25,7 @@ const FINE: f64 = 0.1;
 
 /// What the pointer holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Hold {
+pub enum DragTarget {
     /// Nothing.
     #[default]
     Nothing,
@@ -51,7 +51,7 @@ pub enum Hold {
     },
 }
 
-impl Hold {
+impl DragTarget {
     /// The mask that is being drawn, and whether it is for every frame of the camera.
     pub fn mask(&self) -> Option<(bool, PixelBox)> {
         let Self::Mask {
@@ -114,7 +114,7 @@ pub fn element_reach(placement: &Placement) -> ElementReach {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pointer {
     /// What it holds.
-    pub hold: Hold,
+    pub hold: DragTarget,
     /// Its last position on the screen, also outside the picture.
     at: Option<Pos2>,
 }
@@ -140,8 +140,8 @@ impl Pointer {
             Mode::ClickingAgain(round) => round.held.is_some(),
             _ => false,
         };
-        if matches!(reading.pointer.hold, Hold::Click { .. }) && !is_held {
-            reading.pointer.hold = Hold::Nothing;
+        if matches!(reading.pointer.hold, DragTarget::Click { .. }) && !is_held {
+            reading.pointer.hold = DragTarget::Nothing;
         }
         for event in events {
             reading.event(event, modifiers);
@@ -190,7 +190,9 @@ impl Reading<'_> {
                 }
             }
             // A drag continues when the pointer comes back, so its position is kept.
-            Event::PointerGone if self.pointer.hold == Hold::Nothing => self.pointer.at = None,
+            Event::PointerGone if self.pointer.hold == DragTarget::Nothing => {
+                self.pointer.at = None
+            }
             // If the button goes up over another window, no event arrives. So the loss of the focus
             // ends a drag.
             Event::WindowFocused(false) => self.let_go(Modifiers::NONE),
@@ -204,19 +206,19 @@ impl Reading<'_> {
 
     /// Decides what a press grabs: the picture, a corner of a new mask, or a click.
     fn handle_press(&mut self, at: Pos2, button: PointerButton, modifiers: Modifiers) {
-        if self.pointer.hold != Hold::Nothing || !(self.around.is_free)(at) {
+        if self.pointer.hold != DragTarget::Nothing || !(self.around.is_free)(at) {
             return;
         }
         match button {
-            PointerButton::Middle => self.pointer.hold = Hold::Picture(button),
+            PointerButton::Middle => self.pointer.hold = DragTarget::Picture(button),
             PointerButton::Primary if self.around.space => {
-                self.pointer.hold = Hold::Picture(button);
+                self.pointer.hold = DragTarget::Picture(button);
             }
             PointerButton::Primary if self.around.ready => {
                 let in_image = self.placement.image_from_screen(at);
                 if self.around.tool == Tool::Mask {
                     let corner = self.within_picture(in_image);
-                    self.pointer.hold = Hold::Mask {
+                    self.pointer.hold = DragTarget::Mask {
                         from: corner,
                         to: corner,
                         of_camera: modifiers.shift,
@@ -235,7 +237,7 @@ impl Reading<'_> {
                 // The tool that places nothing takes hold of the picture.
                 let is_placing = matches!(self.around.mode, Mode::Placing(_));
                 if self.around.tool == Tool::Select && on.is_none() && !is_placing {
-                    self.pointer.hold = Hold::Picture(button);
+                    self.pointer.hold = DragTarget::Picture(button);
                     let on = None;
                     self.actions
                         .push(Action::Pointer(PointerAction::Press { at: in_image, on }));
@@ -247,7 +249,7 @@ impl Reading<'_> {
                     .copied()
                     .or(drawn.as_ref().map(|drawn| drawn.image))
                     .unwrap_or(in_image);
-                self.pointer.hold = Hold::Click {
+                self.pointer.hold = DragTarget::Click {
                     at: held,
                     pressed: at,
                     moving: false,
@@ -268,8 +270,8 @@ impl Reading<'_> {
     fn handle_move(&mut self, to: Pos2, modifiers: Modifiers) {
         let from = self.pointer.at.replace(to).unwrap_or(to);
         match self.pointer.hold {
-            Hold::Nothing => {}
-            Hold::Click {
+            DragTarget::Nothing => {}
+            DragTarget::Click {
                 at,
                 pressed,
                 moving,
@@ -284,7 +286,7 @@ impl Reading<'_> {
                     .placement
                     .image_from_screen_vector(to - if began { pressed } else { from });
                 let at = at.translate(along * if modifiers.shift { FINE } else { 1.0 });
-                self.pointer.hold = Hold::Click {
+                self.pointer.hold = DragTarget::Click {
                     at,
                     pressed,
                     moving: true,
@@ -295,12 +297,12 @@ impl Reading<'_> {
                 }
                 self.actions.push(Action::Pointer(PointerAction::Drag(at)));
             }
-            Hold::Picture(_) => self.show(self.placement.pan_by(to - from)),
-            Hold::Mask {
+            DragTarget::Picture(_) => self.show(self.placement.pan_by(to - from)),
+            DragTarget::Mask {
                 from, of_camera, ..
             } => {
                 let to = self.within_picture(self.placement.image_from_screen(to));
-                self.pointer.hold = Hold::Mask {
+                self.pointer.hold = DragTarget::Mask {
                     from,
                     to,
                     of_camera,
@@ -312,9 +314,9 @@ impl Reading<'_> {
     /// Lets go if this is the button that grabbed.
     fn handle_release(&mut self, button: PointerButton, modifiers: Modifiers) {
         let ends = match self.pointer.hold {
-            Hold::Nothing => false,
-            Hold::Picture(held) => held == button,
-            Hold::Click { .. } | Hold::Mask { .. } => button == PointerButton::Primary,
+            DragTarget::Nothing => false,
+            DragTarget::Picture(held) => held == button,
+            DragTarget::Click { .. } | DragTarget::Mask { .. } => button == PointerButton::Primary,
         };
         if ends {
             self.let_go(modifiers);
@@ -324,7 +326,7 @@ impl Reading<'_> {
     /// Lets go. Alt at that moment keeps the click where it is, without snapping.
     fn let_go(&mut self, modifiers: Modifiers) {
         let held = std::mem::take(&mut self.pointer.hold);
-        if let Hold::Click { .. } = held {
+        if let DragTarget::Click { .. } = held {
             self.actions.push(if modifiers.alt {
                 Action::Pointer(PointerAction::ReleaseExactly)
             } else {
@@ -361,7 +363,7 @@ impl Reading<'_> {
         let hovered = self
             .pointer
             .at
-            .filter(|at| self.pointer.hold != Hold::Nothing || (self.around.is_free)(*at))
+            .filter(|at| self.pointer.hold != DragTarget::Nothing || (self.around.is_free)(*at))
             .map(|at| self.placement.image_from_screen(at))
             .filter(|at| self.placement.image_size.contains(*at));
         if hovered != self.around.hover {
@@ -469,14 +471,14 @@ mod tests {
             read_with(Tool::Select, &mut pointer, &press, Modifiers::NONE, mode);
             pointer.hold
         };
-        let picture = Hold::Picture(PointerButton::Primary);
+        let picture = DragTarget::Picture(PointerButton::Primary);
         assert_eq!(held(pos2(100.0, 50.0), &Mode::Idle), picture);
         let on_click = held(pos2(201.0, 203.0), &Mode::Idle);
-        assert!(matches!(on_click, Hold::Click { .. }), "{on_click:?}");
+        assert!(matches!(on_click, DragTarget::Click { .. }), "{on_click:?}");
         // A name that was chosen first is placed.
         let placing = Mode::Placing(touchline_documents::document::Target::Landmark("x".into()));
         let placed = held(pos2(100.0, 50.0), &placing);
-        assert!(matches!(placed, Hold::Click { .. }), "{placed:?}");
+        assert!(matches!(placed, DragTarget::Click { .. }), "{placed:?}");
     }
 
     #[test]
@@ -637,6 +639,6 @@ mod tests {
                 .all(|action| matches!(action, Action::View(ViewAction::Picture(_)))),
             "{actions:?}"
         );
-        assert_eq!(pointer.hold, Hold::Nothing);
+        assert_eq!(pointer.hold, DragTarget::Nothing);
     }
 }

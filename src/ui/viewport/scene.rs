@@ -1,13 +1,13 @@
 //! The overlay on the picture: the field, the clicks, a second camera to compare with, masks.
 
-use super::pointer::Hold;
+use super::pointer::DragTarget;
 use crate::ui::masks;
 use crate::ui::overlay::Overlay;
 use std::sync::Arc;
 use touchline_application::app::{App, session::Mode};
 use touchline_application::scene::OverlayStyle;
 use touchline_application::scene::overlay::{
-    OverlayScene, Standing, click_overlay, field_overlay, mask_overlay,
+    CameraStatus, OverlayScene, click_overlay, field_overlay, mask_overlay,
 };
 
 /// Opacity of a camera that is only previewed.
@@ -17,19 +17,19 @@ const BEHIND_PREVIEW: f32 = 0.35;
 
 impl Overlay {
     /// The overlay of the shown frame. `zoom` is in physical px per px of the picture.
-    pub fn new(app: &App, hold: &Hold, zoom: f64) -> Self {
+    pub fn new(app: &App, hold: &DragTarget, zoom: f64) -> Self {
         Self::without(app, None, hold, zoom)
     }
 
     /// The overlay for the loupe around a dragged click, without the marker of that click, which
     /// would hide what is below it.
     pub fn around(app: &App, click: usize, zoom: f64) -> Self {
-        Self::without(app, Some(click), &Hold::Nothing, zoom)
+        Self::without(app, Some(click), &DragTarget::Nothing, zoom)
     }
 
     /// The overlay, without the marker of one click if given. Drawings are in the order from back
     /// to front.
-    fn without(app: &App, left_out: Option<usize>, hold: &Hold, zoom: f64) -> Self {
+    fn without(app: &App, left_out: Option<usize>, hold: &DragTarget, zoom: f64) -> Self {
         let mut drawings = Vec::new();
         if app.session.picture.held.hide_overlay {
             return Self::default();
@@ -69,7 +69,7 @@ impl Overlay {
             let scene = OverlayScene {
                 field,
                 camera: camera.as_ref(),
-                standing: Standing::from_frame(frame),
+                standing: CameraStatus::from_frame(frame),
                 image_size: frame.image_size,
                 clicks: &frame.clicks,
                 selected: app.session.points.selected,
@@ -86,7 +86,7 @@ impl Overlay {
                 };
                 let tried = OverlayScene {
                     camera: Some(preview),
-                    standing: Standing::Proposed,
+                    standing: CameraStatus::Proposed,
                     style: &style,
                     ..scene
                 };

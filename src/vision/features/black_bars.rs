@@ -4,7 +4,7 @@
 //! It must end abruptly, at the same row in most pictures, which a dark sky does not.
 
 use super::reduced::ReducedPicture;
-use super::standing_graphic::StandingGraphic;
+use super::standing_graphic::StaticGraphic;
 use touchline_core::geometry::PixelBox;
 
 /// Upper limit of black after compression, grey levels.
@@ -37,13 +37,13 @@ enum Border {
 
 /// A row parallel to a border, or a column: share of black pixels, and mean brightness.
 #[derive(Clone, Copy, Default)]
-struct Row {
+struct BorderRow {
     black: f32,
     mean: f32,
 }
 
 /// The black bars of pictures of one size, as boxes that all pictures show.
-pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
+pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StaticGraphic> {
     // Pictures that are mostly black, such as fades, say nothing; two others are needed.
     let lit: Vec<&ReducedPicture> = pictures.iter().filter(|picture| is_lit(picture)).collect();
     let [first, _, ..] = lit[..] else {
@@ -89,7 +89,7 @@ pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
                 }
             }
         };
-        bars.push(StandingGraphic::throughout(pixel_box, pictures.len()));
+        bars.push(StaticGraphic::throughout(pixel_box, pictures.len()));
     }
     bars
 }
@@ -109,7 +109,7 @@ fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
         Border::Left | Border::Right => first.width,
     };
     let most = (LARGEST * all as f64) as usize;
-    let rows: Vec<Vec<Row>> = pictures
+    let rows: Vec<Vec<BorderRow>> = pictures
         .iter()
         .map(|picture| (0..most + 3).map(|at| row(picture, border, at)).collect())
         .collect();
@@ -124,12 +124,12 @@ fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
 }
 
 /// The share of the pictures for which a condition on their rows holds.
-fn share_of_pictures(rows: &[Vec<Row>], holds: impl Fn(&[Row]) -> bool) -> f64 {
+fn share_of_pictures(rows: &[Vec<BorderRow>], holds: impl Fn(&[BorderRow]) -> bool) -> f64 {
     rows.iter().filter(|rows| holds(rows)).count() as f64 / rows.len() as f64
 }
 
 /// The `at`-th row, or column, from a border.
-fn row(picture: &ReducedPicture, border: Border, at: usize) -> Row {
+fn row(picture: &ReducedPicture, border: Border, at: usize) -> BorderRow {
     let (width, height) = (picture.width, picture.height);
     // Index of the first pixel, distance between pixels, and their number, in row-major order.
     let (start, step, count) = match border {
@@ -138,7 +138,7 @@ fn row(picture: &ReducedPicture, border: Border, at: usize) -> Row {
         Border::Left => (at.min(width - 1), width, height),
         Border::Right => (width.saturating_sub(at + 1), width, height),
     };
-    let mut row = Row::default();
+    let mut row = BorderRow::default();
     for grey in picture.grey.iter().skip(start).step_by(step).take(count) {
         row.mean += grey / count as f32;
         row.black += f32::from(u8::from(*grey < BLACK)) / count as f32;

@@ -30,7 +30,7 @@
 //! moved; otherwise nothing is reported.
 
 use super::Features;
-use super::standing::{Placed, standing_pair};
+use super::standing::{FeatureGrid, standing_pair};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
@@ -91,9 +91,9 @@ pub fn burnt_in(
     pictures: &[&Features],
     moved: &(dyn Fn(usize, usize, ImagePoint) -> bool + Sync),
 ) -> BurntIn {
-    let placed: Vec<Placed<'_>> = pictures
+    let placed: Vec<FeatureGrid<'_>> = pictures
         .iter()
-        .map(|features| Placed::new(features))
+        .map(|features| FeatureGrid::new(features))
         .collect();
     let pairs = pairs(pictures.len());
     // Static features of all pairs in which the camera moved.

@@ -1,7 +1,7 @@
 //! Groups of static edges that lie together on the screen, and whether such a group is a graphic.
 
 use super::reduced::EdgeKind;
-use super::standing_graphic::StandingEdge;
+use super::standing_graphic::StaticEdge;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Side of the cells by which edges are joined, px of the reduced picture.
@@ -39,11 +39,11 @@ const LEVEL_WITHIN: usize = 1;
 pub(super) struct EdgeGroup {
     /// Left, top, right, bottom, both ends included, px of the reduced picture.
     pub extents: [usize; 4],
-    pub edges: Vec<StandingEdge>,
+    pub edges: Vec<StaticEdge>,
 }
 
 impl EdgeGroup {
-    fn from_edges(edges: Vec<StandingEdge>) -> Self {
+    fn from_edges(edges: Vec<StaticEdge>) -> Self {
         let (left, right) = extent(edges.iter().map(|edge| edge.column));
         let (top, bottom) = extent(edges.iter().map(|edge| edge.row));
         Self {
@@ -65,7 +65,7 @@ impl EdgeGroup {
             || (self.has_rim(top, width) && self.has_rim(bottom, width))
     }
 
-    fn edges_of_kind(&self, kind: EdgeKind) -> impl Iterator<Item = &StandingEdge> {
+    fn edges_of_kind(&self, kind: EdgeKind) -> impl Iterator<Item = &StaticEdge> {
         self.edges
             .iter()
             .filter(move |edge| edge.slope.kind() == kind)
@@ -138,8 +138,8 @@ fn gap([from, to]: [usize; 2], [other_from, other_to]: [usize; 2]) -> usize {
 
 /// Groups of edges whose cells touch, diagonals included, topmost first. The rims of a box are one
 /// group.
-pub(super) fn group_edges(edges: &[StandingEdge]) -> Vec<EdgeGroup> {
-    let mut cells = BTreeMap::<(usize, usize), Vec<StandingEdge>>::new();
+pub(super) fn group_edges(edges: &[StaticEdge]) -> Vec<EdgeGroup> {
+    let mut cells = BTreeMap::<(usize, usize), Vec<StaticEdge>>::new();
     for &edge in edges {
         cells
             .entry((edge.row / CELL + 1, edge.column / CELL + 1))

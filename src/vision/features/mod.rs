@@ -56,4 +56,4 @@ pub use reduced::{ReducedPicture, has_moved};
 pub use spread::spread;
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
 pub use standing_edges::standing_graphics;
-pub use standing_graphic::StandingGraphic;
+pub use standing_graphic::StaticGraphic;

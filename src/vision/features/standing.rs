@@ -34,7 +34,7 @@ pub const WHOLE_PICTURE: f64 = 0.3;
 const PLACES: (usize, usize) = (16, 9);
 
 /// The features of a picture in a grid, for look-ups within [`NEAR_PX`] of a point.
-pub(super) struct Placed<'a> {
+pub(super) struct FeatureGrid<'a> {
     pub features: &'a Features,
     cell_px: f64,
     columns: usize,
@@ -44,7 +44,7 @@ pub(super) struct Placed<'a> {
     order: Vec<u32>,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> FeatureGrid<'a> {
     pub(super) fn new(features: &'a Features) -> Self {
         let size = features.image_size;
         let cell_px = (NEAR_PX * size.scale_from_1920()).max(1.0);
@@ -136,7 +136,10 @@ fn cells_around(position_px: f64, cell_px: f64, cells: usize) -> Range<usize> {
 /// The features of two pictures that are static while the rest of the picture moves, as pairs of
 /// indices. None if the pair cannot be used: too few static features, a camera that hardly moved,
 /// or pictures of different sizes.
-pub(super) fn standing_pair(one: &Placed<'_>, other: &Placed<'_>) -> Option<Vec<(usize, usize)>> {
+pub(super) fn standing_pair(
+    one: &FeatureGrid<'_>,
+    other: &FeatureGrid<'_>,
+) -> Option<Vec<(usize, usize)>> {
     let (first, second) = (one.features, other.features);
     if first.image_size != second.image_size {
         return None;

@@ -21,7 +21,7 @@ use super::black_bars::black_bars;
 use super::camera_views::camera_views;
 use super::edge_groups::{EdgeGroup, group_edges};
 use super::reduced::{EdgeKind, ReducedPicture, Slope};
-use super::standing_graphic::{CAP, StandingEdge, StandingGraphic};
+use super::standing_graphic::{CAP, StaticEdge, StaticGraphic};
 use rayon::prelude::*;
 use std::ops::Range;
 use touchline_core::geometry::PixelBox;
@@ -75,7 +75,7 @@ const MARGIN: f64 = 1.5;
 /// Returns nothing for fewer than six pictures, for pictures of different sizes, or if the camera
 /// turned by only a degree or two in all. Black bars along the borders need only two pictures.
 #[must_use]
-pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
+pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StaticGraphic> {
     let Some(first) = pictures.first() else {
         return Vec::new();
     };
@@ -119,7 +119,7 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
             // A graphic found in a longer window is not reported again.
             if !found
                 .iter()
-                .any(|known: &StandingGraphic| known.is_also(&graphic))
+                .any(|known: &StaticGraphic| known.is_also(&graphic))
             {
                 found.push(graphic);
             }
@@ -147,7 +147,7 @@ fn standing_edges(
     pictures: &[ReducedPicture],
     views: &[Vec<usize>; 2],
     is_part: bool,
-) -> Vec<StandingEdge> {
+) -> Vec<StaticEdge> {
     let rows = 1..pictures[0].height.saturating_sub(1);
     rows.into_par_iter()
         .flat_map_iter(|row| standing_edges_in_row(row, pictures, views, is_part))
@@ -160,7 +160,7 @@ fn standing_edges_in_row(
     pictures: &[ReducedPicture],
     views: &[Vec<usize>; 2],
     is_part: bool,
-) -> impl Iterator<Item = StandingEdge> {
+) -> impl Iterator<Item = StaticEdge> {
     let columns = 1..pictures[0].width.saturating_sub(1);
     columns.filter_map(move |column| {
         EdgeKind::ALL.into_iter().find_map(|kind| {
@@ -170,7 +170,7 @@ fn standing_edges_in_row(
                 .iter()
                 .map(|&view| pictures[view].slope(column, row).clamp_strength(CAP));
             let slope = mean_slope(slopes, is_part).filter(|mean| mean.kind() == kind)?;
-            Some(StandingEdge { column, row, slope })
+            Some(StaticEdge { column, row, slope })
         })
     })
 }
@@ -209,7 +209,7 @@ fn graphic_from_group(
     pictures: &[ReducedPicture],
     window: &Range<usize>,
     group: EdgeGroup,
-) -> Option<StandingGraphic> {
+) -> Option<StaticGraphic> {
     let first = pictures.first()?;
     let step = first.step as f64;
     // The box in px of the full picture, with a margin, clipped to the picture.
@@ -230,7 +230,7 @@ fn graphic_from_group(
     if pixel_box.width * pixel_box.height > LARGEST * area {
         return None;
     }
-    let mut graphic = StandingGraphic {
+    let mut graphic = StaticGraphic {
         pixel_box,
         first: 0,
         last: 0,

@@ -13,7 +13,7 @@ const SHOWN: f32 = 0.5;
 
 /// A static edge: column and row in the reduced picture, and mean gradient.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct StandingEdge {
+pub(super) struct StaticEdge {
     pub column: usize,
     pub row: usize,
     /// Mean gradient, each capped.
@@ -22,17 +22,17 @@ pub(super) struct StandingEdge {
 
 /// A graphic that is static on the screen in some pictures.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StandingGraphic {
+pub struct StaticGraphic {
     /// Its box, px of the full picture.
     pub pixel_box: PixelBox,
     /// Index of the first picture that shows it.
     pub first: usize,
     /// Index of the last one.
     pub last: usize,
-    pub(super) edges: Vec<StandingEdge>,
+    pub(super) edges: Vec<StaticEdge>,
 }
 
-impl StandingGraphic {
+impl StaticGraphic {
     /// A box that all of `count` pictures show, without edges by which it could be recognised.
     pub(super) const fn throughout(pixel_box: PixelBox, count: usize) -> Self {
         Self {

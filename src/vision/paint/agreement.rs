@@ -2,7 +2,7 @@
 //! on lines, and which lines show markings.
 
 use super::directions::{direction_of, with_neighbours};
-use super::marking_pixels::{MarkingPixels, Shown};
+use super::marking_pixels::{MarkingPixels, PixelContent};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
@@ -60,7 +60,7 @@ impl<'a> PaintedCells<'a> {
         // Lines behind players or outside the ground are not expected to be seen.
         let open = samples
             .iter()
-            .filter(|sample| marking_pixels.classify(sample.image) != Shown::Other);
+            .filter(|sample| marking_pixels.classify(sample.image) != PixelContent::Other);
         Agreement {
             explained: share(
                 marking_pixels

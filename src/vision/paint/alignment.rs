@@ -5,7 +5,7 @@
 //!
 //! A camera predicts where the field's lines appear. At samples along each predicted line the
 //! picture was searched across the line, and ridges of paint were found at some offsets
-//! ([`Sightings`]). Find the small change u of the camera after which the lines lie on the ridges
+//! ([`LineObservations`]). Find the small change u of the camera after which the lines lie on the ridges
 //! and the clicks near their landmarks.
 //!
 //! # Method
@@ -30,7 +30,7 @@
 //! the reach of the search. `snap.rs` reads the picture again around the result, within a smaller
 //! reach, and repeats the alignment.
 
-use super::Sightings;
+use super::LineObservations;
 use nalgebra::{SMatrix, Vector1};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldElement;
@@ -102,7 +102,7 @@ impl LinearisedCamera {
 
 /// The ridges observed around a camera, with the derivatives of their samples.
 pub(super) struct RidgeAlignment<'a> {
-    sightings: &'a Sightings,
+    sightings: &'a LineObservations,
     /// n·∂p/∂u of each sample; zero where the sample cannot be seen.
     by_step: Vec<StepPx>,
     /// 1-σ of each sample's ridge, px.
@@ -111,7 +111,7 @@ pub(super) struct RidgeAlignment<'a> {
 
 impl<'a> RidgeAlignment<'a> {
     /// `scale` is the width of the picture by 1920 px.
-    pub fn new(around: &LinearisedCamera, sightings: &'a Sightings, scale: f64) -> Self {
+    pub fn new(around: &LinearisedCamera, sightings: &'a LineObservations, scale: f64) -> Self {
         let by_step = sightings.samples.iter().map(|sample| {
             // A sample that the linearised camera cannot see gets a zero row and constrains
             // nothing.
@@ -252,7 +252,7 @@ impl Residual<1, 0, 3> for NearestRidge<'_> {
 }
 
 /// 1-σ of every sample's ridge, px. The samples of a line share its error (see [`ridge_sigma_px`]).
-pub(super) fn sample_sigmas_px(sightings: &Sightings, scale: f64) -> Vec<f64> {
+pub(super) fn sample_sigmas_px(sightings: &LineObservations, scale: f64) -> Vec<f64> {
     let num_lines = sightings
         .samples
         .iter()
@@ -364,7 +364,7 @@ impl ClickAlignment {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sightings::Look;
+    use super::super::sightings::SamplingDistances;
     use super::*;
     use crate::paint::GroundPicture;
     use crate::paint::drawn::{PICTURE, SIZE, camera, soccer, truth};
@@ -374,12 +374,13 @@ mod tests {
     #[test]
     fn ridges_and_clicks_change_with_a_step_as_their_derivatives_say() {
         let (field, near) = (soccer(), camera(4.1, -14.05, 1504.0));
-        let look = Look {
+        let look = SamplingDistances {
             reach_px: 16.0,
             spacing_px: 60.0,
             step_px: 1.0,
         };
-        let sightings = Sightings::search(&GroundPicture::new(&PICTURE, &[]), &field, &near, look);
+        let sightings =
+            LineObservations::search(&GroundPicture::new(&PICTURE, &[]), &field, &near, look);
         let around = LinearisedCamera::new(near.base(), near.ptz(), SIZE.width);
         let ridges = RidgeAlignment::new(&around, &sightings, 1.0);
         let from = StepPx::new(0.7, -0.4, 1.1);

@@ -16,9 +16,9 @@
 //! The rest of [`LineCheck`] describes the fit and finds fields of another size.
 
 use super::alignment::{LinearisedCamera, RidgeAlignment, StepPx};
-use super::sightings::{Look, Seen};
+use super::sightings::{SampleContent, SamplingDistances};
 use super::unexplained::unexplained_share;
-use super::{GroundPicture, Sightings};
+use super::{GroundPicture, LineObservations};
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::field::FieldModel;
@@ -100,12 +100,12 @@ impl LineCheck {
 pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera) -> LineCheck {
     let size = ground.size();
     let scale = size.scale_from_1920();
-    let look = Look {
+    let look = SamplingDistances {
         reach_px: REACH_PX * scale,
         spacing_px: SPACING_PX * scale,
         step_px: 1.0,
     };
-    let sightings = Sightings::search(ground, field, camera, look);
+    let sightings = LineObservations::search(ground, field, camera, look);
     // Distances of the ridges nearest to the predicted lines, and the agreement by a Lorentzian
     // weight.
     let mut offsets = Vec::new();
@@ -157,9 +157,9 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
 }
 
 /// The open samples, each by its detectability.
-fn open_weight(sightings: &Sightings) -> f64 {
+fn open_weight(sightings: &LineObservations) -> f64 {
     let samples = sightings.samples.iter().zip(&sightings.seen);
-    let open = samples.filter(|(_, seen)| **seen != Seen::Hidden);
+    let open = samples.filter(|(_, seen)| **seen != SampleContent::Hidden);
     open.map(|(sample, _)| sample.detectability()).sum()
 }
 
@@ -168,14 +168,14 @@ fn open_weight(sightings: &Sightings) -> f64 {
 const LONG_LINE: f64 = 12.0;
 
 /// The smallest share of a line's open samples that have paint.
-fn emptiest_line(sightings: &Sightings) -> Option<f64> {
+fn emptiest_line(sightings: &LineObservations) -> Option<f64> {
     let mut lines: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
     for (sample, seen) in sightings.samples.iter().zip(&sightings.seen) {
         let (found, bare) = lines.entry(sample.line).or_default();
         match seen {
-            Seen::Paint(_) => *found += sample.detectability(),
-            Seen::Bare => *bare += sample.detectability(),
-            Seen::Hidden => {}
+            SampleContent::Paint(_) => *found += sample.detectability(),
+            SampleContent::Bare => *bare += sample.detectability(),
+            SampleContent::Hidden => {}
         }
     }
     // Hidden samples count for neither: they say nothing about the line.

@@ -42,7 +42,7 @@ const PARAMETERS: usize = 2 + 2 * MOST_LINES;
 pub(super) type CrossingState = SVector<f64, PARAMETERS>;
 
 /// A sample of a line at which paint is seen.
-pub(super) struct Place {
+pub(super) struct PaintedSample {
     pub normal: Vec2,
     /// Signed distance of the sample from the landmark along the line, px.
     pub along_px: f64,
@@ -50,8 +50,8 @@ pub(super) struct Place {
 }
 
 /// What is seen of one line.
-pub(super) struct Course {
-    pub places: Vec<Place>,
+pub(super) struct CrossingLine {
+    pub places: Vec<PaintedSample>,
     /// Number of samples with ridges, or with open ground and no ridge.
     pub open: usize,
     /// The offset at the landmark that most samples agree on, px.
@@ -60,9 +60,9 @@ pub(super) struct Course {
     pub normal: Vec2,
 }
 
-impl Course {
+impl CrossingLine {
     /// The offset of a sample's ridge that is nearest to `offset_px`.
-    pub fn nearest(place: &Place, offset_px: f64) -> Option<f64> {
+    pub fn nearest(place: &PaintedSample, offset_px: f64) -> Option<f64> {
         let offsets = place.ridges.iter().map(|ridge| ridge.offset_px);
         offsets.min_by(|a, b| (a - offset_px).abs().total_cmp(&(b - offset_px).abs()))
     }
@@ -70,7 +70,7 @@ impl Course {
 
 /// The crossing problem under one scale of the robust loss.
 pub(super) struct CrossingAtScale<'a> {
-    courses: &'a [Course],
+    courses: &'a [CrossingLine],
     ridge_sigma_px: f64,
     line_sigma_px: f64,
     loss: Loss,
@@ -79,7 +79,7 @@ pub(super) struct CrossingAtScale<'a> {
 impl<'a> CrossingAtScale<'a> {
     /// `scale` is the width of the picture by 1920 px; the scale of the loss is in px at 1920 px
     /// width.
-    pub fn new(courses: &'a [Course], loss_scale_px: f64, scale: f64) -> Self {
+    pub fn new(courses: &'a [CrossingLine], loss_scale_px: f64, scale: f64) -> Self {
         Self {
             courses,
             ridge_sigma_px: RIDGE_SIGMA_PX * scale,
@@ -171,7 +171,7 @@ impl Residual<1, 0, PARAMETERS> for LinePrior {
 
 /// The residual of one sample: the ridge nearest to where the state puts its line.
 struct NearestRidge<'a> {
-    place: &'a Place,
+    place: &'a PaintedSample,
     line: usize,
     sigma_px: f64,
 }
@@ -204,13 +204,13 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
 
 /// Where the two lines that cross at the widest angle meet: the solution t of n₁·t = d₁, n₂·t = d₂.
 /// None if they are nearly parallel.
-pub(super) fn meeting_point(courses: &[Course]) -> Option<Vec2> {
+pub(super) fn meeting_point(courses: &[CrossingLine]) -> Option<Vec2> {
     // Of three lines the two at the widest angle: their crossing is the best conditioned.
     let pairs = courses
         .iter()
         .enumerate()
         .flat_map(|(index, one)| courses[..index].iter().map(move |other| (one, other)));
-    let crossing = |one: &Course, other: &Course| one.normal.perp(&other.normal);
+    let crossing = |one: &CrossingLine, other: &CrossingLine| one.normal.perp(&other.normal);
     let (one, other) = pairs.max_by(|a, b| {
         crossing(a.0, a.1)
             .abs()
@@ -225,7 +225,7 @@ pub(super) fn meeting_point(courses: &[Course]) -> Option<Vec2> {
 
 /// Derivative of a line's offset at a sample by the state. The offset is linear, so it is also the
 /// row that predicts it.
-fn offset_by_state(place: &Place, line: usize) -> CrossingState {
+fn offset_by_state(place: &PaintedSample, line: usize) -> CrossingState {
     let mut by_state = CrossingState::zeros();
     // n·t + s α + d, as in the module's page.
     by_state.fixed_rows_mut::<2>(0).copy_from(&place.normal);
@@ -235,9 +235,13 @@ fn offset_by_state(place: &Place, line: usize) -> CrossingState {
 }
 
 /// Signed distance from a line at a sample to the nearest ridge, px.
-pub(super) fn residual_px(place: &Place, line: usize, state: &CrossingState) -> Option<f64> {
+pub(super) fn residual_px(
+    place: &PaintedSample,
+    line: usize,
+    state: &CrossingState,
+) -> Option<f64> {
     let expected_px = offset_by_state(place, line).dot(state);
-    Course::nearest(place, expected_px).map(|offset_px| offset_px - expected_px)
+    CrossingLine::nearest(place, expected_px).map(|offset_px| offset_px - expected_px)
 }
 
 #[cfg(test)]
@@ -252,7 +256,7 @@ mod tests {
             width_px: 3.0,
             contrast: 40.0,
         }];
-        let place = Place {
+        let place = PaintedSample {
             normal: Vec2::new(0.6, 0.8),
             along_px: -35.0,
             ridges,
@@ -280,7 +284,7 @@ mod tests {
 
     #[test]
     fn two_lines_meet_where_their_offsets_say_and_parallel_ones_nowhere() {
-        let course = |normal: Vec2, offset_px: f64| Course {
+        let course = |normal: Vec2, offset_px: f64| CrossingLine {
             places: Vec::new(),
             open: 0,
             offset_px,

@@ -7,7 +7,7 @@
 //! spread along its normal only. The lines are short pieces, each looked up once at its middle.
 
 use super::directions::{DIRECTIONS, direction_of, with_neighbours};
-use super::marking_pixels::{MarkingPixels, Shown};
+use super::marking_pixels::{MarkingPixels, PixelContent};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
@@ -99,7 +99,7 @@ impl EvidenceMaps {
             marking_pixels.classify(ImagePoint::new(
                 middle(cell % columns),
                 middle(cell / columns),
-            )) != Shown::Other
+            )) != PixelContent::Other
         });
         Self {
             cell_px,

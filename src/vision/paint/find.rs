@@ -98,7 +98,7 @@ pub enum FindError {
 
 /// The result of the camera search.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct PaintSearchResult {
     /// The camera, aligned to the paint.
     pub snapped: Snapped,
     /// Agreement of the picture's markings with the camera's lines, in both directions.
@@ -167,7 +167,7 @@ pub fn find_camera(
     clicks: &[Observation],
     options: &FindOptions,
     progress: &Progress<'_, f64>,
-) -> Result<Found, FindError> {
+) -> Result<PaintSearchResult, FindError> {
     let scale = ground.size().scale_from_1920();
     let marking_pixels = MarkingPixels::detect(ground);
     // A picture with little paint fits many cameras; the search would only take time.
@@ -203,7 +203,7 @@ struct Search<'a> {
 }
 
 /// The level of detail of a search stage: maps of the markings, and pieces of the lines.
-struct Look {
+struct DetailLevel {
     maps: EvidenceMaps,
     chains: Chains,
 }
@@ -246,15 +246,15 @@ impl Search<'_> {
         self.ground.size()
     }
 
-    fn look(&self, reach_px: f64, piece_m: f64) -> Look {
+    fn look(&self, reach_px: f64, piece_m: f64) -> DetailLevel {
         let maps = EvidenceMaps::from_marking_pixels(&self.marking_pixels, reach_px * self.scale);
-        Look {
+        DetailLevel {
             maps,
             chains: Chains::from_field(self.field, self.base, piece_m),
         }
     }
 
-    fn node(&self, look: &Look, ptz: Ptz) -> Node {
+    fn node(&self, look: &DetailLevel, ptz: Ptz) -> Node {
         Node {
             ptz,
             score: look.maps.score(&look.chains, &self.camera(ptz)),
@@ -300,7 +300,7 @@ impl Search<'_> {
     /// A compass search (Kolda, Lewis, Torczon: SIAM Review 45, 2003): takes the best of six steps
     /// until none improves, then halves the step. The score jumps from cell to cell of the maps, so
     /// that its gradient is of no use.
-    fn climb(&self, look: &Look, start: Ptz) -> Node {
+    fn climb(&self, look: &DetailLevel, start: Ptz) -> Node {
         let width_px = self.size().width;
         let mut best = self.node(look, start);
         for step_px in STEPS_PX {
@@ -366,7 +366,11 @@ impl Search<'_> {
     }
 
     /// Steps 3 and 4: aligns the candidates and decides whether the best is accepted.
-    fn decide(&self, likely: &[Node], progress: &Progress<'_, f64>) -> Result<Found, FindError> {
+    fn decide(
+        &self,
+        likely: &[Node],
+        progress: &Progress<'_, f64>,
+    ) -> Result<PaintSearchResult, FindError> {
         let painted = PaintedCells::from_marking_pixels(&self.marking_pixels);
         let mut refused = None;
         let mut fits: Vec<(Agreement, Snapped)> = Vec::new();
@@ -439,7 +443,7 @@ impl Search<'_> {
                 apart_px: apart_px(ptz),
             });
         }
-        Ok(Found {
+        Ok(PaintSearchResult {
             snapped: snapped.clone(),
             agreement: *agreement,
             rival: runner_up.map_or(0.0, |(agreement, _)| agreement),
@@ -502,7 +506,7 @@ mod tests {
         ..FindOptions::default()
     };
 
-    fn found(picture: &Picture, base: &CameraBase) -> Result<Found, FindError> {
+    fn found(picture: &Picture, base: &CameraBase) -> Result<PaintSearchResult, FindError> {
         find_camera(
             &GroundPicture::new(picture, &[]),
             &soccer(),

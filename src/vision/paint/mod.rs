@@ -3,11 +3,11 @@
 //! | what | where |
 //! |---|---|
 //! | [`GroundPicture`] | a prepared picture: brightness, the colours of its ground, masks |
-//! | [`Sightings`] | the ridges of paint across the lines that a camera predicts |
+//! | [`LineObservations`] | the ridges of paint across the lines that a camera predicts |
 //! | [`check_lines`], [`LineCheck`] | a test of a camera against the paint that it predicts |
 //! | [`snap`], [`Snapped`] | pan, tilt and focal length aligned to the paint, or the reason why not |
 //! | [`paint_places`], [`PaintPlace`] | where a picture shows the paint that a camera predicts, for the joint adjustment of many frames |
-//! | [`find_camera`], [`Found`] | the camera of one picture from its lines alone, with a known base |
+//! | [`find_camera`], [`PaintSearchResult`] | the camera of one picture from its lines alone, with a known base |
 //! | [`MarkingPixels`] | marking pixels of a picture, found without any camera |
 //! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner, crossing or point marking that it names |
 //!
@@ -50,13 +50,13 @@ pub use across::Ridge;
 pub use agreement::Agreement;
 pub use check::{LineCheck, check_lines, overlays_apart_px};
 pub use error::SnapError;
-pub use find::{FindError, FindOptions, Found, find_camera};
+pub use find::{FindError, FindOptions, PaintSearchResult, find_camera};
 pub use ground::GroundPicture;
-pub use marking_pixels::{MarkingPixels, Shown, StrokePoint};
-pub use persistent::{PersistentPoint, SeenGround, persistent_paint};
+pub use marking_pixels::{MarkingPixel, MarkingPixels, PixelContent};
+pub use persistent::{GroundDirections, PersistentPoint, persistent_paint};
 pub use placed_point::{PointSnapOptions, SnappedPoint};
 pub use places::{PaintPlace, paint_places};
 pub use point::snap_point;
-pub use sightings::{Seen, Sightings};
+pub use sightings::{LineObservations, SampleContent};
 pub use snap::{SnapOptions, Snapped, snap};
 pub use surface::Surface;

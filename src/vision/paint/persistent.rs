@@ -4,7 +4,7 @@
 //! that recur in a direction are painted on the ground; players, changing boards and moving shadows
 //! do not recur.
 
-use super::marking_pixels::{MarkingPixels, Shown, StrokePoint};
+use super::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
@@ -19,7 +19,7 @@ const MAX_TESTED: usize = 2500;
 /// Maximum number of other frames in which a marking pixel is looked up.
 const MAX_FRAMES: usize = 60;
 
-/// Side of a cell of [`SeenGround`] in pan and in the angle below the horizon, degrees.
+/// Side of a cell of [`GroundDirections`] in pan and in the angle below the horizon, degrees.
 const SEEN_CELL_DEG: f64 = 0.25;
 
 /// A marking pixel that recurs in other frames.
@@ -30,7 +30,7 @@ pub struct PersistentPoint {
     /// Index of the frame that shows it.
     pub frame: usize,
     /// The marking pixel in that frame.
-    pub stroke: StrokePoint,
+    pub stroke: MarkingPixel,
 }
 
 /// The marking pixels that enough frames show in one direction. `frames` are the cameras and
@@ -41,7 +41,7 @@ pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<Persistent
     let of_frame = |frame: usize| -> Vec<PersistentPoint> {
         let (camera, marking_pixels) = &frames[frame];
         let others = others_of(frames, frame);
-        let keep = |stroke: &StrokePoint| {
+        let keep = |stroke: &MarkingPixel| {
             let direction = camera
                 .world_direction_from_image(stroke.at)
                 .ok()?
@@ -51,9 +51,9 @@ pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<Persistent
             let (mut seen, mut painted) = (1_usize, 1_usize);
             for &other in &others {
                 match classify_world_point(&frames[other], camera.base().position_m + direction) {
-                    Shown::Stroke => (seen, painted) = (seen + 1, painted + 1),
-                    Shown::Ground => seen += 1,
-                    Shown::Other => {}
+                    PixelContent::Stroke => (seen, painted) = (seen + 1, painted + 1),
+                    PixelContent::Ground => seen += 1,
+                    PixelContent::Other => {}
                 }
             }
             // The absolute minimum guards against chance in directions that few frames show.
@@ -88,10 +88,10 @@ const fn min_frames(frames: usize) -> usize {
 fn classify_world_point(
     (camera, marking_pixels): &(PtzCamera, MarkingPixels),
     point_in_world: Vec3,
-) -> Shown {
+) -> PixelContent {
     camera
         .image_from_world(point_in_world)
-        .map_or(Shown::Other, |image| marking_pixels.classify(image))
+        .map_or(PixelContent::Other, |image| marking_pixels.classify(image))
 }
 
 /// The indices of the other frames, those with the nearest optical axes first, at most
@@ -113,13 +113,13 @@ fn others_of(frames: &[(PtzCamera, MarkingPixels)], frame: usize) -> Vec<usize> 
 /// The directions in which enough frames show ground for [`persistent_paint`] to find paint: a grid
 /// over pan and the angle below the horizon, in `world`.
 #[derive(Clone, Debug)]
-pub struct SeenGround {
+pub struct GroundDirections {
     columns: usize,
     rows: usize,
     seen: Vec<bool>,
 }
 
-impl SeenGround {
+impl GroundDirections {
     /// Builds the grid from frames of one camera at one position.
     #[must_use]
     pub fn from_frames(frames: &[(PtzCamera, MarkingPixels)]) -> Self {
@@ -138,7 +138,7 @@ impl SeenGround {
                     [place % ACROSS, place / ACROSS].map(|at| (at as f64 + 0.5) * step);
                 ImagePoint::new(column, row)
             });
-            let is_ground = |at: &ImagePoint| marking_pixels.classify(*at) != Shown::Other;
+            let is_ground = |at: &ImagePoint| marking_pixels.classify(*at) != PixelContent::Other;
             let cell = |at| Self::cell(columns, rows, camera.world_direction_from_image(at).ok()?);
             places.filter(is_ground).filter_map(cell).collect()
         };

@@ -2,8 +2,8 @@
 //! adjusted jointly.
 
 use super::alignment::ridge_sigma_px;
-use super::sightings::Look;
-use super::{GroundPicture, Sightings};
+use super::sightings::SamplingDistances;
+use super::{GroundPicture, LineObservations};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, subsample};
@@ -21,7 +21,7 @@ pub struct PaintPlace {
 }
 
 /// Sampling of the picture, px at 1920 px width.
-const LOOK: Look = Look {
+const LOOK: SamplingDistances = SamplingDistances {
     reach_px: 8.0,
     spacing_px: 24.0,
     step_px: 0.5,
@@ -45,12 +45,12 @@ pub fn paint_places(
     camera: &PtzCamera,
 ) -> Vec<PaintPlace> {
     let scale = ground.size().scale_from_1920();
-    let look = Look {
+    let look = SamplingDistances {
         reach_px: LOOK.reach_px * scale,
         spacing_px: LOOK.spacing_px * scale,
         ..LOOK
     };
-    let seen = Sightings::search(ground, field, camera, look);
+    let seen = LineObservations::search(ground, field, camera, look);
     let mut of_line: Vec<Vec<ImagePoint>> = vec![Vec::new(); field.lines.len()];
     // The nearest ridge of each sample, if it is near enough.
     for (index, sample) in seen.samples.iter().enumerate() {

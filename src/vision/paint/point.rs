@@ -13,7 +13,8 @@
 use super::GroundPicture;
 use super::across::Across;
 use super::crossing::{
-    Course, CrossingAtScale, CrossingState, MOST_LINES, Place, meeting_point, residual_px,
+    CrossingAtScale, CrossingLine, CrossingState, MOST_LINES, PaintedSample, meeting_point,
+    residual_px,
 };
 use super::placed_point::{PointSnapOptions, SnappedPoint, lines_through};
 use super::ridge::RidgeFinder;
@@ -138,7 +139,7 @@ impl Crossing<'_> {
         &self,
         samples: impl Iterator<Item = &'s LineSample>,
         finder: &mut RidgeFinder,
-    ) -> Option<Course> {
+    ) -> Option<CrossingLine> {
         let distance_px = |sample: &LineSample| sample.image.distance_px(self.predicted);
         let mut near: Vec<&LineSample> = samples
             .filter(|sample| distance_px(sample) <= FOLLOWED_PX * self.scale)
@@ -147,7 +148,7 @@ impl Crossing<'_> {
         // The direction of the line where it meets the landmark.
         let normal = near.first()?.normal;
         let direction = Vec2::new(-normal.y, normal.x);
-        let mut course = Course {
+        let mut course = CrossingLine {
             places: Vec::new(),
             open: 0,
             offset_px: 0.0,
@@ -170,7 +171,7 @@ impl Crossing<'_> {
             course.open += usize::from(!ridges.is_empty() || self.ground.is_ground(across.at));
             if !ridges.is_empty() {
                 let along_px = direction.dot(&sample.image.offset_from(self.predicted));
-                course.places.push(Place {
+                course.places.push(PaintedSample {
                     normal: sample.normal,
                     along_px,
                     ridges,
@@ -183,11 +184,11 @@ impl Crossing<'_> {
 
     /// The offset at the landmark that most samples of a line vote for. None if too few do, or if
     /// another offset has nearly as many votes.
-    fn likely_offset_px(&self, course: &Course) -> Option<f64> {
+    fn likely_offset_px(&self, course: &CrossingLine) -> Option<f64> {
         let agreeing = |offset_px: f64| {
-            let agrees = |place: &&Place| {
+            let agrees = |place: &&PaintedSample| {
                 let within_px = WITHIN_PX * self.scale + WITHIN_SLOPE * place.along_px.abs();
-                Course::nearest(place, offset_px)
+                CrossingLine::nearest(place, offset_px)
                     .is_some_and(|nearest| (nearest - offset_px).abs() <= within_px)
             };
             course.places.iter().filter(agrees).count()
@@ -220,7 +221,7 @@ impl Crossing<'_> {
 
     /// The landmark's shift from the placed point, px, on which the ridges of all lines agree, and
     /// its covariance, px². None if the lines do not cross or their ridges do not agree.
-    fn solve(&self, courses: &[Course]) -> Option<(Vec2, Matrix2<f64>)> {
+    fn solve(&self, courses: &[CrossingLine]) -> Option<(Vec2, Matrix2<f64>)> {
         // Rotations and offsets of the lines start at zero, the shift at the crossing.
         let mut state = CrossingState::zeros();
         state

@@ -16,8 +16,8 @@ const BARE: f64 = 0.75;
 
 /// What is seen at one sample of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Seen {
-    /// Ridges, as a range of indices into [`Sightings::ridges`].
+pub enum SampleContent {
+    /// Ridges, as a range of indices into [`LineObservations::ridges`].
     Paint(Range<usize>),
     /// Ground without paint.
     Bare,
@@ -27,11 +27,11 @@ pub enum Seen {
 
 /// What a picture shows at every sample of the lines.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sightings {
+pub struct LineObservations {
     /// The samples of the predicted lines.
     pub samples: Vec<LineSample>,
     /// What is seen at each sample.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<SampleContent>,
     /// All ridges; those of one sample are consecutive and in order of their offset.
     pub ridges: Vec<Ridge>,
 }
@@ -39,7 +39,7 @@ pub struct Sightings {
 /// Sampling of a picture, px.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::struct_field_names, reason = "each name ends with its unit")]
-pub(super) struct Look {
+pub(super) struct SamplingDistances {
     /// Reach of the search on both sides of a predicted line.
     pub reach_px: f64,
     /// Distance between neighbouring samples of a line.
@@ -48,14 +48,14 @@ pub(super) struct Look {
     pub step_px: f64,
 }
 
-impl Sightings {
+impl LineObservations {
     /// Searches a picture for the paint that a camera predicts.
     #[must_use]
     pub(super) fn search(
         ground: &GroundPicture,
         field: &FieldModel,
         camera: &PtzCamera,
-        look: Look,
+        look: SamplingDistances,
     ) -> Self {
         let options = SampleOptions {
             spacing_px: look.spacing_px,
@@ -68,7 +68,7 @@ impl Sightings {
             .iter()
             .map(|sample| {
                 if ground.is_masked(sample.image) {
-                    return Seen::Hidden;
+                    return SampleContent::Hidden;
                 }
                 let across = Across::from(sample);
                 let first = ridges.len();
@@ -76,11 +76,11 @@ impl Sightings {
                 // Without a ridge, bare ground is evidence against the line; a player or a board is
                 // not.
                 if ridges.len() > first {
-                    Seen::Paint(first..ridges.len())
+                    SampleContent::Paint(first..ridges.len())
                 } else if is_bare(ground, &across, look.reach_px) {
-                    Seen::Bare
+                    SampleContent::Bare
                 } else {
-                    Seen::Hidden
+                    SampleContent::Hidden
                 }
             })
             .collect();
@@ -95,8 +95,8 @@ impl Sightings {
     #[must_use]
     pub fn ridges_at(&self, sample: usize) -> &[Ridge] {
         match &self.seen[sample] {
-            Seen::Paint(range) => &self.ridges[range.clone()],
-            Seen::Bare | Seen::Hidden => &[],
+            SampleContent::Paint(range) => &self.ridges[range.clone()],
+            SampleContent::Bare | SampleContent::Hidden => &[],
         }
     }
 
@@ -112,7 +112,10 @@ impl Sightings {
     /// Number of samples that show bare ground.
     #[must_use]
     pub fn bare(&self) -> usize {
-        self.seen.iter().filter(|seen| **seen == Seen::Bare).count()
+        self.seen
+            .iter()
+            .filter(|seen| **seen == SampleContent::Bare)
+            .count()
     }
 }
 

@@ -40,8 +40,8 @@ use super::alignment::{
 use super::check::{check_lines, halves_apart_px, overlays_apart_px};
 use super::lens::{OwnLens, own_lens};
 use super::search::likely_steps;
-use super::sightings::Look;
-use super::{GroundPicture, LineCheck, Sightings, SnapError};
+use super::sightings::SamplingDistances;
+use super::{GroundPicture, LineCheck, LineObservations, SnapError};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{stride_of_subsample, subsample};
@@ -125,12 +125,12 @@ const SCALES_PX: [&[f64]; 3] = [
 /// Sampling of the picture in the three stages, px at 1920 px width. The reach of the first stage
 /// is [`SnapOptions::reach_px`].
 const COARSE_SPACING_PX: f64 = 32.0;
-const MIDDLE: Look = Look {
+const MIDDLE: SamplingDistances = SamplingDistances {
     reach_px: 16.0,
     spacing_px: 24.0,
     step_px: 1.0,
 };
-const FINE: Look = Look {
+const FINE: SamplingDistances = SamplingDistances {
     reach_px: 8.0,
     spacing_px: 12.0,
     step_px: 0.5,
@@ -226,7 +226,7 @@ struct Problem<'a> {
 struct Fit {
     ptz: Ptz,
     /// The last observations, and the camera around which they were linearised.
-    seen: Sightings,
+    seen: LineObservations,
     around: LinearisedCamera,
     /// The last step, from the linearised camera to `ptz`.
     step: StepPx,
@@ -236,14 +236,14 @@ struct Fit {
 }
 
 impl Problem<'_> {
-    fn look(&self, ptz: Ptz, look: Look) -> (LinearisedCamera, Sightings) {
+    fn look(&self, ptz: Ptz, look: SamplingDistances) -> (LinearisedCamera, LineObservations) {
         let around = LinearisedCamera::new(self.base, ptz, self.ground.size().width);
-        let scaled = Look {
+        let scaled = SamplingDistances {
             reach_px: look.reach_px * self.scale,
             spacing_px: look.spacing_px * self.scale,
             step_px: look.step_px,
         };
-        let seen = Sightings::search(self.ground, self.field, &around.camera, scaled);
+        let seen = LineObservations::search(self.ground, self.field, &around.camera, scaled);
         (around, seen)
     }
 
@@ -260,7 +260,7 @@ impl Problem<'_> {
 
     /// The distinct results of aligning from every likely step within reach of `start`.
     fn fits(&self, start: Ptz) -> Vec<Fit> {
-        let coarse = Look {
+        let coarse = SamplingDistances {
             reach_px: self.options.reach_px,
             spacing_px: COARSE_SPACING_PX,
             step_px: 1.0,

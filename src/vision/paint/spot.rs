@@ -70,8 +70,8 @@ pub(super) fn snap_spot(
         .filter_map(|size| Shape::render(field, camera, landmark, size * diameter_m, scale));
     // Best offset over all sizes and all pixels within reach.
     let reach = (options.reach_px * scale).ceil() as i32;
-    let looked: Vec<Look> = shapes
-        .map(|shape| Look::search(ground, placed, shape, reach))
+    let looked: Vec<TemplateScan> = shapes
+        .map(|shape| TemplateScan::search(ground, placed, shape, reach))
         .collect();
     let all = || {
         looked
@@ -105,7 +105,7 @@ pub(super) fn snap_spot(
 }
 
 /// One template at every offset within reach.
-struct Look {
+struct TemplateScan {
     placed: ImagePoint,
     shape: Shape,
     fits: Vec<Fit>,
@@ -120,7 +120,7 @@ struct Fit {
 }
 
 /// Linear regression of grey levels on the template's coverage.
-struct Explained {
+struct CoverageRegression {
     contrast: f64,
     /// Grey level where the template covers nothing.
     level: f64,
@@ -130,14 +130,14 @@ struct Explained {
 }
 
 /// A template at the offset of least squares.
-struct Refined {
+struct TemplateFit {
     shift: Vec2,
     sigma_px: f64,
     contrast: f64,
     explained: f64,
 }
 
-impl Look {
+impl TemplateScan {
     fn search(ground: &GroundPicture, placed: ImagePoint, shape: Shape, reach: i32) -> Self {
         let mut look = Self {
             placed,
@@ -194,7 +194,7 @@ impl Look {
     ///
     /// Ordinary least squares for a line: contrast = Σ(c − c̄)(g − ḡ) / Σ(c − c̄)², with the
     /// coverage c and the grey level g of each pixel.
-    fn fit_contrast(&self, pixels: &[(Vec2, f64)], by: Vec2) -> Explained {
+    fn fit_contrast(&self, pixels: &[(Vec2, f64)], by: Vec2) -> CoverageRegression {
         let count = pixels.len() as f64;
         // Sums of coverage c and grey level g: Σc, Σg, Σc², Σcg, Σg².
         let [mut covers, mut greys, mut covers_2, mut both, mut greys_2] = [0.0; 5];
@@ -215,7 +215,7 @@ impl Look {
         } else {
             0.0
         };
-        Explained {
+        CoverageRegression {
             contrast,
             level: (greys - contrast * covers) / count,
             squares: contrast * together,
@@ -225,10 +225,10 @@ impl Look {
 
     /// Refines an offset below the pixel. None if it diverges, or if offsets `beside_px` away are
     /// nearly as good.
-    fn refine(&self, ground: &GroundPicture, from: &Fit, beside_px: f64) -> Option<Refined> {
+    fn refine(&self, ground: &GroundPicture, from: &Fit, beside_px: f64) -> Option<TemplateFit> {
         let seen = self.pixels(ground, from.shift);
         let count = seen.len() as f64;
-        let Explained {
+        let CoverageRegression {
             contrast,
             level,
             about_mean,
@@ -258,7 +258,7 @@ impl Look {
             } else {
                 0.0
             };
-            result = Some(Refined {
+            result = Some(TemplateFit {
                 shift: from.shift + spot.by,
                 sigma_px,
                 contrast: spot.contrast,

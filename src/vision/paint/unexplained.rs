@@ -31,7 +31,7 @@ pub(super) fn unexplained_share(
     samples: &[LineSample],
 ) -> Option<f64> {
     let scale = ground.size().scale_from_1920();
-    let explained = Explained::by(samples, ground, NEAR_PX * scale);
+    let explained = ExplainedCells::by(samples, ground, NEAR_PX * scale);
     // Any painted line may be missing, so the widest sets the expected width.
     let width_m = field
         .lines
@@ -122,13 +122,13 @@ fn paint_px(
 }
 
 /// The cells of the picture that predicted lines explain.
-struct Explained {
+struct ExplainedCells {
     cell_px: f64,
     columns: usize,
     cells: Vec<bool>,
 }
 
-impl Explained {
+impl ExplainedCells {
     fn by(samples: &[LineSample], ground: &GroundPicture, near_px: f64) -> Self {
         // A coarse raster instead of distances to all samples: it is looked up for every ridge.
         let cell_px = near_px.max(1.0);

@@ -38,5 +38,5 @@ pub use not_found::NotFound;
 pub use pose::{Pose, pose_from_candidates};
 pub use pose_options::PoseOptions;
 pub use reference_pairs::Reference;
-pub use shown::{CERTAIN, Shown};
+pub use shown::{CERTAIN, CertainAnswerCounts};
 pub use standing::pose_of_moving;

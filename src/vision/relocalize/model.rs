@@ -1,7 +1,7 @@
 //! A forest file: one forest per camera, the document they belong to, and the options of feature
 //! detection.
 
-use super::Shown;
+use super::CertainAnswerCounts;
 use super::forest::{Forest, ForestFileError, Reader, write_forest};
 use crate::features::{Detector, FeatureOptions};
 use std::ops::RangeInclusive;
@@ -68,7 +68,7 @@ pub struct SeenRange {
     /// in forests of earlier versions; four clicks per reference are then assumed.
     pub labels: Vec<Mat3>,
     /// Success rate on references left out of the training; empty if it was not measured.
-    pub shown: Shown,
+    pub shown: CertainAnswerCounts,
 }
 
 impl SeenRange {
@@ -83,7 +83,7 @@ impl SeenRange {
             references: cameras.len() as u32,
             cameras: cameras.to_vec(),
             labels: Vec::new(),
-            shown: Shown::default(),
+            shown: CertainAnswerCounts::default(),
         })
     }
 
@@ -243,7 +243,7 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
         references: body.u32()?,
         cameras: Vec::new(),
         labels: Vec::new(),
-        shown: Shown::default(),
+        shown: CertainAnswerCounts::default(),
     };
     if version > OLDEST_VERSION {
         for _ in 0..body.count(CAMERA_BYTES)? {
@@ -270,7 +270,7 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
             ];
             seen.labels.push(Mat3::new(a, b, c, b, d, e, c, e, f));
         }
-        seen.shown = Shown {
+        seen.shown = CertainAnswerCounts {
             certain: body.u32()?,
             right: body.u32()?,
         };

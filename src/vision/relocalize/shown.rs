@@ -2,7 +2,7 @@
 
 /// How often certain answers about left-out references were right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shown {
+pub struct CertainAnswerCounts {
     /// Number of answers stated to be certain: see [`CERTAIN`].
     pub certain: u32,
     /// Number of those that were right.
@@ -19,7 +19,7 @@ const RIGHT_BEFORE: f64 = 0.998;
 /// confirmation by the user.
 pub const CERTAIN: f64 = 0.9;
 
-impl Shown {
+impl CertainAnswerCounts {
     /// Upper bound of the stated probability: the success rate of certain answers, combined with
     /// the prior rate. 1 if nothing was measured.
     #[must_use]
@@ -33,11 +33,11 @@ impl Shown {
 
 #[cfg(test)]
 mod tests {
-    use super::Shown;
+    use super::CertainAnswerCounts;
 
     #[test]
     fn wrong_answers_about_references_bound_what_is_stated() {
-        let at_most = |certain, right| Shown { certain, right }.at_most();
+        let at_most = |certain, right| CertainAnswerCounts { certain, right }.at_most();
         assert!(at_most(0, 0) == 1.0);
         assert!((0.998..0.9995).contains(&at_most(8, 8)) && at_most(200, 200) > at_most(8, 8));
         assert!((0.92..0.95).contains(&at_most(8, 6)), "{}", at_most(8, 6));

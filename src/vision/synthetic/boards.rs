@@ -51,12 +51,12 @@ enum Design {
 /// The boards of a stadium.
 #[derive(Clone, Debug)]
 pub(super) struct Boards {
-    rows: Vec<Row>,
+    rows: Vec<BoardRow>,
     ads: Vec<Texture>,
 }
 
 #[derive(Clone, Debug)]
-struct Row {
+struct BoardRow {
     start: Vec3,
     along: Vec3,
     /// Towards the pitch.
@@ -93,7 +93,7 @@ impl Boards {
                 let repeats = unit(hash(seed, place, salt + 50)) < 0.3;
                 ads.push(ads.last().copied().filter(|_| repeats).unwrap_or(drawn));
             }
-            Row {
+            BoardRow {
                 start,
                 along,
                 normal: Vec3::new(along.y, -along.x, 0.0),

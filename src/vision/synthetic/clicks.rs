@@ -16,7 +16,7 @@ pub enum ClickTarget {
 
 /// A click with its name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrawnClick {
+pub struct SyntheticClick {
     /// What it shows.
     pub target: ClickTarget,
     /// Where it was placed, px.
@@ -50,7 +50,7 @@ pub fn generate_clicks(
     image_size: ImageSize,
     hidden: &[PixelBox],
     options: &ClickOptions,
-) -> Vec<DrawnClick> {
+) -> Vec<SyntheticClick> {
     let seed = sub_seed(options.seed, 0xC11C);
     let seen = |point_in_world: Vec3| {
         let image = camera.image_from_world(point_in_world).ok()?;
@@ -84,7 +84,7 @@ pub fn generate_clicks(
         let (id, exact) = candidates.swap_remove(best);
         placed.push(exact);
         let image = exact.translate(scatter(seed, clicks.len()) * options.sigma_px);
-        clicks.push(DrawnClick {
+        clicks.push(SyntheticClick {
             target: ClickTarget::Landmark(id.clone()),
             image,
         });
@@ -111,7 +111,7 @@ pub fn generate_clicks(
             continue;
         };
         let image = exact.translate(scatter(seed, 100 + attempt) * options.sigma_px);
-        clicks.push(DrawnClick {
+        clicks.push(SyntheticClick {
             target: ClickTarget::Line(line.id.clone()),
             image,
         });

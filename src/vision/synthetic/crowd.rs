@@ -62,14 +62,14 @@ pub(super) struct Crowd {
 }
 
 /// The pixel's place on a tier: around and up, and what it covers of both, m.
-struct Place {
+struct TierFootprint {
     around: f32,
     up: f32,
     reach_around: f32,
     reach_up: f32,
 }
 
-impl Place {
+impl TierFootprint {
     fn pixel(&self) -> f32 {
         self.reach_around.max(self.reach_up)
     }
@@ -159,7 +159,7 @@ impl Crowd {
 
     /// The light that a piece of the stands sends to the camera.
     pub fn colour(&self, hit: &BowlHit) -> Light {
-        let place = Place {
+        let place = TierFootprint {
             around: hit.around_m as f32,
             up: hit.above_foot_m as f32,
             reach_around: hit.at.reach(hit.around) as f32,
@@ -177,7 +177,7 @@ impl Crowd {
         }
     }
 
-    fn tier(&self, place: &Place, tier: i32, height_m: f32) -> Light {
+    fn tier(&self, place: &TierFootprint, tier: i32, height_m: f32) -> Light {
         let pixel = place.pixel();
         let near = survives(pixel, 0.5);
         let far_view = self.far_view(place, tier);
@@ -207,7 +207,7 @@ impl Crowd {
     }
 
     /// What the tier looks like when its people are too small to tell apart.
-    fn far_view(&self, place: &Place, tier: i32) -> Light {
+    fn far_view(&self, place: &TierFootprint, tier: i32) -> Light {
         let (home, away) = self.loyalty(place.around, tier);
         let mixed = hex(0x56_534F);
         let colour =
@@ -228,7 +228,7 @@ impl Crowd {
     }
 
     /// The rows as seen from the pitch: whoever sits further down hides those behind.
-    fn people(&self, place: &Place, tier: i32) -> Light {
+    fn people(&self, place: &TierFootprint, tier: i32) -> Light {
         let row = (place.up / ROW_RISE_M).floor() as i32;
         let seat = (place.around / SEAT_WIDTH_M).floor() as i32;
         let across = place.around - (seat as f32 + 0.5) * SEAT_WIDTH_M;
@@ -258,7 +258,7 @@ impl Crowd {
 
     /// The colour and the coverage of one seat and whoever sits in it, at a point across and up
     /// from the seat's foot, m.
-    fn person(&self, place: &Place, seat: &Seat, [across, up]: [f32; 2]) -> (Light, f32) {
+    fn person(&self, place: &TierFootprint, seat: &Seat, [across, up]: [f32; 2]) -> (Light, f32) {
         let draw = self.draw_of(seat);
         let again = hash(draw, 17, 4);
         let pixel = place.pixel();
@@ -327,7 +327,7 @@ impl Crowd {
         base * tone
     }
 
-    fn front_wall(&self, place: &Place) -> Light {
+    fn front_wall(&self, place: &TierFootprint) -> Light {
         let panel = (place.around / 3.5).floor();
         let tone = 0.9 + 0.14 * unit(hash(self.seed ^ 0xF0, panel as i32, 0));
         let seam = inside(
@@ -366,7 +366,7 @@ impl Crowd {
     }
 
     /// The ribbon of the arena's name between the tiers, with a rail above.
-    fn fascia(&self, place: &Place) -> Light {
+    fn fascia(&self, place: &TierFootprint) -> Light {
         let texels_per_m = 20.0;
         let x = (place.around.rem_euclid(25.6)) * texels_per_m;
         let lit = self.ribbon.sample(
@@ -411,7 +411,7 @@ fn cloth(words: &str, dye: Light, home: Light) -> Texture {
 }
 
 /// A tunnel below the seats: a dark opening with a pale frame, at every third block.
-fn tunnel(place: &Place, flight: i32, seed: u32, colour: Light) -> Light {
+fn tunnel(place: &TierFootprint, flight: i32, seed: u32, colour: Light) -> Light {
     if (flight + (seed % 3) as i32).rem_euclid(3) != 0 {
         return colour;
     }
@@ -428,7 +428,7 @@ fn tunnel(place: &Place, flight: i32, seed: u32, colour: Light) -> Light {
     )
 }
 
-fn back_wall(place: &Place) -> Light {
+fn back_wall(place: &TierFootprint) -> Light {
     let panel = (place.around / 6.0).rem_euclid(1.0);
     let glass = (1.4..3.6).contains(&place.up) && (0.06..0.94).contains(&panel);
     if glass {
@@ -438,7 +438,7 @@ fn back_wall(place: &Place) -> Light {
     }
 }
 
-fn roof_underside(place: &Place) -> Light {
+fn roof_underside(place: &TierFootprint) -> Light {
     let girder = inside(
         ((place.around / 7.0).rem_euclid(1.0) - 0.5).abs() * 7.0 - 0.35,
         place.reach_around,

@@ -39,7 +39,7 @@ mod stadium;
 mod text;
 mod texture;
 
-pub use clicks::{ClickOptions, ClickTarget, DrawnClick, generate_clicks};
+pub use clicks::{ClickOptions, ClickTarget, SyntheticClick, generate_clicks};
 pub use moment::Moment;
 pub use options::{
     CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions,

@@ -13,7 +13,7 @@ const MARGIN_M: f64 = 3.0;
 /// The painted lines of a field, ready to be looked up at any place.
 #[derive(Clone, Debug)]
 pub(super) struct Paint {
-    markings: Vec<Stroke>,
+    markings: Vec<PaintedShape>,
     columns: usize,
     rows: usize,
     corner: [f64; 2],
@@ -23,7 +23,7 @@ pub(super) struct Paint {
 
 /// A painted marking, seen from above.
 #[derive(Clone, Copy, Debug)]
-enum Stroke {
+enum PaintedShape {
     Straight {
         from: Vec3,
         along: Vec3,
@@ -48,16 +48,16 @@ impl Paint {
     pub fn new(field: &FieldModel) -> Self {
         let spots = field.landmarks.iter().filter_map(|landmark| {
             let radius_m = 0.5 * landmark.spot_diameter_m?;
-            Some(Stroke::Spot {
+            Some(PaintedShape::Spot {
                 centre: landmark.nominal_m,
                 radius_m,
             })
         });
-        let markings: Vec<Stroke> = field
+        let markings: Vec<PaintedShape> = field
             .lines
             .iter()
             .filter(|line| line.painted)
-            .map(Stroke::from_field_line)
+            .map(PaintedShape::from_field_line)
             .chain(spots)
             .collect();
         let corner = [
@@ -74,7 +74,7 @@ impl Paint {
             );
             // A pixel at the cell's rim may reach half a metre out of it.
             let reach = CELL_M * std::f64::consts::FRAC_1_SQRT_2 + 0.5;
-            let is_near = |stroke: &Stroke| stroke.distance_m(centre) < reach;
+            let is_near = |stroke: &PaintedShape| stroke.distance_m(centre) < reach;
             (0..markings.len())
                 .filter(|index| is_near(&markings[*index]))
                 .map(|index| index as u16)
@@ -107,7 +107,7 @@ impl Paint {
     }
 }
 
-impl Stroke {
+impl PaintedShape {
     fn from_field_line(line: &FieldLine) -> Self {
         let half_width_m = 0.5 * line.width_m;
         match line.paint_centre {

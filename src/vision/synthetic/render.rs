@@ -65,19 +65,19 @@ impl Stadium {
         options: &FrameOptions,
     ) -> RenderedFrame {
         let caster = RayCaster::new(camera);
-        let mut props: Vec<Placed> = Vec::new();
+        let mut props: Vec<PlacedProp> = Vec::new();
         props.extend(
             self.fixtures
                 .iter()
                 .cloned()
-                .filter_map(|prop| Placed::new(prop, camera, image_size)),
+                .filter_map(|prop| PlacedProp::new(prop, camera, image_size)),
         );
         if options.players {
             let people = movers(&self.play, &self.kits, self.field(), options.time_s);
             props.extend(
                 people
                     .into_iter()
-                    .filter_map(|prop| Placed::new(prop, camera, image_size)),
+                    .filter_map(|prop| PlacedProp::new(prop, camera, image_size)),
             );
         }
         props.sort_by(|a, b| b.depth.total_cmp(&a.depth));
@@ -178,7 +178,7 @@ impl Stadium {
     /// Lays a prop over a row of the picture, where nothing that stands still hides it.
     fn cover(
         &self,
-        prop: &Placed,
+        prop: &PlacedProp,
         caster: &RayCaster<'_>,
         hits: &[RayHit],
         row: &mut [Pixel],
@@ -210,7 +210,7 @@ impl Stadium {
     /// The shadows of everything that throws one: the lamps' and, round the feet, the sky's.
     fn shadows<'a>(
         &self,
-        props: &'a [Placed],
+        props: &'a [PlacedProp],
         camera: &PtzCamera,
         image_size: ImageSize,
     ) -> Vec<Shadow<'a>> {
@@ -322,14 +322,14 @@ fn area(
 }
 
 /// A prop and where it may be in the picture.
-struct Placed {
+struct PlacedProp {
     prop: Prop,
     depth: f64,
     columns: Range<usize>,
     rows: Range<usize>,
 }
 
-impl Placed {
+impl PlacedProp {
     fn new(prop: Prop, camera: &PtzCamera, image_size: ImageSize) -> Option<Self> {
         let (centre, radius) = prop.bounds();
         let (columns, rows) = area(&[centre], radius, camera, image_size)?;

@@ -75,7 +75,7 @@ fn model(forest: Forest) -> ForestModel {
             );
             3
         ],
-        shown: touchline_vision::relocalize::Shown {
+        shown: touchline_vision::relocalize::CertainAnswerCounts {
             certain: 8,
             right: 7,
         },

@@ -34,17 +34,17 @@ use touchline_core::geometry::{Mat3, Vec3};
 /// The lower triangle of a symmetric matrix of 3 × 3 blocks.
 #[derive(Clone, Debug)]
 pub(super) struct Envelope {
-    rows: Vec<Row>,
+    rows: Vec<BlockRow>,
 }
 
 /// The blocks of a row, from the first column of its envelope to the diagonal.
 #[derive(Clone, Debug)]
-struct Row {
+struct BlockRow {
     first_column: usize,
     blocks: Vec<Mat3>,
 }
 
-impl Row {
+impl BlockRow {
     fn block(&self, column: usize) -> &Mat3 {
         &self.blocks[column - self.first_column]
     }
@@ -65,7 +65,7 @@ impl Envelope {
         let rows = first_columns
             .iter()
             .enumerate()
-            .map(|(row, &first_column)| Row {
+            .map(|(row, &first_column)| BlockRow {
                 first_column,
                 blocks: vec![Mat3::zeros(); row + 1 - first_column],
             });

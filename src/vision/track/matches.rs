@@ -9,7 +9,10 @@ const RATIO: f32 = 0.8;
 
 /// The pairs of features, by index, that are each other's nearest neighbour and pass the ratio test
 /// in both directions.
-pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usize, usize)> {
+pub(super) fn mutual_matches(
+    first: &DescriptorColumns,
+    second: &DescriptorColumns,
+) -> Vec<(usize, usize)> {
     let mut forth = vec![Nearest::NONE; first.lengths.len()];
     let mut back = vec![Nearest::NONE; second.lengths.len()];
     // Squared distances are |a|² + |b|² − 2 aᵀb, so one matrix product gives all of them. The sums
@@ -36,14 +39,14 @@ pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usiz
 
 /// Descriptors as the columns of a matrix, so that all distances to others follow from one matrix
 /// product.
-pub(super) struct Described {
+pub(super) struct DescriptorColumns {
     /// One in each column.
     descriptors: DMatrix<f32>,
     /// Their squared lengths.
     lengths: Vec<f32>,
 }
 
-impl Described {
+impl DescriptorColumns {
     pub fn from_features(features: &Features) -> Self {
         let descriptors = DMatrix::from_fn(DESCRIPTOR_BYTES, features.len(), |row, index| {
             f32::from(features.descriptors[index].0[row])
@@ -100,14 +103,14 @@ mod tests {
     use crate::features::{Descriptor, Keypoint};
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
-    fn features(descriptors: Vec<Descriptor>) -> Described {
+    fn features(descriptors: Vec<Descriptor>) -> DescriptorColumns {
         let keypoint = Keypoint {
             point: ImagePoint::new(0.0, 0.0),
             size_px: 4.0,
             strength: 1.0,
         };
         let keypoints = vec![keypoint; descriptors.len()];
-        Described::from_features(&Features {
+        DescriptorColumns::from_features(&Features {
             image_size: ImageSize::new(64, 36),
             keypoints,
             descriptors,

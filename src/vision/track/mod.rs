@@ -39,7 +39,7 @@ mod view_graph_edge;
 pub use clip::{
     AdjustOptions, AdjustedClip, ClipCamera, ClipLens, FollowOptions, Jitter, PointFollower,
     PointTrack, PointTracks, PropagateOptions, PropagatedClip, PropagationStop, SmoothOptions,
-    Unsmoothed, adjust_clip, propagate, smooth,
+    UnsmoothedFrame, adjust_clip, propagate, smooth,
 };
 pub use cuts::{CutFinder, FoundCut, Miniature, find_cuts};
 pub use error::TrackError;

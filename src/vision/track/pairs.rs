@@ -1,7 +1,7 @@
 //! Pairwise matching: features of two frames that one rotation and one zoom explain.
 
 use super::cycles::cycle_consistent_edges;
-use super::matches::{Described, mutual_matches};
+use super::matches::{DescriptorColumns, mutual_matches};
 use super::view_graph_edge::{brought, zoom_and_turn};
 use super::{TrackError, ViewGraphEdge};
 use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, cell_in_grid, place_share};
@@ -44,7 +44,10 @@ pub fn match_frames_pairwise(
     let pairs: Vec<(usize, usize)> = (0..frames.len())
         .flat_map(|first| (first + 1..frames.len()).map(move |second| (first, second)))
         .collect();
-    let described: Vec<Described> = frames.par_iter().map(Described::from_features).collect();
+    let described: Vec<DescriptorColumns> = frames
+        .par_iter()
+        .map(DescriptorColumns::from_features)
+        .collect();
     let done = AtomicUsize::new(0);
     let edges: Vec<Option<ViewGraphEdge>> = pairs
         .par_iter()
@@ -70,7 +73,7 @@ pub fn match_frames_pairwise(
 /// The pairwise match of two frames; `None` if they do not show the same, or share only a graphic.
 fn match_pair(
     frames: &[Features],
-    described: &[Described],
+    described: &[DescriptorColumns],
     first: usize,
     second: usize,
 ) -> Result<Option<ViewGraphEdge>, TrackError> {

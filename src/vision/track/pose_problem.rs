@@ -30,7 +30,7 @@ pub struct AdjustedFrame {
 }
 
 /// The observations of a point: row of the frame, and pixel.
-pub(super) struct Seen {
+pub(super) struct PointObservations {
     pub sightings: Vec<(usize, ImagePoint)>,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct PairwiseMatches<'a> {
 pub(super) struct PoseProblem<'a> {
     /// The base of each row, at the origin, so that its camera projects directions of `base`.
     pub bases: Vec<CameraBase>,
-    pub points: &'a [Seen],
+    pub points: &'a [PointObservations],
     pub matches: Option<PairwiseMatches<'a>>,
     /// Priors of single frames; `frame` of each is a row.
     pub priors: Vec<PosePrior>,
@@ -147,7 +147,7 @@ impl PoseProblem<'_> {
     fn point_equations(
         &self,
         cameras: &[PtzCamera],
-        point: &Seen,
+        point: &PointObservations,
         direction: Vec3,
     ) -> PointEquations {
         // A direction has two degrees of freedom: steps in its tangent plane.

@@ -32,7 +32,7 @@ const FRAMES: usize = 30;
 
 /// Where a camera stands.
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum BowlPosition {
     MainStand,
     OtherSide,
     BehindGoal,
@@ -49,7 +49,7 @@ enum Quality {
 }
 
 struct DrawnClip {
-    place: Place,
+    place: BowlPosition,
     quality: Quality,
     field: FieldModel,
     base: CameraBase,
@@ -72,11 +72,11 @@ impl DrawnClip {
             }
         };
         let place = [
-            Place::MainStand,
-            Place::OtherSide,
-            Place::BehindGoal,
-            Place::Corner,
-            Place::LowMast,
+            BowlPosition::MainStand,
+            BowlPosition::OtherSide,
+            BowlPosition::BehindGoal,
+            BowlPosition::Corner,
+            BowlPosition::LowMast,
         ][number % 5];
         let quality = [Quality::Clean, Quality::Reencoded360, Quality::OffScreen][number / 5 % 3];
         let field = soccer(
@@ -90,19 +90,19 @@ impl DrawnClip {
         // Farther away stands higher, as seats do.
         let on_stand_m = 4.0 + behind_m * spread(13.0, 0.2, 0.6);
         let position_m = match place {
-            Place::MainStand => Vec3::new(along, -half_width - behind_m, on_stand_m),
-            Place::OtherSide => Vec3::new(along, half_width + behind_m, on_stand_m),
-            Place::BehindGoal => Vec3::new(
+            BowlPosition::MainStand => Vec3::new(along, -half_width - behind_m, on_stand_m),
+            BowlPosition::OtherSide => Vec3::new(along, half_width + behind_m, on_stand_m),
+            BowlPosition::BehindGoal => Vec3::new(
                 sign(17.0) * (half_length + behind_m),
                 spread(11.0, -20.0, 20.0),
                 on_stand_m,
             ),
-            Place::Corner => Vec3::new(
+            BowlPosition::Corner => Vec3::new(
                 sign(17.0) * (half_length + 0.5 * behind_m),
                 sign(19.0) * (half_width + 0.5 * behind_m),
                 on_stand_m,
             ),
-            Place::LowMast => Vec3::new(
+            BowlPosition::LowMast => Vec3::new(
                 sign(17.0) * spread(11.0, 0.0, 1.05) * half_length,
                 -half_width - spread(7.0, 4.0, 15.0),
                 spread(13.0, 3.0, 8.0),

@@ -1,7 +1,7 @@
 //! Coarse features first, fine ones where the answer by these is not certain: accuracy and time by
 //! what the forest has learnt and by what it is queried.
 
-use super::scouting::{Answer, MATCHES, answer, document, usable};
+use super::scouting::{MATCHES, ScoutedFrame, answer, document, usable};
 use super::set::{Set, grown, quantile, rotation_error_deg};
 use super::time::seconds;
 use std::path::Path;
@@ -91,7 +91,7 @@ pub fn coarse_to_fine(data: &Path) {
 /// Every clip answered by the others, at 960 px and less.
 fn real_frames(data: &Path, coarse_px: u32) {
     let options = [options(coarse_px), options(960)];
-    let mut by_forest: [Vec<Answers<Answer>>; 3] = Default::default();
+    let mut by_forest: [Vec<Answers<ScoutedFrame>>; 3] = Default::default();
     // Decoding, coarse and fine features, ms.
     let mut times: [Vec<f64>; 3] = Default::default();
     for name in MATCHES {
@@ -140,8 +140,8 @@ fn real_frames(data: &Path, coarse_px: u32) {
     }
 }
 
-fn row(label: &str, answers: &[Answers<Answer>], by: By, [decoding, coarse, fine]: [f64; 3]) {
-    let chosen: Vec<(&Answer, bool)> = answers
+fn row(label: &str, answers: &[Answers<ScoutedFrame>], by: By, [decoding, coarse, fine]: [f64; 3]) {
+    let chosen: Vec<(&ScoutedFrame, bool)> = answers
         .iter()
         .map(|answers| choose(answers, by, |answer| &answer.relocalized))
         .collect();

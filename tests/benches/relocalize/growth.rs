@@ -18,13 +18,13 @@ const PAN_DEG: f64 = 40.0;
 const VIEW_DEG: f64 = 15.0;
 const ASKED: usize = 20;
 
-type Place = (Descriptor, PanTilt);
+type DescriptorRay = (Descriptor, PanTilt);
 
 pub fn growth() {
     let mut rng = Pcg64Mcg::seed_from_u64(3);
-    let mut places: Vec<Place> = (0..PLACES).map(|_| place(&mut rng)).collect();
+    let mut places: Vec<DescriptorRay> = (0..PLACES).map(|_| place(&mut rng)).collect();
     places.sort_by(|a, b| a.1.pan.radians().total_cmp(&b.1.pan.radians()));
-    let asked: Vec<Vec<Place>> = (0..ASKED).map(|_| reference(&places, &mut rng)).collect();
+    let asked: Vec<Vec<DescriptorRay>> = (0..ASKED).map(|_| reference(&places, &mut rng)).collect();
     let descriptors: Vec<Vec<Descriptor>> = asked
         .iter()
         .map(|frame| frame.iter().map(|place| place.0).collect())
@@ -70,7 +70,7 @@ pub fn growth() {
     }
 }
 
-fn place(rng: &mut Pcg64Mcg) -> Place {
+fn place(rng: &mut Pcg64Mcg) -> DescriptorRay {
     // Mostly small, a few large, about 512 in length, as SIFT is.
     let bytes = std::array::from_fn(|_| (rng.random_range(0.0..1.0f64).powi(4) * 135.0) as u8);
     let edge = PAN_DEG + VIEW_DEG;
@@ -81,7 +81,7 @@ fn place(rng: &mut Pcg64Mcg) -> Place {
 }
 
 /// What one reference sees: a part of the places around where it looks, each disturbed.
-fn reference(places: &[Place], rng: &mut Pcg64Mcg) -> Vec<Place> {
+fn reference(places: &[DescriptorRay], rng: &mut Pcg64Mcg) -> Vec<DescriptorRay> {
     let looks = rng.random_range(-PAN_DEG..PAN_DEG);
     let first = places.partition_point(|place| place.1.pan.degrees() < looks - VIEW_DEG);
     let last = places.partition_point(|place| place.1.pan.degrees() < looks + VIEW_DEG);

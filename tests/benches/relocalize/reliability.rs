@@ -7,7 +7,7 @@
 //! width: the median of people's clicks, or the root mean square over the picture.
 
 use super::pose::{SIZE, base, drawn, normal};
-use super::scouting::{Answer, MATCHES, answer, document, unsure, usable};
+use super::scouting::{MATCHES, ScoutedFrame, answer, document, unsure, usable};
 use super::set::{Set, grown};
 use nalgebra::{SMatrix, SVector};
 use rand::seq::SliceRandom;
@@ -172,7 +172,7 @@ fn real(data: &Path) -> Vec<Example> {
                 let forest = grown(&samples, &TrainOptions::default());
                 for frame in asked {
                     let found = answer(&set, frame, (&forest, &seen), &field, &unsure());
-                    let Answer {
+                    let ScoutedFrame {
                         relocalized,
                         error_px,
                         ..

@@ -51,7 +51,7 @@ pub fn is_usable(frame: &Frame) -> bool {
 }
 
 /// A frame that its own clip has not taught.
-pub struct Answer {
+pub struct ScoutedFrame {
     pub frame: usize,
     pub relocalized: Relocalized,
     /// The median distance of its clicks from their landmarks, px at 1920 px width; infinite
@@ -65,7 +65,7 @@ pub fn answers(
     field: &FieldModel,
     train: &TrainOptions,
     ask: &RelocalizeOptions,
-) -> Vec<Answer> {
+) -> Vec<ScoutedFrame> {
     let usable = usable(set);
     let mut clips: Vec<_> = usable
         .iter()
@@ -96,7 +96,7 @@ pub fn answer(
     (forest, seen): (&Forest, &SeenRange),
     field: &FieldModel,
     ask: &RelocalizeOptions,
-) -> Answer {
+) -> ScoutedFrame {
     let asked = || relocalize(&set.features[frame], forest, seen, &set.base(frame), ask);
     let mut relocalized = asked();
     // The answer is the same each time; the least time is what it costs without other programs.
@@ -107,7 +107,7 @@ pub fn answer(
     let error_px = relocalized.pose.as_ref().map_or(f64::INFINITY, |pose| {
         click_error_px(set, frame, pose.ptz, field)
     });
-    Answer {
+    ScoutedFrame {
         frame,
         relocalized,
         error_px,
@@ -223,7 +223,7 @@ pub fn unmasked(data: &Path) {
     }
 }
 
-fn unmasked_row(label: &str, name: &str, set: &Set, answers: &[Answer]) {
+fn unmasked_row(label: &str, name: &str, set: &Set, answers: &[ScoutedFrame]) {
     let mut errors: Vec<f64> = answers.iter().map(|answer| answer.error_px).collect();
     let given = errors.iter().filter(|error| error.is_finite()).count();
     let near = errors.iter().filter(|error| **error <= 10.0).count() as f64;
@@ -254,7 +254,7 @@ fn unmasked_row(label: &str, name: &str, set: &Set, answers: &[Answer]) {
 }
 
 /// Every frame of a set answered by the first and the last usable frame of the other clips.
-fn answers_of_two(set: &Set, field: &FieldModel) -> Vec<Answer> {
+fn answers_of_two(set: &Set, field: &FieldModel) -> Vec<ScoutedFrame> {
     let usable = usable(set);
     let clip = |frame: usize| set.document.frames[frame].clip.clone();
     let mut answers = Vec::new();
@@ -302,7 +302,7 @@ fn features_ms(set: &Set, folder: &Path, options: &FeatureOptions) -> f64 {
     time_s * 1e3 / pictures.len() as f64
 }
 
-fn row(label: &str, name: &str, answers: &[Answer], features_ms: f64) {
+fn row(label: &str, name: &str, answers: &[ScoutedFrame], features_ms: f64) {
     let mut errors: Vec<f64> = answers.iter().map(|answer| answer.error_px).collect();
     let within = |px: f64| {
         100.0 * errors.iter().filter(|error| **error <= px).count() as f64 / errors.len() as f64

@@ -35,7 +35,7 @@ enum References {
 }
 
 /// A frame that was asked.
-struct Asked {
+struct QueriedFrame {
     name: String,
     /// The answer; none where it was not given.
     answer: Option<Answer>,
@@ -98,7 +98,7 @@ impl Match {
     }
 
     /// Every frame asked of references of other clips; of few references every `every`-th frame.
-    fn asked(&self, references: References, every: usize, is_snapped: bool) -> Vec<Asked> {
+    fn asked(&self, references: References, every: usize, is_snapped: bool) -> Vec<QueriedFrame> {
         let clip = |index: usize| self.document.frames[index].clip.clone();
         let mut rng = Pcg64Mcg::seed_from_u64(1);
         let mut groups: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
@@ -143,14 +143,14 @@ impl Match {
         all
     }
 
-    fn against_clicks(&self, proposal: Proposal) -> Asked {
+    fn against_clicks(&self, proposal: Proposal) -> QueriedFrame {
         let frame = &**self.document.frames.by_id(&proposal.frame).unwrap();
         let name = frame.name();
         let answer = match proposal.outcome {
             Ok(answer) => answer,
             Err(reason) => {
                 println!("<!-- {name}: {reason} -->");
-                return Asked {
+                return QueriedFrame {
                     name,
                     answer: None,
                     error_px: f64::INFINITY,
@@ -188,7 +188,7 @@ impl Match {
             );
         }
         let error_px = quantile(&mut distances, 0.5) / frame.image_size.scale_from_1920();
-        Asked {
+        QueriedFrame {
             name,
             answer: Some(answer),
             error_px,
@@ -224,8 +224,8 @@ pub fn trust(data: &Path) {
     }
 }
 
-fn row(label: &str, name: &str, asked: &[&Asked]) {
-    let given: Vec<(&Answer, &Asked)> = asked
+fn row(label: &str, name: &str, asked: &[&QueriedFrame]) {
+    let given: Vec<(&Answer, &QueriedFrame)> = asked
         .iter()
         .filter_map(|asked| Some((asked.answer.as_ref()?, *asked)))
         .collect();

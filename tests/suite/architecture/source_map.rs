@@ -12,7 +12,7 @@ pub type Names = Vec<String>;
 
 /// A path that a module names, and the line where it does.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Named {
+pub struct NamedPath {
     pub path: Names,
     pub line: usize,
 }
@@ -22,9 +22,9 @@ pub struct Named {
 pub struct Module {
     pub file: PathBuf,
     /// Paths into this crate, from its root.
-    pub inside: Vec<Named>,
+    pub inside: Vec<NamedPath>,
     /// Paths into other crates.
-    pub outside: Vec<Named>,
+    pub outside: Vec<NamedPath>,
     /// Names of what is written in the module.
     items: BTreeSet<String>,
     /// Names that the module imports or exports, and the paths that they stand for.
@@ -267,7 +267,7 @@ impl Reading<'_> {
         } else {
             &mut self.module.outside
         };
-        into.push(Named {
+        into.push(NamedPath {
             path: inside.clone().unwrap_or(path),
             line,
         });

@@ -1,7 +1,7 @@
 //! Actions that show another frame or click, or change the list of names.
 
 use crate::app::choices::{Scope, Selecting};
-use crate::app::place::Place;
+use crate::app::place::FrameOrTime;
 
 /// An action that shows another frame or click, or changes the list of names.
 #[derive(Debug, PartialEq)]
@@ -37,5 +37,5 @@ pub enum Navigation {
     /// List lines (true) or landmarks.
     ListLines(bool),
     /// Show the frame with a number or at a time.
-    GoToPlace(Place),
+    GoToPlace(FrameOrTime),
 }

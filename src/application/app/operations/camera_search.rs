@@ -44,14 +44,14 @@ pub struct CameraSearch {
 pub struct CameraSearchState {
     slot: Slot<CameraSearch>,
     /// What the last search left for the user to decide or to read.
-    pub left: Left,
+    pub left: SearchFollowUp,
     /// The camera that was found last, for the panel's map.
     pub found: Option<Arc<FoundCamera>>,
 }
 
 /// What a search leaves for the user to decide or to read.
 #[derive(Debug, Default)]
-pub enum Left {
+pub enum SearchFollowUp {
     /// Nothing.
     #[default]
     Nothing,
@@ -148,7 +148,7 @@ impl Operation for CameraSearch {
             Ok(AutocalibrationAnswer::Abstained { why, clicks }) => {
                 let why = describe_abstention(&why, clicks);
                 app.session.notify(Level::Warning, why.clone());
-                app.operations.camera_search.left = Left::Abstained {
+                app.operations.camera_search.left = SearchFollowUp::Abstained {
                     camera: self.camera.clone(),
                     why,
                     frame: clicks.map(|clicks| self.document.frames[clicks.frame].id.clone()),
@@ -184,10 +184,14 @@ impl App {
         let CameraSearchState { slot, left, .. } = &self.operations.camera_search;
         match command {
             Command::FindCamera => self.why_not_find_camera(),
-            Command::StopFindCamera if !slot.is_running() && matches!(left, Left::Nothing) => {
+            Command::StopFindCamera
+                if !slot.is_running() && matches!(left, SearchFollowUp::Nothing) =>
+            {
                 Some("No search for a camera is running.")
             }
-            Command::TryFirstCamera | Command::TryOtherCamera if !matches!(left, Left::Two(_)) => {
+            Command::TryFirstCamera | Command::TryOtherCamera
+                if !matches!(left, SearchFollowUp::Two(_)) =>
+            {
                 Some("There are no two cameras to choose from.")
             }
             _ => None,
@@ -237,7 +241,7 @@ impl App {
             return;
         };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.operations.camera_search.left = Left::Nothing;
+        self.operations.camera_search.left = SearchFollowUp::Nothing;
         self.start(CameraSearch {
             document,
             folder,
@@ -247,7 +251,7 @@ impl App {
 
     /// Stops the search, or dismisses its pending choice. The document does not change.
     fn stop_find_camera(&mut self) {
-        self.operations.camera_search.left = Left::Nothing;
+        self.operations.camera_search.left = SearchFollowUp::Nothing;
         if self.operations.camera_search.slot.cancel() {
             self.session.notify(
                 Level::Info,
@@ -284,7 +288,7 @@ impl App {
         self.session.panel = SidePanel::Camera;
         let state = &mut self.operations.camera_search;
         state.found = Some(Arc::clone(&two.cameras[0]));
-        state.left = Left::Two(Box::new(two));
+        state.left = SearchFollowUp::Two(Box::new(two));
     }
 
     /// If the deciding click between two cameras has been made, uses the camera that it favours.
@@ -293,7 +297,9 @@ impl App {
         if self.is_amid_change() {
             return;
         }
-        let (Left::Two(two), Some(open)) = (&self.operations.camera_search.left, &self.open) else {
+        let (SearchFollowUp::Two(two), Some(open)) =
+            (&self.operations.camera_search.left, &self.open)
+        else {
             return;
         };
         let Some(which) = two
@@ -304,7 +310,7 @@ impl App {
             return;
         };
         let found = Arc::clone(&two.cameras[which]);
-        self.operations.camera_search.left = Left::Nothing;
+        self.operations.camera_search.left = SearchFollowUp::Nothing;
         self.session.retract(Command::TryFirstCamera);
         self.session.retract(Command::TryOtherCamera);
         self.use_found_camera(found);
@@ -312,7 +318,7 @@ impl App {
 
     /// Uses one of the two cameras; each attempt is one step of undo.
     fn try_camera(&mut self, which: usize) {
-        if let Left::Two(two) = &self.operations.camera_search.left {
+        if let SearchFollowUp::Two(two) = &self.operations.camera_search.left {
             let found = Arc::clone(&two.cameras[which]);
             self.use_found_camera(found);
         }
@@ -342,7 +348,7 @@ impl App {
             .notify_with(Level::Info, describe_found(&found.found), offers);
         // What the user is doing in another dialog, and the choice between two cameras, come first;
         // the message remains.
-        let is_choosing = matches!(self.operations.camera_search.left, Left::Two(_));
+        let is_choosing = matches!(self.operations.camera_search.left, SearchFollowUp::Two(_));
         if self.session.dialog.is_none() && !is_choosing {
             self.session.dialog = Some(Dialog::FoundCamera);
         }

@@ -19,12 +19,12 @@ pub struct CameraWatch {
     document: Document,
     /// The field that the camera sees.
     field: Arc<FieldModel>,
-    of: Watched,
+    of: CheckedCamera,
 }
 
 /// The subject of a check: a camera in one revision of the document.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Watched {
+struct CheckedCamera {
     revision: u64,
     camera: CameraId,
 }
@@ -34,7 +34,7 @@ struct Watched {
 pub(in crate::app) struct CameraWatchState {
     slot: Slot<CameraWatch>,
     /// The subject of the last check.
-    of: Option<Watched>,
+    of: Option<CheckedCamera>,
     /// Where the camera stops fitting, if it does.
     change: Option<CameraChange>,
     /// The camera and the frame index of the last notice. Each change is reported once.
@@ -84,7 +84,7 @@ impl App {
             .open
             .as_ref()
             .and_then(|open| Some((open, open.frame(self.session.frame)?)));
-        let of = frame.map(|(open, frame)| Watched {
+        let of = frame.map(|(open, frame)| CheckedCamera {
             revision: open.revision,
             camera: frame.camera.clone(),
         });
@@ -115,7 +115,7 @@ impl App {
     }
 
     /// Stores the result of a check, and reports a change that is new.
-    fn camera_looked_at(&mut self, of: Watched, change: Option<CameraChange>) {
+    fn camera_looked_at(&mut self, of: CheckedCamera, change: Option<CameraChange>) {
         let state = &mut self.operations.camera_watch;
         if let Some(change) = &change {
             let reported = (of.camera.clone(), change.frame);

@@ -27,7 +27,7 @@ pub struct Comparison {
 
 /// The result of a comparison: derived, never stored.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Compared {
+pub struct ComparisonResult {
     /// The file of the other document, as the user chose it.
     pub file: PathBuf,
     /// The revision of the open document that was compared.
@@ -51,7 +51,7 @@ pub enum ComparisonError {
 #[derive(Debug, Default)]
 pub struct ComparisonState {
     slot: Slot<Comparison>,
-    made: Option<Arc<Compared>>,
+    made: Option<Arc<ComparisonResult>>,
 }
 
 impl ComparisonState {
@@ -69,22 +69,22 @@ impl ComparisonState {
 
     /// The result of the last comparison; none while another one is running.
     #[must_use]
-    pub const fn last_result(&self) -> Option<&Arc<Compared>> {
+    pub const fn last_result(&self) -> Option<&Arc<ComparisonResult>> {
         self.made.as_ref()
     }
 }
 
 impl Operation for Comparison {
     type Progress = Infallible;
-    type Output = Compared;
+    type Output = ComparisonResult;
     type Error = ComparisonError;
 
     const NAME: &'static str = "compare";
 
-    fn run(&self, _: &Context<'_, Infallible>) -> Result<Compared, ComparisonError> {
+    fn run(&self, _: &Context<'_, Infallible>) -> Result<ComparisonResult, ComparisonError> {
         let (location, other, _) = read(&self.with)?;
         let agreement = agreement(self.document.at(&self.folder), other.at(location.folder()))?;
-        Ok(Compared {
+        Ok(ComparisonResult {
             file: self.with.clone(),
             revision: self.revision,
             agreement,
@@ -95,7 +95,7 @@ impl Operation for Comparison {
         &mut app.operations.comparison.slot
     }
 
-    fn take_over(&self, app: &mut App, result: Result<Compared, Failure<ComparisonError>>) {
+    fn take_over(&self, app: &mut App, result: Result<ComparisonResult, Failure<ComparisonError>>) {
         match result {
             Ok(compared) => app.operations.comparison.made = Some(Arc::new(compared)),
             Err(failure) => app.session.notify(Level::Error, failure.to_string()),

@@ -121,7 +121,7 @@ impl Operation for LineCheckBatch {
 impl App {
     /// The line check of a frame's camera, if it is known.
     #[must_use]
-    pub fn paint_says(&self, frame: usize) -> Option<PaintSays> {
+    pub fn paint_says(&self, frame: usize) -> Option<LineCheckSummary> {
         let open = self.open.as_ref()?;
         self.operations
             .line_checks
@@ -141,7 +141,7 @@ impl App {
     /// document, because such lines may be those of another sport. Before a camera is accepted the
     /// picture itself counts.
     #[must_use]
-    pub fn own_paint_says(&self, frame: usize) -> Option<PaintSays> {
+    pub fn own_paint_says(&self, frame: usize) -> Option<LineCheckSummary> {
         let open = self.open.as_ref()?;
         let frame = open.frame(frame)?;
         self.operations.line_checks.picture_result(open, frame)
@@ -242,7 +242,7 @@ impl App {
 
 /// The line check of a camera, as the window shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PaintSays {
+pub struct LineCheckSummary {
     /// The verdict.
     pub verdict: LineVerdict,
     /// Number of samples on the lines with paint nearby.
@@ -253,7 +253,7 @@ pub struct PaintSays {
     pub offset_px: Option<f64>,
 }
 
-impl PaintSays {
+impl LineCheckSummary {
     fn from_check(check: &LineCheck) -> Self {
         let offset_px = Some(check.offset_px).filter(|offset| offset.is_finite());
         Self {
@@ -334,31 +334,31 @@ fn is_warned(frame: &Frame) -> bool {
 impl LineChecks {
     /// The line check of a frame's camera, if it is known. A check that the document records takes
     /// precedence.
-    fn frame_result(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
+    fn frame_result(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheckSummary> {
         let says = self.picture_result(open, frame)?;
         let verdict = match says.verdict {
             verdict if self.is_informative() || is_warned(frame) => verdict,
             _ => LineVerdict::CannotSay,
         };
-        Some(PaintSays { verdict, ..says })
+        Some(LineCheckSummary { verdict, ..says })
     }
 
     /// What the paint of a frame's own picture says, whatever is found in the other frames.
-    fn picture_result(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
+    fn picture_result(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheckSummary> {
         let recorded = frame
             .solution
             .as_ref()
             .and_then(|solution| solution.line_check.as_ref());
         let says = match recorded {
-            Some(evidence) => PaintSays::from_evidence(evidence),
-            None => PaintSays::from_check(&self.fresh(open, frame)?),
+            Some(evidence) => LineCheckSummary::from_evidence(evidence),
+            None => LineCheckSummary::from_check(&self.fresh(open, frame)?),
         };
         let verdict = if is_warned(frame) {
             LineVerdict::Contradicts
         } else {
             says.verdict
         };
-        Some(PaintSays { verdict, ..says })
+        Some(LineCheckSummary { verdict, ..says })
     }
 
     /// The check of a frame's present camera that the document does not record yet.

@@ -26,13 +26,13 @@ pub struct PictureComparison {
 
 /// What a frame states about its picture.
 #[derive(Clone, Debug, PartialEq)]
-struct Stated {
+struct PictureIdentity {
     image: Option<String>,
     video: Option<VideoFrame>,
     sha256: Option<String>,
 }
 
-impl Stated {
+impl PictureIdentity {
     fn by(frame: &Frame) -> Self {
         Self {
             image: frame.image.clone(),
@@ -55,7 +55,7 @@ impl Stated {
 #[derive(Clone, Debug, PartialEq)]
 pub struct OtherPicture {
     /// What the frame stated when it was checked. The result is valid while it states the same.
-    stated: Stated,
+    stated: PictureIdentity,
     /// The difference, as text.
     says: String,
 }
@@ -88,7 +88,7 @@ impl Operation for PictureComparison {
                 .document
                 .frames
                 .get(index)
-                .filter(|frame| Stated::is_comparable(frame))
+                .filter(|frame| PictureIdentity::is_comparable(frame))
             else {
                 continue;
             };
@@ -101,7 +101,7 @@ impl Operation for PictureComparison {
                 found.insert(
                     frame.id.clone(),
                     OtherPicture {
-                        stated: Stated::by(frame),
+                        stated: PictureIdentity::by(frame),
                         says: fault.to_string(),
                     },
                 );
@@ -162,7 +162,7 @@ impl App {
             .and_then(Running::progress)
             .unwrap_or(&state.found);
         let other = found.get(&frame.id)?;
-        (other.stated == Stated::by(frame)).then_some(other.says.as_str())
+        (other.stated == PictureIdentity::by(frame)).then_some(other.says.as_str())
     }
 
     /// Starts the check of the document that was just opened.
@@ -172,7 +172,7 @@ impl App {
             .document
             .frames
             .iter()
-            .any(|frame| Stated::is_comparable(frame))
+            .any(|frame| PictureIdentity::is_comparable(frame))
         {
             return;
         }

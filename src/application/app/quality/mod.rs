@@ -12,9 +12,9 @@ mod thinned;
 pub use super::choices::{QualityChoice, TimeAxis};
 pub use course::{Course, CoursePoint, PointKind, Quantity, within_whole, zoom_span};
 pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
-pub use seen::Seen;
+pub use seen::CoverageComparison;
 pub use targets::{TargetErrors, by_target};
-pub use thinned::{Column, Drawn, thin_points};
+pub use thinned::{Column, SpanMarks, thin_points};
 
 use super::{OpenProject, session::Session};
 use touchline_documents::document::{CameraId, Document};
@@ -33,7 +33,7 @@ pub struct Quality {
     /// The indices of accepted frames whose paint contradicts their cameras.
     pub off_paint: Vec<usize>,
     /// Where references and suggestions look; none if the camera has no base.
-    pub seen: Option<Seen>,
+    pub seen: Option<CoverageComparison>,
     derived_from: Option<(u64, TimeAxis)>,
 }
 
@@ -81,7 +81,7 @@ impl Quality {
         };
         let place = document.cameras.iter().position(|camera| camera.id == *id);
         let field = place.map(|place| fields.per_camera(document).swap_remove(place));
-        let seen_of = || Seen::compute(document, &*field?, id);
+        let seen_of = || CoverageComparison::compute(document, &*field?, id);
         // The three are independent, and each takes a pass over all frames.
         let (course, ((errors, targets), seen)) =
             rayon::join(course_of, || rayon::join(errors_of, seen_of));

@@ -6,14 +6,14 @@ use touchline_documents::document::{CameraId, Document, FrameStatus};
 
 /// Coverage of references and suggestions, over the same range of pan and tilt.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
+pub struct CoverageComparison {
     /// Coverage of the references, and of the field.
     pub references: Coverage,
     /// Coverage of the suggestions.
     pub suggestions: Coverage,
 }
 
-impl Seen {
+impl CoverageComparison {
     /// The coverage of a camera's frames; none if it has no base.
     #[must_use]
     pub fn compute(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {

@@ -4,7 +4,7 @@ use super::{CoursePoint, PointKind, Quantity};
 
 /// The points of a span, as they are drawn.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Drawn<'a> {
+pub enum SpanMarks<'a> {
     /// Every point is drawn.
     Points(&'a [CoursePoint]),
     /// Points are combined to vertical bars, ordered by kind and column.
@@ -33,9 +33,9 @@ pub fn thin_points(
     quantity: Quantity,
     span: [f64; 2],
     columns: usize,
-) -> Drawn<'_> {
+) -> SpanMarks<'_> {
     if points.len() <= columns || !(span[1] > span[0]) {
-        return Drawn::Points(points);
+        return SpanMarks::Points(points);
     }
     let per_unit = columns as f64 / (span[1] - span[0]);
     let mut found: Vec<Column> = Vec::new();
@@ -61,7 +61,7 @@ pub fn thin_points(
     }
     found.extend(open.into_iter().flatten());
     found.sort_by_key(|column| (column.kind, column.column));
-    Drawn::Columns(found)
+    SpanMarks::Columns(found)
 }
 
 #[cfg(test)]
@@ -90,11 +90,11 @@ mod tests {
         let points = points(50);
         assert_eq!(
             thin_points(&points, Quantity::Pan, [0.0, 49.0], 50),
-            Drawn::Points(&points)
+            SpanMarks::Points(&points)
         );
         assert_eq!(
             thin_points(&points, Quantity::Pan, [3.0, 3.0], 5),
-            Drawn::Points(&points),
+            SpanMarks::Points(&points),
             "no time at all"
         );
     }
@@ -103,7 +103,7 @@ mod tests {
     fn many_points_become_columns_and_a_single_spike_stays() {
         let mut points = points(10_000);
         points[4321].values[0] = 170.0;
-        let Drawn::Columns(columns) = thin_points(&points, Quantity::Pan, [0.0, 9_999.0], 500)
+        let SpanMarks::Columns(columns) = thin_points(&points, Quantity::Pan, [0.0, 9_999.0], 500)
         else {
             panic!("10,000 points on 500 columns")
         };

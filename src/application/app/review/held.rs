@@ -1,6 +1,6 @@
 //! Updates the review list while it is held, so that no row moves.
 
-use super::refresh::{Concerned, shot_of};
+use super::refresh::{AffectedRows, shot_of};
 use super::{Review, ReviewRow};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,7 +10,7 @@ impl Review {
     /// that has a row gets no second one.
     pub(super) fn keep_places(
         &mut self,
-        concerned: &Concerned,
+        concerned: &AffectedRows,
         now: Vec<ReviewRow>,
         one_per_shot: bool,
     ) {

@@ -41,13 +41,13 @@ impl Source {
 }
 
 /// The frames whose rows may have changed.
-pub(super) enum Concerned {
+pub(super) enum AffectedRows {
     All,
     /// A flag for each frame of the document.
     Some(Vec<bool>),
 }
 
-impl Concerned {
+impl AffectedRows {
     /// The frames at `places`, of a document with `frames` frames.
     fn places(places: &BTreeSet<usize>, frames: usize) -> Self {
         let mut concerned = vec![false; frames];
@@ -101,8 +101,8 @@ impl Review {
                 disagreements,
                 choice.order,
             );
-            let concerned = few.map_or(Concerned::All, |few| {
-                Concerned::places(&few, open.document.frames.len())
+            let concerned = few.map_or(AffectedRows::All, |few| {
+                AffectedRows::places(&few, open.document.frames.len())
             });
             // While the list is held, rows keep their positions; otherwise the new rows are merged.
             if source.held && !self.rows.is_empty() && before.is_some() {
@@ -127,7 +127,7 @@ impl Review {
 
     /// Replaces the rows of the concerned frames by `rows`, which are sorted, and keeps the list
     /// sorted.
-    fn put_in_order(&mut self, concerned: &Concerned, rows: Vec<ReviewRow>, order: ReviewOrder) {
+    fn put_in_order(&mut self, concerned: &AffectedRows, rows: Vec<ReviewRow>, order: ReviewOrder) {
         let mut newer = rows.into_iter().peekable();
         let mut merged = Vec::with_capacity(self.rows.len() + newer.len());
         for row in std::mem::take(&mut self.rows)
@@ -145,7 +145,7 @@ impl Review {
 
     /// Whether the suggestions belong to more than one shot. If all belonged to one before, only
     /// the concerned frames are examined.
-    fn is_of_several_shots(&self, concerned: &Concerned) -> bool {
+    fn is_of_several_shots(&self, concerned: &AffectedRows) -> bool {
         let first = self.waiting().next().map(|row| shot_of(&self.frames, row));
         let mut rows = self
             .waiting()

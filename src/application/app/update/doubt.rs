@@ -3,7 +3,7 @@
 
 use super::App;
 use crate::app::review::percent;
-use crate::app::session::{Doubted, Level};
+use crate::app::session::{Level, PendingAcceptance};
 use crate::app::{Command, sentence};
 use touchline_core::solve::{IdentityKind, Verdict, Warning, WarningCode};
 
@@ -105,7 +105,7 @@ impl App {
         let Some(frame) = open.frame(self.session.frame) else {
             return false;
         };
-        let doubted = Doubted {
+        let doubted = PendingAcceptance {
             frame: frame.id.clone(),
             version: open.document.version(),
             stay,
@@ -145,7 +145,7 @@ impl App {
             .doubted
             .take()
             .is_some_and(|doubted| doubted.frame == frame.id && doubted.stay);
-        self.session.doubted = Some(Doubted {
+        self.session.doubted = Some(PendingAcceptance {
             frame: frame.id.clone(),
             version: open.document.version(),
             stay,

@@ -126,7 +126,7 @@ impl App {
         self.session.forget_placed();
         self.session.points.next_on_line = false;
         self.session.picture.tool = Tool::Point;
-        self.session.picture.held = crate::app::session::Held::default();
+        self.session.picture.held = crate::app::session::HeldCommands::default();
         self.session.quality.open = false;
         self.session.picture.view = PictureView::Fit;
         self.session.mode = Mode::ClickingAgain(round);

@@ -1,7 +1,7 @@
 //! Plays the video, and goes to a frame number or a time.
 
 use super::App;
-use crate::app::place::Place;
+use crate::app::place::FrameOrTime;
 use crate::app::session::{Level, Mode};
 
 impl App {
@@ -20,10 +20,10 @@ impl App {
 
     /// Shows the frame with a number, or the one at a time of the shown frame's video. If there is
     /// none, the nearest.
-    pub(super) fn go_to_place(&mut self, place: Place) {
+    pub(super) fn go_to_place(&mut self, place: FrameOrTime) {
         let Some(open) = &self.open else { return };
         let frame = match place {
-            Place::Frame(wanted) => {
+            FrameOrTime::Frame(wanted) => {
                 let nearest = open
                     .frame_numbers_in_video(self.session.frame)
                     .min_by_key(|(_, number)| number.abs_diff(wanted));
@@ -34,7 +34,7 @@ impl App {
                 nearest.map(|(position, _)| position)
             }
             // Only frames of the shown frame's video; if that has none, of any video.
-            Place::Time(wanted_s) => {
+            FrameOrTime::Time(wanted_s) => {
                 let video = self.frame().and_then(|frame| frame.video.as_ref());
                 let timed =
                     open.document

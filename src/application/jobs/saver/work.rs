@@ -2,7 +2,7 @@
 
 use super::{Orders, Revision, SaverOptions, SaverReport};
 use crate::app::Snapshot;
-use crate::jobs::worker::{Mailbox, Waited};
+use crate::jobs::worker::{Mailbox, WaitOutcome};
 use std::path::PathBuf;
 use std::time::Instant;
 use touchline_documents::document::Edit;
@@ -51,9 +51,9 @@ impl<'a> Work<'a> {
     pub(super) fn run(mut self) {
         loop {
             match self.mailbox.wait_for(self.due(), Orders::take) {
-                Waited::Order(orders) => self.obey(orders),
-                Waited::TimeIsUp => self.catch_up(),
-                Waited::Closing => break,
+                WaitOutcome::Order(orders) => self.obey(orders),
+                WaitOutcome::TimeIsUp => self.catch_up(),
+                WaitOutcome::Closing => break,
             }
         }
         self.journal();

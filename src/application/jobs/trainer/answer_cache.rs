@@ -26,7 +26,7 @@ pub(super) struct AnswerCache {
 
 /// How the forest is queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Asking {
+pub(super) struct ForestQuerySettings {
     /// The forest: a later one has a greater number.
     pub(super) generation: u64,
     /// Whether answers are aligned to the painted lines.
@@ -37,7 +37,7 @@ pub(super) struct Asking {
 struct Entry {
     /// The state of the frame when the forest was queried.
     request: FrameRequest,
-    by: Asking,
+    by: ForestQuerySettings,
     answer: CachedAnswer,
     /// Whether the document has shown the answer.
     recorded: bool,
@@ -86,7 +86,7 @@ impl AnswerCache {
                     .entry(frame.id.clone())
                     .or_insert_with(|| Entry {
                         request: FrameRequest::from_frame(document, frame),
-                        by: Asking {
+                        by: ForestQuerySettings {
                             generation: 0,
                             snapping: frame.is_snapped_proposal(),
                         },
@@ -103,7 +103,7 @@ impl AnswerCache {
         document: &Document,
         index: usize,
         model: &ForestModel,
-        asking: Asking,
+        asking: ForestQuerySettings,
     ) -> bool {
         let Some(frame) = document.frames.get(index) else {
             return false;
@@ -132,7 +132,7 @@ impl AnswerCache {
     }
 
     /// Stores an answer.
-    pub(super) fn enter(&mut self, proposal: &Proposal, by: Asking) {
+    pub(super) fn enter(&mut self, proposal: &Proposal, by: ForestQuerySettings) {
         let answer = match &proposal.outcome {
             Ok(answer) => CachedAnswer::Camera(answer.confidence),
             Err(NoProposal::NotFound(_) | NoProposal::NoReferences { .. }) => {
@@ -201,7 +201,7 @@ impl AnswerCache {
     }
 
     /// Number of answers to one kind of query.
-    pub(super) fn count_answers(&self, by: Asking) -> usize {
+    pub(super) fn count_answers(&self, by: ForestQuerySettings) -> usize {
         self.entries.values().filter(|entry| entry.by == by).count()
     }
 

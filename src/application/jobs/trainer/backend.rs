@@ -4,7 +4,7 @@ use super::super::shared_pictures::{SharedPictures, SharedReader};
 use super::error::TrainerError;
 use super::kept_forest::{keep_forest, load_forest};
 use super::mailbox::TrainerMailbox;
-use crate::app::{Doing, UnusableReference};
+use crate::app::{TrainerActivity, UnusableReference};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,8 +40,8 @@ pub(super) trait Backend {
         document: &Document,
         training_frames: &[usize],
         training_set: &TrainingSet,
-        progress: &Progress<'_, Doing>,
-    ) -> Result<Option<Learnt>, TrainerError>;
+        progress: &Progress<'_, TrainerActivity>,
+    ) -> Result<Option<TrainedModel>, TrainerError>;
 
     /// Proposes cameras for some frames, with `snapping` aligned to the painted lines. Returns
     /// fewer proposals than `frames` if `progress`, which receives the number of finished frames,
@@ -71,8 +71,8 @@ pub(super) trait Backend {
         &mut self,
         document: &Document,
         training_frames: &[usize],
-        progress: &Progress<'_, Doing>,
-    ) -> Option<Measured>;
+        progress: &Progress<'_, TrainerActivity>,
+    ) -> Option<ForestAccuracy>;
 
     /// How a forest uses the features of a frame. `None` if the frame cannot be read.
     fn features(
@@ -90,7 +90,7 @@ pub(super) trait Backend {
 }
 
 /// A newly trained forest.
-pub(super) struct Learnt {
+pub(super) struct TrainedModel {
     pub(super) model: ForestModel,
     /// Number of features it was trained on.
     pub(super) features: usize,
@@ -99,7 +99,7 @@ pub(super) struct Learnt {
 }
 
 /// The accuracy of a forest, and suspicious references.
-pub(super) struct Measured {
+pub(super) struct ForestAccuracy {
     /// The accuracy. `None` if no reference can be left out.
     pub(super) quality: Option<Quality>,
     /// References that contradict others.
@@ -154,8 +154,8 @@ impl Backend for ForestBackend {
         document: &Document,
         training_frames: &[usize],
         training_set: &TrainingSet,
-        progress: &Progress<'_, Doing>,
-    ) -> Result<Option<Learnt>, TrainerError> {
+        progress: &Progress<'_, TrainerActivity>,
+    ) -> Result<Option<TrainedModel>, TrainerError> {
         let pictures = FramePictures {
             document,
             folder: &self.folder,
@@ -189,7 +189,7 @@ impl Backend for ForestBackend {
                 frame: document.frames[index].id.clone(),
                 error,
             });
-        Ok(Some(Learnt {
+        Ok(Some(TrainedModel {
             model,
             features,
             failed: failed.collect(),
@@ -299,16 +299,16 @@ impl Backend for ForestBackend {
         &mut self,
         document: &Document,
         training_frames: &[usize],
-        progress: &Progress<'_, Doing>,
-    ) -> Option<Measured> {
+        progress: &Progress<'_, TrainerActivity>,
+    ) -> Option<ForestAccuracy> {
         let pictures = FramePictures {
             document,
             folder: &self.folder,
             options: self.options.features,
             store: &self.store,
         };
-        let measuring = progress.part(Doing::Measuring);
-        let looking = progress.part(|()| Doing::Measuring(Share::default()));
+        let measuring = progress.part(TrainerActivity::Measuring);
+        let looking = progress.part(|()| TrainerActivity::Measuring(Share::default()));
         let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &looking)?;
         let (options, relocalizing) = (&self.options, &self.relocalizing);
         let quality = measure(
@@ -322,7 +322,7 @@ impl Backend for ForestBackend {
         progress
             .check()
             .is_continue()
-            .then_some(Measured { quality, suspects })
+            .then_some(ForestAccuracy { quality, suspects })
     }
 
     fn features(
@@ -356,12 +356,14 @@ impl Backend for ForestBackend {
 }
 
 /// Translates the progress of training for the window.
-fn doing_of(progress: LearningProgress) -> Doing {
+fn doing_of(progress: LearningProgress) -> TrainerActivity {
     match progress {
-        LearningProgress::Features { done, of } => Doing::Features(Share { done, of }),
-        LearningProgress::Training(TrainProgress { placed, total }) => Doing::Training(Share {
-            done: placed,
-            of: total,
-        }),
+        LearningProgress::Features { done, of } => TrainerActivity::Features(Share { done, of }),
+        LearningProgress::Training(TrainProgress { placed, total }) => {
+            TrainerActivity::Training(Share {
+                done: placed,
+                of: total,
+            })
+        }
     }
 }

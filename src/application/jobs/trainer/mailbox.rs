@@ -1,7 +1,7 @@
 //! The orders of the trainer, and its reports.
 
 use super::TrainerReport;
-use crate::app::{AnswerKey, Doing, TrainerOrder, TrainerStatus};
+use crate::app::{AnswerKey, TrainerActivity, TrainerOrder, TrainerStatus};
 use crate::jobs::worker::Mailbox;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -86,12 +86,12 @@ struct LastReport {
     at: Option<Instant>,
     /// The first report of the current step and its time, from which the remaining time is
     /// estimated.
-    begun: Option<(Doing, Instant)>,
+    begun: Option<(TrainerActivity, Instant)>,
 }
 
 /// Whether `later` is progress of the same step as `earlier`.
-fn is_part_of(earlier: Doing, later: Doing) -> bool {
-    let done = |doing: Doing| doing.share().map_or(0, |share| share.done);
+fn is_part_of(earlier: TrainerActivity, later: TrainerActivity) -> bool {
+    let done = |doing: TrainerActivity| doing.share().map_or(0, |share| share.done);
     earlier.is_kind_of(later) && done(earlier) <= done(later)
 }
 

@@ -1,7 +1,7 @@
 //! Reports the progress of a long step and decides whether it continues.
 
 use super::mailbox::TrainerMailbox;
-use crate::app::{Doing, TrainerStatus};
+use crate::app::{TrainerActivity, TrainerStatus};
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::proposals::{TrainingFrames, TrainingSet};
@@ -11,14 +11,14 @@ use touchline_documents::document::Document;
 pub(super) struct Watch<'a> {
     mailbox: &'a TrainerMailbox,
     status: TrainerStatus,
-    until: Until,
+    until: StopCondition,
     /// The edition of the document that was checked last; a mutex because the step's threads share
     /// it.
     looked_at: Mutex<u64>,
 }
 
 /// What ends a step, besides a pause and closing.
-pub(super) enum Until {
+pub(super) enum StopCondition {
     /// Nothing else.
     Done,
     /// A sample of this training set was changed or withdrawn. Added ones do not end the step.
@@ -32,7 +32,7 @@ impl<'a> Watch<'a> {
         mailbox: &'a TrainerMailbox,
         status: &TrainerStatus,
         edition: u64,
-        until: Until,
+        until: StopCondition,
     ) -> Self {
         Self {
             mailbox,
@@ -43,7 +43,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Reports what is being done; answers `Break` if the step is to end.
-    pub(super) fn tell(&self, doing: Doing) -> ControlFlow<()> {
+    pub(super) fn tell(&self, doing: TrainerActivity) -> ControlFlow<()> {
         self.mailbox.report(&TrainerStatus {
             doing,
             ..self.status.clone()
@@ -75,9 +75,9 @@ impl<'a> Watch<'a> {
             return true;
         };
         let wanted = match &self.until {
-            Until::Done => true,
-            Until::Unlearnt(learning) => current_training_set(&document).contains(learning),
-            Until::Changed(learning) => current_training_set(&document) == *learning,
+            StopCondition::Done => true,
+            StopCondition::Unlearnt(learning) => current_training_set(&document).contains(learning),
+            StopCondition::Changed(learning) => current_training_set(&document) == *learning,
         };
         if !wanted {
             // The answer is cached by edition: make the other threads of the step compare again,

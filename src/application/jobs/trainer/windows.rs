@@ -20,7 +20,7 @@ pub(super) struct Windows {
     /// For each frame of the document: whether it lies between key frames.
     between: Vec<bool>,
     /// The known cameras of the last propagation, by the first frame of the window.
-    tracked: BTreeMap<FrameId, Vec<Known>>,
+    tracked: BTreeMap<FrameId, Vec<KeyFrame>>,
     /// Frames that received a propagated camera, and whether the document has shown it.
     given: BTreeMap<FrameId, bool>,
     /// Key frames of those as the forest answered them. Propagation starts from the answers, not
@@ -30,7 +30,7 @@ pub(super) struct Windows {
 
 /// A frame from which cameras are propagated.
 #[derive(Clone, Debug, PartialEq)]
-struct Known {
+struct KeyFrame {
     frame: FrameId,
     ptz: Option<Ptz>,
 }
@@ -217,7 +217,7 @@ impl Windows {
 /// The frames from which cameras are propagated: key frames, and frames between that a person
 /// decided. Answers of the forest between key frames do not count; they are no reason to repeat the
 /// propagation.
-fn known_frames(window: &KeyWindow, document: &Document) -> Vec<Known> {
+fn known_frames(window: &KeyWindow, document: &Document) -> Vec<KeyFrame> {
     let places = window
         .clip
         .frames
@@ -228,7 +228,7 @@ fn known_frames(window: &KeyWindow, document: &Document) -> Vec<Known> {
         is_anchor(frame) && (!frame.is_open() || window.keys.contains(place))
     });
     known
-        .map(|(_, frame)| Known {
+        .map(|(_, frame)| KeyFrame {
             frame: frame.id.clone(),
             ptz: frame.ptz.as_ref().map(FramePtz::ptz),
         })

@@ -1,6 +1,6 @@
 //! Tracked points and paint of a clip's pictures, kept for the next adjustment of the clip.
 
-use super::paint::Painted;
+use super::paint::PaintAlignmentOutcome;
 use std::collections::BTreeMap;
 use touchline_core::camera::{AngularDistance, Ptz};
 use touchline_core::geometry::{ImageSize, PixelBox};
@@ -13,7 +13,7 @@ use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
 pub struct ClipEvidence {
     followed: Option<Followed>,
     camera: Option<ClipCamera>,
-    paint: BTreeMap<usize, SeenPaint>,
+    paint: BTreeMap<usize, CameraPaintVerdict>,
 }
 
 /// The pictures through which points were tracked, and with which options.
@@ -33,9 +33,9 @@ struct Followed {
 
 /// The verdict of a frame's paint on a camera.
 #[derive(Clone, Debug, PartialEq)]
-struct SeenPaint {
+struct CameraPaintVerdict {
     camera: Ptz,
-    says: Painted,
+    says: PaintAlignmentOutcome,
 }
 
 /// A camera that begins within this distance of where another was aligned is aligned to the same
@@ -104,20 +104,28 @@ impl ClipEvidence {
     }
 
     /// The verdict of a frame's paint on a camera, if it was found for one near it.
-    pub(super) fn paint(&self, frame: usize, ptz: Ptz, size: ImageSize) -> Option<Painted> {
-        let SeenPaint { camera, says } = self.paint.get(&frame)?;
+    pub(super) fn paint(
+        &self,
+        frame: usize,
+        ptz: Ptz,
+        size: ImageSize,
+    ) -> Option<PaintAlignmentOutcome> {
+        let CameraPaintVerdict { camera, says } = self.paint.get(&frame)?;
         // An alignment is valid around its end, with a wide basin; other verdicts only around the
         // camera that was checked.
         let (from, alike_px) = match says {
-            Painted::Snapped(anchor) => (anchor.ptz, PULLED_ALIKE_PX),
-            Painted::Contradicts | Painted::Open => (*camera, VERDICT_ALIKE_PX),
+            PaintAlignmentOutcome::Snapped(anchor) => (anchor.ptz, PULLED_ALIKE_PX),
+            PaintAlignmentOutcome::Contradicts | PaintAlignmentOutcome::Open => {
+                (*camera, VERDICT_ALIKE_PX)
+            }
         };
         (apart_px(from, ptz, size) <= alike_px * size.scale_from_1920()).then(|| says.clone())
     }
 
     /// Stores the verdict of a frame's paint.
-    pub(super) fn keep_paint(&mut self, frame: usize, camera: Ptz, says: Painted) {
-        self.paint.insert(frame, SeenPaint { camera, says });
+    pub(super) fn keep_paint(&mut self, frame: usize, camera: Ptz, says: PaintAlignmentOutcome) {
+        self.paint
+            .insert(frame, CameraPaintVerdict { camera, says });
     }
 }
 
@@ -146,10 +154,10 @@ mod tests {
         let ptz = |pan| Ptz::from_degrees(pan, -10.0, 2000.0);
         let mut evidence = ClipEvidence::default();
         evidence.with_camera(&base(0.0));
-        evidence.keep_paint(7, ptz(3.0), Painted::Contradicts);
+        evidence.keep_paint(7, ptz(3.0), PaintAlignmentOutcome::Contradicts);
         assert_eq!(
             evidence.paint(7, ptz(3.01), SIZE),
-            Some(Painted::Contradicts)
+            Some(PaintAlignmentOutcome::Contradicts)
         );
         assert_eq!(evidence.paint(7, ptz(3.1), SIZE), None, "3.4 px away");
         assert_eq!(evidence.paint(8, ptz(3.0), SIZE), None);

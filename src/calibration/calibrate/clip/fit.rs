@@ -12,7 +12,7 @@ use super::certainty::PaintVerdict;
 use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, apart_px};
 use super::options::{ClipProgress, TrackClipOptions};
-use super::paint::{Painted, share_alike};
+use super::paint::{PaintAlignmentOutcome, share_alike};
 use super::pictures::{ClipPictures, report};
 use crate::calibrate::may_replace;
 use std::collections::{BTreeMap, BTreeSet};
@@ -103,7 +103,7 @@ impl ClipFit<'_> {
             let aligned: BTreeMap<usize, PosePrior> = found
                 .into_iter()
                 .filter_map(|(frame, says)| {
-                    if let Painted::Snapped(at) = says {
+                    if let PaintAlignmentOutcome::Snapped(at) = says {
                         Some((frame, at))
                     } else {
                         None
@@ -341,11 +341,11 @@ impl ClipFit<'_> {
         match evidence.paint(frame, ptz, self.pictures.size)? {
             // The alignment is evidence for the camera where it ended, not for the one where it
             // began.
-            Painted::Snapped(anchor) => {
+            PaintAlignmentOutcome::Snapped(anchor) => {
                 (self.apart(anchor.ptz, ptz) <= ALIKE_PX).then_some(PaintVerdict::Agrees)
             }
-            Painted::Contradicts => Some(PaintVerdict::Contradicts),
-            Painted::Open => Some(PaintVerdict::Silent),
+            PaintAlignmentOutcome::Contradicts => Some(PaintVerdict::Contradicts),
+            PaintAlignmentOutcome::Open => Some(PaintVerdict::Silent),
         }
     }
 }

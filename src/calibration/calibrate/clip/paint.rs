@@ -16,7 +16,7 @@ pub(super) struct MaskedPicture {
 
 /// The verdict of a picture's paint on a camera.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Painted {
+pub(super) enum PaintAlignmentOutcome {
     /// The camera could be aligned to the paint: here.
     Snapped(PosePrior),
     /// The paint is not where the camera projects it.
@@ -73,7 +73,7 @@ fn overlap(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
     shares[0] * shares[1] * (1.0 - zoom).max(0.0)
 }
 
-impl Painted {
+impl PaintAlignmentOutcome {
     /// The verdict of the paint of a frame's picture on a camera.
     pub fn from_picture(
         MaskedPicture { picture, masks }: &MaskedPicture,

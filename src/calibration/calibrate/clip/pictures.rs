@@ -6,7 +6,7 @@ use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, FollowedPictures};
 use super::frames::{ClipFrame, ClipFrames};
 use super::options::{ClipProgress, TrackClipOptions};
-use super::paint::{MaskedPicture, Painted};
+use super::paint::{MaskedPicture, PaintAlignmentOutcome};
 use std::collections::BTreeSet;
 use touchline_core::camera::Ptz;
 use touchline_core::field::FieldModel;
@@ -163,7 +163,7 @@ impl ClipPictures<'_> {
         frames: &[(usize, Ptz)],
         evidence: &mut ClipEvidence,
         progress: &Progress<'_, ClipProgress>,
-    ) -> Result<Vec<(usize, Painted)>, TrackClipError> {
+    ) -> Result<Vec<(usize, PaintAlignmentOutcome)>, TrackClipError> {
         let mut found = Vec::with_capacity(frames.len());
         for (done, &(frame, ptz)) in frames.iter().enumerate() {
             report(progress, ClipProgress::Painting(done, frames.len()))?;
@@ -171,7 +171,7 @@ impl ClipPictures<'_> {
                 says
             } else {
                 let base = camera.base_at(frame);
-                let says = Painted::from_picture(
+                let says = PaintAlignmentOutcome::from_picture(
                     &self.read_masked(reader, frame)?,
                     field,
                     &base,

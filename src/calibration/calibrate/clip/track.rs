@@ -23,7 +23,7 @@ use touchline_documents::document::{Document, DocumentAt, FieldSize, FrameStatus
 use touchline_vision::media::ReadFrames;
 use touchline_vision::track::{
     AdjustedClip, ClipCamera, ClipLens, Jitter, PosePrior, PropagatedClip, SmoothOptions,
-    Unsmoothed, propagate, smooth,
+    UnsmoothedFrame, propagate, smooth,
 };
 
 /// Above this share of paint on no line, the assumed length of the field is suspect. With the right
@@ -375,11 +375,11 @@ fn smooth_cameras(
     let mut frame = 0;
     while frame < smoothed.len() {
         // A frame that was not reached ends a run: across the gap the motion is not known.
-        let stretch: Vec<Unsmoothed> = adjusted.frames[frame..]
+        let stretch: Vec<UnsmoothedFrame> = adjusted.frames[frame..]
             .iter()
             .map_while(|adjusted| *adjusted)
             .enumerate()
-            .map(|(place, adjusted)| Unsmoothed {
+            .map(|(place, adjusted)| UnsmoothedFrame {
                 ptz: adjusted.ptz,
                 covariance: adjusted.covariance,
                 is_reference: is_reference(at.document, &clip.frames[frame + place]),

@@ -28,12 +28,12 @@ pub struct FrameLookup {
     frames: Frames,
     accepted: BTreeMap<CameraId, Accepted>,
     shots: BTreeMap<ShotKey, Shot>,
-    clicked: BTreeMap<CameraId, Clicked>,
+    clicked: BTreeMap<CameraId, ClickedFrames>,
 }
 
 /// The frames of a camera that have clicks, and what all its frames contribute to its base.
 #[derive(Clone, Debug, Default)]
-struct Clicked {
+struct ClickedFrames {
     places: BTreeSet<usize>,
     readiness: BaseReadiness,
 }
@@ -52,7 +52,7 @@ impl FrameLookup {
     pub fn from_document(document: &Document) -> Self {
         let mut accepted: BTreeMap<CameraId, Vec<Ptz>> = BTreeMap::new();
         let mut shots: BTreeMap<ShotKey, BTreeMap<Moment, Ptz>> = BTreeMap::new();
-        let mut clicked: BTreeMap<CameraId, Clicked> = BTreeMap::new();
+        let mut clicked: BTreeMap<CameraId, ClickedFrames> = BTreeMap::new();
         for (index, frame) in document.frames.iter().enumerate() {
             if let Some(ptz) = accepted_ptz(frame) {
                 accepted.entry(frame.camera.clone()).or_default().push(ptz);

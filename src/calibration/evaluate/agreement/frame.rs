@@ -103,13 +103,13 @@ impl ClickPair {
 }
 
 /// A frame of one of the two documents.
-pub(super) struct Seen<'a> {
+pub(super) struct ComparedFrame<'a> {
     pub document: &'a Document,
     pub frame: &'a Frame,
     pub index: usize,
 }
 
-impl Seen<'_> {
+impl ComparedFrame<'_> {
     /// The clicks on landmarks: id, position, and index in the frame.
     fn landmarks(&self) -> Vec<(&LandmarkId, ImagePoint, usize)> {
         let clicks = self.frame.clicks.iter().enumerate();
@@ -136,8 +136,8 @@ impl Seen<'_> {
 
 /// Compares two frames of the same picture. `field` is that of the first document.
 pub(super) fn frame_agreement(
-    first: &Seen<'_>,
-    second: &Seen<'_>,
+    first: &ComparedFrame<'_>,
+    second: &ComparedFrame<'_>,
     field: &FieldModel,
 ) -> FrameAgreement {
     let size = first.frame.image_size;

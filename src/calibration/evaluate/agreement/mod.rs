@@ -10,7 +10,7 @@ mod frame;
 pub use frame::{CameraAgreement, ClickPair, FrameAgreement, NameDispute};
 
 use super::matching::match_frames;
-use frame::{Seen, frame_agreement};
+use frame::{ComparedFrame, frame_agreement};
 use std::collections::BTreeMap;
 use touchline_core::field::{FieldError, LandmarkId};
 use touchline_core::geometry::Vec2;
@@ -125,12 +125,12 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
         match (labelled, partner, other) {
             ((true, true), Some(partner), Some(other)) => {
                 let field = fields.for_frame(&first, one);
-                let seen = Seen {
+                let seen = ComparedFrame {
                     document: &first,
                     frame: one,
                     index,
                 };
-                let seen_by_other = Seen {
+                let seen_by_other = ComparedFrame {
                     document: &second,
                     frame: other,
                     index: *partner,

@@ -25,8 +25,8 @@ use rayon::prelude::*;
 /// How many parameters a bump moves: the position and the rotation about world x and y.
 const MOVED: usize = K1;
 
-type Moved = SVector<f64, MOVED>;
-type MovedMatrix = SMatrix<f64, MOVED, MOVED>;
+type BaseDisplacement = SVector<f64, MOVED>;
+type DisplacementMatrix = SMatrix<f64, MOVED, MOVED>;
 
 /// Minimum number of frames on each side of a change.
 const MIN_SIDE: usize = 3;
@@ -74,17 +74,19 @@ pub fn base_change(
     base: &CameraBase,
 ) -> Option<BaseChange> {
     let shared = Shared::new(base, field.crown());
-    let telling: Vec<Telling> = frames
+    let telling: Vec<InformativeFrame> = frames
         .iter()
         .zip(ptz)
         .enumerate()
         .filter(|(_, (frame, _))| frame.equations() >= MIN_EQUATIONS)
-        .filter_map(|(place, (frame, ptz))| Some(Telling::new(place, frame, (*ptz)?, field)))
+        .filter_map(|(place, (frame, ptz))| {
+            Some(InformativeFrame::new(place, frame, (*ptz)?, field))
+        })
         .collect();
     // Step 1, for long sequences: test a subsample, to save the equations of all frames where
     // nothing suggests a change.
     if telling.len() > COARSE {
-        let coarse: Vec<Pull> = subsample(&telling, COARSE)
+        let coarse: Vec<DisplacementEquations> = subsample(&telling, COARSE)
             .map(|frame| frame.pull(&shared))
             .collect();
         // Half of the evidence must show in the subsample.
@@ -92,7 +94,7 @@ pub fn base_change(
     }
 
     // Step 2: the most likely change, over all frames.
-    let pulls: Vec<Pull> = telling
+    let pulls: Vec<DisplacementEquations> = telling
         .par_iter()
         .map(|frame| frame.pull(&shared))
         .collect();
@@ -106,8 +108,8 @@ pub fn base_change(
     // given base; here a base is fitted to either side, and the clicks after the change are
     // measured under both.
     let (before, after) = telling.split_at(at);
-    let held = Displaced::fit(&shared, before);
-    let own = Displaced::fit(&shared, after);
+    let held = DisplacedBase::fit(&shared, before);
+    let own = DisplacedBase::fit(&shared, after);
     let before_px = held.median_px(before)?;
     let after_px = held.median_px(after)?;
     let own_px = own.median_px(after)?;
@@ -127,14 +129,14 @@ pub fn base_change(
 }
 
 /// A frame with a camera and enough clicks to constrain the base.
-struct Telling {
+struct InformativeFrame {
     place: usize,
     clicks: Vec<BaseClick>,
     observations: Vec<Observation>,
     ptz: Ptz,
 }
 
-impl Telling {
+impl InformativeFrame {
     fn new(place: usize, frame: &FrameClicks, ptz: Ptz, field: &FieldModel) -> Self {
         let observations: Vec<Observation> = frame.used_clicks().copied().collect();
         let clicks = observations
@@ -149,8 +151,8 @@ impl Telling {
         }
     }
 
-    fn pull(&self, shared: &Shared) -> Pull {
-        Pull::from_equations(&frame_equations(
+    fn pull(&self, shared: &Shared) -> DisplacementEquations {
+        DisplacementEquations::from_equations(&frame_equations(
             shared,
             self.ptz,
             &self.clicks,
@@ -162,16 +164,16 @@ impl Telling {
 /// Gradient Jᵀ W r and information Jᵀ W J of a displacement of the base, from the clicks of one
 /// frame, or summed over several frames.
 #[derive(Clone, Copy, Debug)]
-struct Pull {
-    gradient: Moved,
-    information: MovedMatrix,
+struct DisplacementEquations {
+    gradient: BaseDisplacement,
+    information: DisplacementMatrix,
 }
 
-impl Pull {
+impl DisplacementEquations {
     fn none() -> Self {
         Self {
-            gradient: Moved::zeros(),
-            information: MovedMatrix::zeros(),
+            gradient: BaseDisplacement::zeros(),
+            information: DisplacementMatrix::zeros(),
         }
     }
 
@@ -222,15 +224,15 @@ impl Pull {
             return 0.0;
         };
         let gradient = self.gradient / scatter;
-        let spread = MovedMatrix::identity() + information * variance();
+        let spread = DisplacementMatrix::identity() + information * variance();
         0.5 * (gradient.dot(&(inverse * gradient)) - spread.determinant().ln())
     }
 }
 
 /// The prior covariance V of a displacement (m², rad²).
-fn variance() -> MovedMatrix {
+fn variance() -> DisplacementMatrix {
     let turn = BUMP_TURN.radians();
-    MovedMatrix::from_diagonal(&Moved::from_fn(|index, _| {
+    DisplacementMatrix::from_diagonal(&BaseDisplacement::from_fn(|index, _| {
         if index < ROTATION {
             BUMP_M.powi(2)
         } else {
@@ -240,8 +242,8 @@ fn variance() -> MovedMatrix {
 }
 
 /// V⁻¹, the inverse of [`variance`].
-fn prior() -> MovedMatrix {
-    MovedMatrix::from_diagonal(&variance().diagonal().map(|variance| 1.0 / variance))
+fn prior() -> DisplacementMatrix {
+    DisplacementMatrix::from_diagonal(&variance().diagonal().map(|variance| 1.0 / variance))
 }
 
 /// The most likely change of a sequence.
@@ -256,9 +258,11 @@ struct Split {
 
 /// The index at which two displacements, one before and one from it on, are most likely compared
 /// with a single one.
-fn split(pulls: &[Pull]) -> Option<Split> {
+fn split(pulls: &[DisplacementEquations]) -> Option<Split> {
     // χ² that a displacement per frame explains, and its expectation under click noise.
-    let all = pulls.iter().fold(Pull::none(), Pull::plus);
+    let all = pulls
+        .iter()
+        .fold(DisplacementEquations::none(), DisplacementEquations::plus);
     let (mut misfit, mut freedom) = (0.0, 0.0);
     for pull in pulls {
         let (explained, expected) = pull.explained_chi_squared();
@@ -268,7 +272,7 @@ fn split(pulls: &[Pull]) -> Option<Split> {
 
     // Gradients and information add up over frames, so running sums give both sides of every index
     // in linear time.
-    let mut before = Pull::none();
+    let mut before = DisplacementEquations::none();
     let mut best: Option<Split> = None;
     for (index, pull) in pulls.iter().enumerate() {
         let after = all.minus(&before);
@@ -298,15 +302,15 @@ fn split(pulls: &[Pull]) -> Option<Split> {
 }
 
 /// A base fitted to the clicks of some frames by position and rotation alone.
-struct Displaced {
+struct DisplacedBase {
     shared: Shared,
-    information: MovedMatrix,
+    information: DisplacementMatrix,
 }
 
-impl Displaced {
+impl DisplacedBase {
     /// Adjusts position and rotation to the clicks of some frames, with the prior of a bump around
     /// the start. The lens is kept.
-    fn fit(start: &Shared, frames: &[Telling]) -> Self {
+    fn fit(start: &Shared, frames: &[InformativeFrame]) -> Self {
         const UNTIL: Stopping = Stopping {
             max_iterations: 8,
             short_step: 0.0,
@@ -329,8 +333,12 @@ impl Displaced {
             },
             UNTIL,
         );
-        let pulls = found.equations.blocks.iter().map(Pull::from_equations);
-        let sum = pulls.fold(Pull::none(), |sum, pull| sum.plus(&pull));
+        let pulls = found
+            .equations
+            .blocks
+            .iter()
+            .map(DisplacementEquations::from_equations);
+        let sum = pulls.fold(DisplacementEquations::none(), |sum, pull| sum.plus(&pull));
         Self {
             shared: found.state.shared,
             information: sum.information,
@@ -339,7 +347,7 @@ impl Displaced {
 
     /// Median distance of the clicks of some frames, px, each frame's pan, tilt and focal length
     /// refined under this base.
-    fn median_px(&self, frames: &[Telling]) -> Option<f64> {
+    fn median_px(&self, frames: &[InformativeFrame]) -> Option<f64> {
         let base = self.shared.base;
         let mut errors: Vec<f64> = frames
             .par_iter()

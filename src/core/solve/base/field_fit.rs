@@ -158,7 +158,7 @@ pub fn fit_field_size(
 }
 
 /// The variance of a length, m², and the regression of the camera's position on it, m per m.
-type Known = (f64, Vec3);
+type LengthRegression = (f64, Vec3);
 
 /// The inputs that all fits have in common.
 struct SizeFit<'a> {
@@ -261,7 +261,7 @@ impl SizeFit<'_> {
     fn fitted_sizes(
         &self,
         values: &[f64],
-        variances: impl Iterator<Item = Known>,
+        variances: impl Iterator<Item = LengthRegression>,
     ) -> Option<Vec<FittedSize>> {
         let displaced = self.displacement_variances(values)?;
         let known = variances.zip(displaced);

@@ -28,7 +28,7 @@ const USUAL_WEIGHT: f64 = 6.0;
 
 /// Sums over all clicks on one landmark or line.
 #[derive(Clone, Debug)]
-struct Shown<const SHARED: usize> {
+struct ElementSums<const SHARED: usize> {
     /// None for a single click on something that is not an element of the field.
     element: Option<FieldElement>,
     /// `G_l`.
@@ -42,7 +42,7 @@ struct Shown<const SHARED: usize> {
 /// The clicks of an adjustment, grouped by landmark or line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scatter<const SHARED: usize> {
-    shown: Vec<Shown<SHARED>>,
+    shown: Vec<ElementSums<SHARED>>,
     equations: usize,
     frames: usize,
     squares: f64,
@@ -79,7 +79,7 @@ impl<const SHARED: usize> Scatter<SHARED> {
                     known.information += information;
                     known.score += score;
                 }
-                None => self.shown.push(Shown {
+                None => self.shown.push(ElementSums {
                     element,
                     mixed,
                     information,

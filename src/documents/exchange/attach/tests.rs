@@ -3,7 +3,7 @@
 use super::*;
 use crate::document::{Document, FrameStatus};
 use crate::exchange::tests::{SIZE, document, exported};
-use crate::exchange::{ExchangeError, ImportOptions, Joined, import, join};
+use crate::exchange::{ExchangeError, ImportOptions, JoinedImport, import, join};
 use std::fs;
 use touchline_core::camera::{BaseAngles, CameraBase};
 use touchline_core::geometry::Vec3;
@@ -63,7 +63,7 @@ fn export_and_import(
     import(&path, importer, &options)
 }
 
-fn join_with(open: &Document, imported: &Imported) -> Joined {
+fn join_with(open: &Document, imported: &Imported) -> JoinedImport {
     join(open.at(Path::new("/match")), imported)
 }
 

@@ -6,7 +6,7 @@
 //! file states, nothing is read beyond its end and no more is allocated than its bytes can fill.
 //! Only the requested variables are decompressed and read.
 
-use super::mat_value::{MatValue, Named};
+use super::mat_value::{MatValue, NamedValues};
 use flate2::read::ZlibDecoder;
 use std::io::Read as _;
 use std::sync::Arc;
@@ -63,7 +63,7 @@ pub enum MatError {
 ///
 /// # Errors
 /// It is not a MAT file of level 5, or it is damaged.
-pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
+pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<NamedValues, MatError> {
     // An HDF5 file begins with 0x89 "HDF", after MATLAB's own 512 bytes of text or at once.
     if bytes.starts_with(b"\x89HDF") || bytes.starts_with(b"MATLAB 7.3") {
         return Err(MatError::Hdf5);
@@ -78,7 +78,7 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
         at: HEADER,
         big_endian,
     };
-    let mut variables = Named::new();
+    let mut variables = NamedValues::new();
     let mut left = MOST_UNFOLDED;
     while !reader.is_at_end() {
         let element = reader.element()?;

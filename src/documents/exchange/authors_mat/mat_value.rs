@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 /// Fields of a structure or variables of a file: name and value, in order.
-pub type Named = Vec<(Arc<str>, MatValue)>;
+pub type NamedValues = Vec<(Arc<str>, MatValue)>;
 
 /// A MATLAB variable, or an entry of one. Array sizes are not kept, because only rows of numbers
 /// are needed.
@@ -16,7 +16,7 @@ pub enum MatValue {
     /// A cell array.
     Cells(Vec<MatValue>),
     /// An array of structures: their fields by name, in order.
-    Structures(Vec<Named>),
+    Structures(Vec<NamedValues>),
     /// Something else: objects, functions, sparse matrices.
     Other,
 }
@@ -43,7 +43,7 @@ impl MatValue {
     }
 
     /// The structures; none for anything else.
-    pub fn structures(&self) -> Option<&[Named]> {
+    pub fn structures(&self) -> Option<&[NamedValues]> {
         match self {
             Self::Structures(structures) => Some(structures),
             _ => None,

@@ -1,7 +1,7 @@
 //! The arrays of a file: frames are read from them and written into them.
 
 use crate::exchange::error::Problem;
-use crate::exchange::frame_camera::{FrameCamera, KnownLens, Pinhole, Shown};
+use crate::exchange::frame_camera::{FrameCamera, FrameProjection, KnownLens, Pinhole};
 use crate::exchange::npy::Array;
 use crate::exchange::npz::Npz;
 use crate::exchange::options::Pixels;
@@ -94,7 +94,7 @@ impl Sequence {
 
     /// The projection of a frame: a camera if the file has its rotation and translation, else its
     /// lens.
-    pub(super) fn projection(&self, frame: usize) -> Result<Shown, Problem> {
+    pub(super) fn projection(&self, frame: usize) -> Result<FrameProjection, Problem> {
         let lens = lens_of(self.calibrations.row(frame), self.distortions.row(frame))?;
         if let Some((rotations, translations)) = &self.poses
             && let &[x, y, z] = translations.row(frame)
@@ -106,11 +106,11 @@ impl Sequence {
                 position_m,
                 ..lens.camera_at_origin()
             };
-            return Ok(Shown::Camera(pinhole.validate("the camera")?));
+            return Ok(FrameProjection::Camera(pinhole.validate("the camera")?));
         }
         lens.camera_at_origin()
             .validate("the camera")
-            .map(|_| Shown::Lens(lens))
+            .map(|_| FrameProjection::Lens(lens))
     }
 }
 
@@ -164,13 +164,13 @@ pub(super) fn arrays_of(held: &[FrameCamera]) -> Vec<(&'static str, Array)> {
     let (mut rotations, mut translations) = (Vec::new(), Vec::new());
     for frame in held {
         let lens = match frame.shown {
-            Shown::Camera(pinhole) => {
+            FrameProjection::Camera(pinhole) => {
                 rotations.extend(pinhole.cam_from_world.transpose().iter());
                 translations.extend(pinhole.translation().iter());
                 pinhole.known_lens()
             }
-            Shown::Lens(lens) => lens,
-            Shown::Ground(_) | Shown::Nothing => continue,
+            FrameProjection::Lens(lens) => lens,
+            FrameProjection::Ground(_) | FrameProjection::Nothing => continue,
         };
         let (cx, cy) = (
             lens.principal_point.x - shift,

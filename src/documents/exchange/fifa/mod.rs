@@ -20,7 +20,7 @@ mod lenses;
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
-use super::frame_camera::{FrameCamera, Shown};
+use super::frame_camera::{FrameCamera, FrameProjection};
 use super::held::parts;
 use super::into_document::{Exactness, View};
 use super::npz::{Npz, archive_to_bytes};
@@ -57,7 +57,7 @@ impl CameraFormat for Fifa {
         let (pinhole, _) = parts(frame)?;
         let is_open = context.options.rotations == Rotations::First && index > 0;
         let shown = if is_open {
-            Shown::Lens(pinhole.known_lens())
+            FrameProjection::Lens(pinhole.known_lens())
         } else {
             frame.shown
         };

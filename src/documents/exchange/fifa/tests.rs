@@ -5,7 +5,7 @@ use super::arrays::arrays_of;
 use crate::document::{Document, FrameStatus};
 use crate::exchange::camera_format::CameraFormat;
 use crate::exchange::files::Files;
-use crate::exchange::frame_camera::{FrameCamera, KnownLens, Pinhole, Shown};
+use crate::exchange::frame_camera::{FrameCamera, FrameProjection, KnownLens, Pinhole};
 use crate::exchange::npy::Array;
 use crate::exchange::npz::{Npz, archive_to_bytes};
 use crate::exchange::options::{ImportOptions, Rotations};
@@ -131,7 +131,7 @@ fn frames_without_a_rotation_keep_their_lens_and_have_no_pan_and_tilt() {
 
 #[test]
 fn a_file_without_any_rotation_gives_a_camera_without_a_base() {
-    let mut arrays = arrays_of(&[FrameCamera::new("a", None, Shown::Lens(lens()))]);
+    let mut arrays = arrays_of(&[FrameCamera::new("a", None, FrameProjection::Lens(lens()))]);
     arrays.truncate(2);
     let document = imported("a.npz", &archive_to_bytes(&arrays));
     assert!(document.cameras.len() == 1 && document.cameras[0].base().is_none());
@@ -152,7 +152,7 @@ fn good() -> BTreeMap<&'static str, Array> {
         position_m: Vec3::new(0.0, -70.0, 15.0),
         ..lens().camera_at_origin()
     };
-    arrays_of(&[FrameCamera::new("a", None, Shown::Camera(camera))])
+    arrays_of(&[FrameCamera::new("a", None, FrameProjection::Camera(camera))])
         .into_iter()
         .collect()
 }

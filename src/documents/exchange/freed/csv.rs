@@ -6,9 +6,9 @@ use crate::exchange::camera_format::{CameraFormat, WriteContext, has_ending};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::Format;
-use crate::exchange::frame_camera::{FrameCamera, Shown};
+use crate::exchange::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::options::ImportOptions;
-use crate::exchange::table::{Row, Table, push_row};
+use crate::exchange::table::{Table, TableRow, push_row};
 use std::collections::BTreeSet;
 use touchline_core::geometry::Vec3;
 
@@ -124,7 +124,7 @@ impl CameraFormat for FreeDCsv {
     }
 }
 
-fn read_row(row: Row<'_>, reading: Reading<'_>, name: &str) -> Result<FrameCamera, Problem> {
+fn read_row(row: TableRow<'_>, reading: Reading<'_>, name: &str) -> Result<FrameCamera, Problem> {
     let sample = Sample {
         angles_deg: [
             row.number("pan_deg")?,
@@ -141,7 +141,7 @@ fn read_row(row: Row<'_>, reading: Reading<'_>, name: &str) -> Result<FrameCamer
     let pinhole = sample
         .pinhole(reading)
         .map_err(|problem| problem.at_line(row.line()))?;
-    let frame = FrameCamera::new(name, Some(reading.size), Shown::Camera(pinhole));
+    let frame = FrameCamera::new(name, Some(reading.size), FrameProjection::Camera(pinhole));
     Ok(FrameCamera {
         frame_index: row.frame_index()?,
         pts_s: row.find("pts_s")?,

@@ -6,7 +6,7 @@ use crate::exchange::camera_format::{CameraFormat, EXACT_PX, WriteContext, has_e
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, refuse_archive};
 use crate::exchange::format::Format;
-use crate::exchange::frame_camera::{FrameCamera, Shown};
+use crate::exchange::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::into_document::Exactness;
 use crate::exchange::options::ImportOptions;
 
@@ -92,7 +92,7 @@ impl CameraFormat for FreeD {
                 let pinhole = Sample::from_packet(packet)
                     .and_then(|sample| sample.pinhole(reading))
                     .map_err(|problem| problem.at_packet(index + 1))?;
-                let shown = Shown::Camera(pinhole);
+                let shown = FrameProjection::Camera(pinhole);
                 frames.push(FrameCamera::new(
                     &format!("{count:06}"),
                     Some(reading.size),

@@ -3,7 +3,7 @@
 
 use super::FigureError;
 use super::shape::{Drawing, Rgb, Shape};
-use super::typeface::{Stroke, Typeface};
+use super::typeface::{OutlineSegment, Typeface};
 use ab_glyph_rasterizer::{Point, Rasterizer, point};
 use image::{ImageFormat, Rgb as Pixel, RgbImage};
 use std::io::Cursor;
@@ -120,21 +120,21 @@ fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
 }
 
 /// The outline of a glyph in pixels. `place` maps a point of the glyph to the picture.
-fn curves(strokes: &[Stroke], place: impl Fn([f64; 2]) -> Point) -> Vec<Piece> {
+fn curves(strokes: &[OutlineSegment], place: impl Fn([f64; 2]) -> Point) -> Vec<Piece> {
     let mut at = point(0.0, 0.0);
     let mut pieces = Vec::with_capacity(strokes.len());
     for stroke in strokes {
         let end = match stroke {
-            Stroke::Begin(to) => place(*to),
-            Stroke::Line(to) => {
+            OutlineSegment::Begin(to) => place(*to),
+            OutlineSegment::Line(to) => {
                 pieces.push(Piece::Line(at, place(*to)));
                 place(*to)
             }
-            Stroke::Quad(a, to) => {
+            OutlineSegment::Quad(a, to) => {
                 pieces.push(Piece::Quad(at, place(*a), place(*to)));
                 place(*to)
             }
-            Stroke::Cubic(a, b, to) => {
+            OutlineSegment::Cubic(a, b, to) => {
                 pieces.push(Piece::Cubic(at, place(*a), place(*b), place(*to)));
                 place(*to)
             }

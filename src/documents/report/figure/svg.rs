@@ -8,7 +8,7 @@
 
 use super::FigureError;
 use super::shape::{Drawing, Rgb, Shape};
-use super::typeface::{Stroke, TextLine, Typeface};
+use super::typeface::{OutlineSegment, TextLine, Typeface};
 use ab_glyph::GlyphId;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -135,15 +135,15 @@ fn uses(line: &TextLine, typeface: &Typeface, glyphs: &mut BTreeSet<GlyphId>) ->
 }
 
 /// The path of an outline, in relative commands, which have fewer digits than absolute ones.
-fn path(strokes: &[Stroke]) -> String {
+fn path(strokes: &[OutlineSegment]) -> String {
     let mut out = String::new();
     let mut from = [0; 2];
     for stroke in strokes {
         let (command, points) = match *stroke {
-            Stroke::Begin(to) => ('m', vec![to]),
-            Stroke::Line(to) => ('l', vec![to]),
-            Stroke::Quad(a, to) => ('q', vec![a, to]),
-            Stroke::Cubic(a, b, to) => ('c', vec![a, b, to]),
+            OutlineSegment::Begin(to) => ('m', vec![to]),
+            OutlineSegment::Line(to) => ('l', vec![to]),
+            OutlineSegment::Quad(a, to) => ('q', vec![a, to]),
+            OutlineSegment::Cubic(a, b, to) => ('c', vec![a, b, to]),
         };
         out.push(command);
         // Positions are rounded before they are subtracted, so that rounding does not add up.
@@ -242,8 +242,9 @@ mod tests {
 
     #[test]
     fn paths_do_not_gather_rounding_errors() {
-        let mut strokes = vec![Stroke::Begin([0.0, 0.0])];
-        strokes.extend((1..=4).map(|number| Stroke::Line([0.26 * f64::from(number), -1.5])));
+        let mut strokes = vec![OutlineSegment::Begin([0.0, 0.0])];
+        strokes
+            .extend((1..=4).map(|number| OutlineSegment::Line([0.26 * f64::from(number), -1.5])));
         assert_eq!(path(&strokes), "m0 0l0.3-1.5l0.2 0l0.3 0l0.2 0");
     }
 }

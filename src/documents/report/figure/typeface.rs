@@ -37,7 +37,7 @@ pub struct PlacedGlyph {
 /// A piece of a glyph's outline, from the end of the piece before. Positions are in font units
 /// relative to the glyph's origin, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stroke {
+pub enum OutlineSegment {
     Begin([f64; 2]),
     Line([f64; 2]),
     Quad([f64; 2], [f64; 2]),
@@ -84,25 +84,25 @@ impl Typeface {
     }
 
     /// The outline of a glyph; empty for a space.
-    pub fn outline(&self, glyph: GlyphId) -> Vec<Stroke> {
+    pub fn outline(&self, glyph: GlyphId) -> Vec<OutlineSegment> {
         let curves = self.font.outline(glyph).map(|outline| outline.curves);
         let mut strokes = Vec::new();
         let mut end = None;
         for curve in curves.unwrap_or_default() {
             let (from, stroke, to) = match curve {
-                OutlineCurve::Line(a, b) => (a, Stroke::Line(flip_y(b)), b),
-                OutlineCurve::Quad(a, b, c) => (a, Stroke::Quad(flip_y(b), flip_y(c)), c),
+                OutlineCurve::Line(a, b) => (a, OutlineSegment::Line(flip_y(b)), b),
+                OutlineCurve::Quad(a, b, c) => (a, OutlineSegment::Quad(flip_y(b), flip_y(c)), c),
                 OutlineCurve::Cubic(a, b, c, d) => {
-                    (a, Stroke::Cubic(flip_y(b), flip_y(c), flip_y(d)), d)
+                    (a, OutlineSegment::Cubic(flip_y(b), flip_y(c), flip_y(d)), d)
                 }
             };
             // The font's contours are closed by a line, which often has no length.
-            if matches!(stroke, Stroke::Line(_)) && from == to {
+            if matches!(stroke, OutlineSegment::Line(_)) && from == to {
                 continue;
             }
             // A curve that does not start where the last one ended begins a new contour.
             if end != Some(from) {
-                strokes.push(Stroke::Begin(flip_y(from)));
+                strokes.push(OutlineSegment::Begin(flip_y(from)));
             }
             strokes.push(stroke);
             end = Some(to);
@@ -145,14 +145,14 @@ mod tests {
         let letter = typeface.outline(glyph("B"));
         let begins = letter
             .iter()
-            .filter(|stroke| matches!(stroke, Stroke::Begin(_)));
+            .filter(|stroke| matches!(stroke, OutlineSegment::Begin(_)));
         // The outer contour and two holes.
         assert_eq!(begins.count(), 3);
         for stroke in letter {
-            let (Stroke::Begin([_, y])
-            | Stroke::Line([_, y])
-            | Stroke::Quad(_, [_, y])
-            | Stroke::Cubic(_, _, [_, y])) = stroke;
+            let (OutlineSegment::Begin([_, y])
+            | OutlineSegment::Line([_, y])
+            | OutlineSegment::Quad(_, [_, y])
+            | OutlineSegment::Cubic(_, _, [_, y])) = stroke;
             assert!((-1000.0..20.0).contains(&y), "{y}");
         }
     }

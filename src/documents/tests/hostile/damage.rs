@@ -1,13 +1,13 @@
 //! What is done to valid files of a format.
 
-use crate::samples::{Named, Sample};
+use crate::samples::{NamedFiles, Sample};
 use crate::{damage_cameras, damage_clicks};
 use touchline_documents::exchange::{Format, ImportOptions, Zoom};
 
 /// Damaged files with a name, and how they are imported.
 pub struct Damaged {
     pub name: String,
-    pub files: Named,
+    pub files: NamedFiles,
     pub options: ImportOptions,
 }
 
@@ -52,7 +52,7 @@ impl Damage {
     }
 
     /// Other files.
-    pub fn files(&mut self, name: &str, files: Named) {
+    pub fn files(&mut self, name: &str, files: NamedFiles) {
         let options = self.sample.options.clone();
         self.cases.push(Damaged {
             name: name.to_owned(),

@@ -14,13 +14,13 @@ use touchline_documents::exchange::{
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 /// Files by name.
-pub type Named = Vec<(String, Vec<u8>)>;
+pub type NamedFiles = Vec<(String, Vec<u8>)>;
 
 /// What is imported and how.
 #[derive(Clone)]
 pub struct Sample {
     pub format: Format,
-    pub files: Named,
+    pub files: NamedFiles,
     pub options: ImportOptions,
 }
 
@@ -138,7 +138,7 @@ fn document() -> Document {
     document
 }
 
-fn files(format: Format) -> Named {
+fn files(format: Format) -> NamedFiles {
     match format {
         Format::Cvat => one("annotations.xml", CVAT),
         Format::DeepSport => one("camcourt1_7.json", DEEPSPORT),
@@ -165,7 +165,7 @@ fn files(format: Format) -> Named {
     }
 }
 
-fn one(name: &str, text: &str) -> Named {
+fn one(name: &str, text: &str) -> NamedFiles {
     vec![(name.to_owned(), text.as_bytes().to_vec())]
 }
 

@@ -6,7 +6,7 @@ use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 use touchline_application::app::Action;
-use touchline_application::app::transfer::{Look, TransferAction, describe_bytes};
+use touchline_application::app::transfer::{PreviewResult, TransferAction, describe_bytes};
 use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::{
     DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting,
@@ -52,9 +52,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .id_salt("dataset")
         .auto_shrink(false)
         .show(ui, |ui| match &found.look {
-            Look::Dataset(Ok(plan)) => show_plan(ui, plan, &transfer.dataset),
-            Look::Dataset(Err(why)) => line(ui, why, palette.bad),
-            Look::Export(_) | Look::Import(_) => {}
+            PreviewResult::Dataset(Ok(plan)) => show_plan(ui, plan, &transfer.dataset),
+            PreviewResult::Dataset(Err(why)) => line(ui, why, palette.bad),
+            PreviewResult::Export(_) | PreviewResult::Import(_) => {}
         });
 }
 

@@ -7,10 +7,12 @@ use super::parts::{cameras_of, fact, line, notes, show_left_out_frames};
 use crate::ui::Panel;
 use crate::ui::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
-use touchline_application::app::transfer::{Look, TransferAction, describe_survey, in_dialog};
+use touchline_application::app::transfer::{
+    PreviewResult, TransferAction, describe_survey, in_dialog,
+};
 use touchline_application::app::{Action, sentence};
 use touchline_core::geometry::pluralise;
-use touchline_documents::exchange::{About, Format, Joined, JoinedPair};
+use touchline_documents::exchange::{About, Format, JoinedImport, JoinedPair};
 
 /// Width of the list of formats, points.
 const LIST: f32 = 210.0;
@@ -115,7 +117,7 @@ fn show_export_preview(panel: &Panel<'_>, ui: &mut Ui) {
         return;
     };
     match &found.look {
-        Look::Export(Ok(made)) => {
+        PreviewResult::Export(Ok(made)) => {
             let frames = pluralise(made.frames, "frame");
             let files = if made.files.len() == 1 {
                 "one file".to_owned()
@@ -138,8 +140,8 @@ fn show_export_preview(panel: &Panel<'_>, ui: &mut Ui) {
             notes(ui, &made.notes);
             show_left_out_frames(ui, &made.left_out);
         }
-        Look::Export(Err(why)) => line(ui, why, palette.bad),
-        Look::Dataset(_) | Look::Import(_) => {}
+        PreviewResult::Export(Err(why)) => line(ui, why, palette.bad),
+        PreviewResult::Dataset(_) | PreviewResult::Import(_) => {}
     }
 }
 
@@ -155,7 +157,7 @@ fn show_import_preview(panel: &Panel<'_>, ui: &mut Ui) {
         return;
     };
     match &found.look {
-        Look::Import(Ok(look)) => {
+        PreviewResult::Import(Ok(look)) => {
             let joined = &look.joined;
             line(ui, describe_gain(joined), palette.strong);
             for text in look.survey.iter().flat_map(describe_survey) {
@@ -181,13 +183,13 @@ fn show_import_preview(panel: &Panel<'_>, ui: &mut Ui) {
             notes(ui, &joined.notes);
             pairs(ui, &joined.pairs);
         }
-        Look::Import(Err(why)) => line(ui, why, palette.bad),
-        Look::Export(_) | Look::Dataset(_) => {}
+        PreviewResult::Import(Err(why)) => line(ui, why, palette.bad),
+        PreviewResult::Export(_) | PreviewResult::Dataset(_) => {}
     }
 }
 
 /// How many frames, clicks and cameras an import brings.
-fn describe_gain(joined: &Joined) -> String {
+fn describe_gain(joined: &JoinedImport) -> String {
     let matched = pluralise(joined.matched, "frame");
     let mut parts = vec![format!("{matched} of this document get labels")];
     for (count, noun) in [

@@ -3,7 +3,7 @@
 use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, RichText, Ui};
 use touchline_application::app::App;
-use touchline_application::app::transfer::{Look, TransferState, in_dialog};
+use touchline_application::app::transfer::{PreviewResult, TransferState, in_dialog};
 use touchline_documents::document::CameraId;
 
 /// Whether there is something to write or to merge.
@@ -12,9 +12,9 @@ pub fn is_ready(transfer: &TransferState) -> bool {
         .found
         .as_ref()
         .is_some_and(|found| match &found.look {
-            Look::Export(made) => made.is_ok(),
-            Look::Dataset(plan) => plan.is_ok(),
-            Look::Import(look) => look
+            PreviewResult::Export(made) => made.is_ok(),
+            PreviewResult::Dataset(plan) => plan.is_ok(),
+            PreviewResult::Import(look) => look
                 .as_ref()
                 .is_ok_and(|look| look.joined.matched + look.joined.added > 0),
         })
@@ -22,7 +22,8 @@ pub fn is_ready(transfer: &TransferState) -> bool {
 
 /// Whether an import brings cameras that can be mended afterwards.
 pub fn can_mend(transfer: &TransferState) -> bool {
-    let Some(Look::Import(Ok(look))) = transfer.found.as_ref().map(|found| &found.look) else {
+    let Some(PreviewResult::Import(Ok(look))) = transfer.found.as_ref().map(|found| &found.look)
+    else {
         return false;
     };
     look.can_be_mended()

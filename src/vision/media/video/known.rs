@@ -81,12 +81,12 @@ impl Examination {
 
 /// A guard of a survey in progress. If it is dropped without a result, the survey is open again for
 /// the next thread.
-struct Begun<'a> {
+struct SurveyGuard<'a> {
     examination: &'a Examination,
     found: Option<SurveyedVideo>,
 }
 
-impl Drop for Begun<'_> {
+impl Drop for SurveyGuard<'_> {
     fn drop(&mut self) {
         *lock(&self.examination.state) = self.found.take().map_or(State::Open, State::Done);
         self.examination.changed.notify_all();
@@ -133,7 +133,7 @@ pub(super) fn find_or_survey(
         return Ok(Survey { video, capture });
     }
     // The guard reopens the survey if `survey` fails or panics, so that waiting threads go on.
-    let mut begun = Begun {
+    let mut begun = SurveyGuard {
         examination: &examination,
         found: None,
     };

@@ -22,7 +22,7 @@ pub(super) struct Player {
 
 /// The result of reading on.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Landed {
+pub(super) enum ReadOutcome {
     /// The frame of this index.
     At(usize),
     /// Frames whose times fit no index.
@@ -54,16 +54,16 @@ impl Player {
             self.jump_before(info, target)?;
         }
         let mut landed = self.read_on_to(info, target)?;
-        if !matches!(landed, Landed::At(_)) {
+        if !matches!(landed, ReadOutcome::At(_)) {
             // In a video with irregular times, OpenCV counts the last frames after a seek as beyond
             // the stated number and withholds them; played from the start they appear.
             self.restart(info, target)?;
             landed = self.read_on_to(info, target)?;
         }
         match landed {
-            Landed::At(landed) if landed == target => Ok(()),
-            Landed::At(_) => Err(damaged_frame_error(info, target, "the decoder skips it")),
-            Landed::OffBeat | Landed::End => Err(damaged_frame_error(
+            ReadOutcome::At(landed) if landed == target => Ok(()),
+            ReadOutcome::At(_) => Err(damaged_frame_error(info, target, "the decoder skips it")),
+            ReadOutcome::OffBeat | ReadOutcome::End => Err(damaged_frame_error(
                 info,
                 target,
                 "the decoder stops before it",
@@ -76,9 +76,9 @@ impl Player {
         &mut self,
         info: &VideoInfo,
         target: usize,
-    ) -> Result<Landed, MediaError> {
+    ) -> Result<ReadOutcome, MediaError> {
         let Some(target_s) = info.clock.pts_s(target) else {
-            return Ok(Landed::End);
+            return Ok(ReadOutcome::End);
         };
         self.position = None;
         self.capture.jump_near(target_s);
@@ -106,19 +106,19 @@ impl Player {
     }
 
     /// Reads on until `target` or a frame after it.
-    fn read_on_to(&mut self, info: &VideoInfo, target: usize) -> Result<Landed, MediaError> {
+    fn read_on_to(&mut self, info: &VideoInfo, target: usize) -> Result<ReadOutcome, MediaError> {
         let mut off_beat = 0;
         while off_beat < OFF_BEAT_FRAMES {
             if let Some(at) = self.position.filter(|&at| at >= target) {
-                return Ok(Landed::At(at));
+                return Ok(ReadOutcome::At(at));
             }
             off_beat = match self.advance(info)? {
                 Advance::To(_) => 0,
                 Advance::OffBeat => off_beat + 1,
-                Advance::End => return Ok(Landed::End),
+                Advance::End => return Ok(ReadOutcome::End),
             };
         }
-        Ok(Landed::OffBeat)
+        Ok(ReadOutcome::OffBeat)
     }
 
     /// Seeks to a frame at or before `target`. If the time stamp shows that it landed after it,

@@ -10,7 +10,7 @@
 use super::backend::{DescribedVideo, VideoBackend};
 use super::capture::Capture;
 use super::comb::is_combed;
-use super::player::{Landed, Player};
+use super::player::{Player, ReadOutcome};
 use super::sample_table::sample_times_s;
 use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::error::open_file;
@@ -319,9 +319,9 @@ fn count_to_the_end(
     // fails.
     while probe > good {
         match player.land_at(info, probe)? {
-            Landed::At(landed) => good = landed,
-            Landed::End => bad = probe,
-            Landed::OffBeat => return Ok(None),
+            ReadOutcome::At(landed) => good = landed,
+            ReadOutcome::End => bad = probe,
+            ReadOutcome::OffBeat => return Ok(None),
         }
         if bad.saturating_sub(good) <= 2 * TAIL_FRAMES {
             break;
@@ -379,7 +379,7 @@ fn verified_sample_times_s(
         && times_s.len() > lead.times_s.len()
         && (1..=LOOKED_AT).all(|place| {
             let index = place * (times_s.len() - 1) / (LOOKED_AT + 1);
-            matches!(player.land_at(&listed, index), Ok(Landed::At(_)))
+            matches!(player.land_at(&listed, index), Ok(ReadOutcome::At(_)))
         });
     Ok(agree.then_some(times_s))
 }

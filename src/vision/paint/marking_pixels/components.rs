@@ -6,7 +6,7 @@
 
 use super::super::ground_area::parts;
 use super::super::turf_levels::TurfExcess;
-use super::StrokePoint;
+use super::MarkingPixel;
 use super::ridges::RidgePixel;
 use super::stroke_colours::Colours;
 use touchline_core::geometry::ImageSize;
@@ -39,7 +39,11 @@ impl Component {
 
 /// The marking pixels of components that are long enough; on turf without components of lighter
 /// turf.
-pub(super) fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<StrokePoint> {
+pub(super) fn long_ones(
+    ridges: &[RidgePixel],
+    size: ImageSize,
+    is_turf: bool,
+) -> Vec<MarkingPixel> {
     let (width, height) = (size.width as usize, size.height as usize);
     // Dilating by one pixel joins pixels across gaps of up to two pixels.
     let mut set = vec![false; width * height];
@@ -85,7 +89,7 @@ pub(super) fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -
         .collect();
     let painted = ridges.iter().filter(|ridge| is_paint[of_part[ridge.index]]);
     painted
-        .map(|ridge| StrokePoint {
+        .map(|ridge| MarkingPixel {
             at: ridge.at,
             normal: ridge.normal,
             length_px: components[of_part[ridge.index]].length_px,

@@ -25,7 +25,7 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
 /// A marking pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StrokePoint {
+pub struct MarkingPixel {
     /// Centre of the marking, px.
     pub at: ImagePoint,
     /// Unit vector across the marking, in the picture.
@@ -38,13 +38,13 @@ pub struct StrokePoint {
 #[derive(Clone, Debug)]
 pub struct MarkingPixels {
     /// Marking pixels, row by row.
-    pub points: Vec<StrokePoint>,
+    pub points: Vec<MarkingPixel>,
     cells: Cells,
 }
 
 /// What a picture shows at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum PixelContent {
     /// A marking within a few px.
     Stroke,
     /// Ground without paint.
@@ -78,11 +78,11 @@ impl MarkingPixels {
 
     /// What the picture shows at a point, px.
     #[must_use]
-    pub fn classify(&self, at: ImagePoint) -> Shown {
+    pub fn classify(&self, at: ImagePoint) -> PixelContent {
         match self.cells.at(at) {
-            flags if flags & STROKE != 0 => Shown::Stroke,
-            flags if flags & GROUND != 0 => Shown::Ground,
-            _ => Shown::Other,
+            flags if flags & STROKE != 0 => PixelContent::Stroke,
+            flags if flags & GROUND != 0 => PixelContent::Ground,
+            _ => PixelContent::Other,
         }
     }
 
@@ -165,7 +165,7 @@ mod tests {
         );
         let seen = samples
             .iter()
-            .filter(|sample| marking_pixels.classify(sample.image) == Shown::Stroke)
+            .filter(|sample| marking_pixels.classify(sample.image) == PixelContent::Stroke)
             .count();
         assert!(
             seen as f64 > 0.85 * samples.len() as f64,
@@ -198,7 +198,7 @@ mod tests {
         );
         assert_eq!(
             marking_pixels.classify(ImagePoint::new(-3.0, 5.0)),
-            Shown::Other
+            PixelContent::Other
         );
     }
 

@@ -2,7 +2,7 @@
 //! every tracked point, from all observations and pose priors at once.
 
 use super::super::pose_prior::{PosePrior, PriorSource, apply_offset, by_focal_px, offset};
-use super::super::pose_problem::{AdjustedFrame, PoseProblem, PoseState, Seen};
+use super::super::pose_problem::{AdjustedFrame, PointObservations, PoseProblem, PoseState};
 use super::camera::ClipCamera;
 use super::smooth::smoothed_offsets;
 use super::{PointTrack, PointTracks, PropagatedClip};
@@ -300,7 +300,11 @@ fn median_variance(covariances: &[Mat3], parameter: usize) -> f64 {
 }
 
 /// The points that at least two reached frames show and that do not move in the scene.
-fn static_points(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<Seen> {
+fn static_points(
+    tracks: &PointTracks,
+    moving: &[bool],
+    row_of: &[Option<usize>],
+) -> Vec<PointObservations> {
     let still = tracks
         .tracks
         .iter()
@@ -314,14 +318,14 @@ fn static_points(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]
 }
 
 /// The observations of a track in the frames that were reached, in ascending order of the rows.
-fn observations(track: &PointTrack, row_of: &[Option<usize>]) -> Seen {
+fn observations(track: &PointTrack, row_of: &[Option<usize>]) -> PointObservations {
     let sightings = track
         .points
         .iter()
         .enumerate()
         .filter_map(|(place, point)| Some((row_of[track.first + place]?, *point)))
         .collect();
-    Seen { sightings }
+    PointObservations { sightings }
 }
 
 /// The start direction of each point, unit, `base`: the mean of its rays over the frames that show
@@ -336,7 +340,7 @@ fn directions(problem: &PoseProblem<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
 }
 
 /// The mean of a point's rays, unit, `base`; `cameras` has the camera of each row.
-fn mean_direction(point: &Seen, cameras: &[PtzCamera]) -> Vec3 {
+fn mean_direction(point: &PointObservations, cameras: &[PtzCamera]) -> Vec3 {
     let rays = point
         .sightings
         .iter()
@@ -410,7 +414,7 @@ mod tests {
                     .direction()
             })
             .collect();
-        let seen_from = |direction: &Vec3| Seen {
+        let seen_from = |direction: &Vec3| PointObservations {
             sightings: (0..ptz.len())
                 .map(|row| {
                     let at = PtzCamera::new(base, ptz[row])
@@ -421,7 +425,7 @@ mod tests {
                 })
                 .collect(),
         };
-        let points: Vec<Seen> = directions.iter().map(seen_from).collect();
+        let points: Vec<PointObservations> = directions.iter().map(seen_from).collect();
         let problem = PoseProblem {
             bases: vec![base; 6],
             known_focal_px: vec![None; 6],

@@ -63,4 +63,4 @@ pub use follow::{FollowOptions, PointFollower};
 pub use jitter::Jitter;
 pub use point_tracks::{PointTrack, PointTracks};
 pub use propagate::{PropagateOptions, PropagatedClip, PropagationStop, propagate};
-pub use smooth::{SmoothOptions, Unsmoothed, smooth};
+pub use smooth::{SmoothOptions, UnsmoothedFrame, smooth};

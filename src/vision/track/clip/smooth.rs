@@ -27,7 +27,7 @@ impl Default for SmoothOptions {
 
 /// A frame before smoothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unsmoothed {
+pub struct UnsmoothedFrame {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
     /// The covariance of (pan rad, tilt rad, focal length px).
@@ -39,7 +39,7 @@ pub struct Unsmoothed {
 /// Smooths consecutive frames; returns one camera per frame. Fewer than five frames are returned
 /// unchanged.
 #[must_use]
-pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
+pub fn smooth(frames: &[UnsmoothedFrame], options: &SmoothOptions) -> Vec<Ptz> {
     let Some(first) = frames.first().map(|frame| frame.ptz) else {
         return Vec::new();
     };
@@ -274,7 +274,7 @@ mod tests {
     use crate::track::clip::Jitter;
 
     /// A camera that rests, pans and rests again, off by a pattern that repeats nowhere.
-    fn frames(off_deg: f64) -> (Vec<Ptz>, Vec<Unsmoothed>) {
+    fn frames(off_deg: f64) -> (Vec<Ptz>, Vec<UnsmoothedFrame>) {
         let pan = |at: usize| 8.0 / (1.0 + (-(at as f64 - 60.0) / 8.0).exp());
         let truth: Vec<Ptz> = (0..120)
             .map(|at| Ptz::from_degrees(pan(at), -11.0, 2500.0))
@@ -291,7 +291,7 @@ mod tests {
                     ptz.tilt.degrees() - 0.7 * noise,
                     ptz.focal_px,
                 );
-                Unsmoothed {
+                UnsmoothedFrame {
                     ptz,
                     covariance,
                     is_reference: at == 60,

@@ -47,12 +47,12 @@ pub struct FoundCut {
 pub struct CutFinder {
     /// The latest frames, as many as the window of a fade has.
     latest: VecDeque<Miniature>,
-    measured: Vec<Measured>,
+    measured: Vec<CutMeasurements>,
 }
 
 /// Measurements of one frame.
 #[derive(Clone, Copy, Debug)]
-struct Measured {
+struct CutMeasurements {
     /// The difference from the previous frame, grey levels.
     step: f32,
     /// The smallest difference between one of the two frames before it and this frame or the next
@@ -99,7 +99,7 @@ impl CutFinder {
             last.lasting = last.lasting.min(over_two).min(over_three);
         }
         let contrast = frame.contrast();
-        self.measured.push(Measured {
+        self.measured.push(CutMeasurements {
             step,
             lasting: step.min(over_two),
             fade: None,

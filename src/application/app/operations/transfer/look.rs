@@ -9,25 +9,25 @@ use std::sync::Arc;
 use touchline_calibration::pipelines::{CameraSurvey, survey_cameras};
 use touchline_documents::document::{Document, DocumentAt};
 use touchline_documents::exchange::{
-    DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported, Joined,
-    export, import, join, plan_dataset, size_of_only_video,
+    DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported,
+    JoinedImport, export, import, join, plan_dataset, size_of_only_video,
 };
 use touchline_documents::store;
 
 /// Computes what an export, a dataset or an import would give.
 #[derive(Debug)]
-pub struct TransferLook {
+pub struct TransferPreview {
     pub(super) document: Document,
     /// The folder to which its relative paths refer.
     pub(super) folder: PathBuf,
     /// The document's revision.
     pub(super) revision: u64,
-    pub(super) at: LookAt,
+    pub(super) at: PreviewSubject,
 }
 
 /// The subject of a look.
 #[derive(Debug)]
-pub(super) enum LookAt {
+pub(super) enum PreviewSubject {
     /// Converts the document to a format and compares the result with it.
     Export {
         format: Format,
@@ -45,39 +45,39 @@ pub(super) enum LookAt {
 
 /// The result of a look at one revision of the document.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct RevisionPreview {
     /// The revision that was examined. Any later change of the document, also one from the
     /// background, makes the result obsolete.
     pub revision: u64,
     /// The result.
-    pub look: Look,
+    pub look: PreviewResult,
 }
 
 /// The result for an export, dataset or import; an error is one line.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Look {
+pub enum PreviewResult {
     /// An export, ready to be written.
     Export(Result<Arc<Exported>, String>),
     /// A dataset, ready to be written.
     Dataset(Result<Arc<DatasetPlan>, String>),
     /// An import, ready to be taken over.
-    Import(Result<Arc<ImportLook>, String>),
+    Import(Result<Arc<ImportPreview>, String>),
 }
 
 /// What an import would bring.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ImportLook {
+pub struct ImportPreview {
     /// The format of the files.
     pub format: Format,
     /// The document with the labels.
-    pub joined: Joined,
+    pub joined: JoinedImport,
     /// The document's imported cameras, compared with each other; none if no frame has one.
     pub survey: Option<CameraSurvey>,
     /// The files' contents.
     imported: Arc<Imported>,
 }
 
-impl ImportLook {
+impl ImportPreview {
     /// What labels that were read would bring to a document.
     pub(super) fn new(at: DocumentAt<'_>, imported: Arc<Imported>) -> Self {
         let joined = join(at, &imported);
@@ -108,27 +108,27 @@ impl ImportLook {
     }
 }
 
-impl Operation for TransferLook {
+impl Operation for TransferPreview {
     type Progress = Infallible;
-    type Output = Look;
+    type Output = PreviewResult;
     type Error = Infallible;
 
     const NAME: &'static str = "look at a transfer";
 
-    fn run(&self, _: &Context<'_, Infallible>) -> Result<Look, Infallible> {
+    fn run(&self, _: &Context<'_, Infallible>) -> Result<PreviewResult, Infallible> {
         let at = self.document.at(&self.folder);
         Ok(match &self.at {
-            LookAt::Export { format, options } => Look::Export(
+            PreviewSubject::Export { format, options } => PreviewResult::Export(
                 export(at, *format, options)
                     .map(Arc::new)
                     .map_err(|error| describe_error(&error)),
             ),
-            LookAt::Dataset(options) => Look::Dataset(
+            PreviewSubject::Dataset(options) => PreviewResult::Dataset(
                 plan_dataset(at, options)
                     .map(Arc::new)
                     .map_err(|error| describe_error(&error)),
             ),
-            LookAt::Import {
+            PreviewSubject::Import {
                 from,
                 format,
                 options,
@@ -138,8 +138,8 @@ impl Operation for TransferLook {
                     ..(**options).clone()
                 };
                 let imported = read_import(from, *format, &options);
-                Look::Import(
-                    imported.map(|imported| Arc::new(ImportLook::new(at, Arc::new(imported)))),
+                PreviewResult::Import(
+                    imported.map(|imported| Arc::new(ImportPreview::new(at, Arc::new(imported)))),
                 )
             }
         })
@@ -149,23 +149,23 @@ impl Operation for TransferLook {
         &mut app.operations.transfer.look
     }
 
-    fn take_over(&self, app: &mut App, result: Result<Look, Failure<Infallible>>) {
+    fn take_over(&self, app: &mut App, result: Result<PreviewResult, Failure<Infallible>>) {
         let look =
             result.unwrap_or_else(|failure| self.at.failed_look(sentence(&failure.to_string())));
-        app.operations.transfer.found = Some(Found {
+        app.operations.transfer.found = Some(RevisionPreview {
             revision: self.revision,
             look,
         });
     }
 }
 
-impl LookAt {
+impl PreviewSubject {
     /// The result if the look itself failed.
-    const fn failed_look(&self, why: String) -> Look {
+    const fn failed_look(&self, why: String) -> PreviewResult {
         match self {
-            Self::Export { .. } => Look::Export(Err(why)),
-            Self::Dataset(_) => Look::Dataset(Err(why)),
-            Self::Import { .. } => Look::Import(Err(why)),
+            Self::Export { .. } => PreviewResult::Export(Err(why)),
+            Self::Dataset(_) => PreviewResult::Dataset(Err(why)),
+            Self::Import { .. } => PreviewResult::Import(Err(why)),
         }
     }
 }

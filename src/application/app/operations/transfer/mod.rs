@@ -1,7 +1,7 @@
 //! Export and import in the window: examined in the background, written on request, imported as one
 //! step of undo.
 //!
-//! There are two operations. A [`TransferLook`] makes an export, plans a dataset or reads files,
+//! There are two operations. A [`TransferPreview`] makes an export, plans a dataset or reads files,
 //! and changes nothing. A [`TransferWrite`] writes. A newer look replaces an older one. A write is
 //! never replaced, and no look starts while it runs.
 
@@ -9,7 +9,7 @@ mod look;
 mod words;
 mod write;
 
-pub use look::{Found, ImportLook, Look, TransferLook};
+pub use look::{ImportPreview, PreviewResult, RevisionPreview, TransferPreview};
 pub use words::{describe_bytes, describe_survey, in_dialog};
 pub use write::TransferWrite;
 
@@ -18,7 +18,7 @@ use crate::app::operation::{Running, Slot};
 use crate::app::operations::ForeignLabels;
 use crate::app::session::{Dialog, Level};
 use crate::app::{App, Command, Question};
-use look::LookAt;
+use look::PreviewSubject;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::pipelines::MendOptions;
@@ -59,8 +59,8 @@ pub struct TransferState {
     /// The options of the import.
     pub import: ImportOptions,
     /// The result of the last look.
-    pub found: Option<Found>,
-    look: Slot<TransferLook>,
+    pub found: Option<RevisionPreview>,
+    look: Slot<TransferPreview>,
     write: Slot<TransferWrite>,
 }
 
@@ -167,11 +167,11 @@ impl App {
             return;
         }
         let at = match transfer.tab {
-            TransferTab::Export => LookAt::Export {
+            TransferTab::Export => PreviewSubject::Export {
                 format: transfer.format,
                 options: Box::new(transfer.export.clone()),
             },
-            TransferTab::Dataset => LookAt::Dataset(Box::new(transfer.dataset.clone())),
+            TransferTab::Dataset => PreviewSubject::Dataset(Box::new(transfer.dataset.clone())),
             TransferTab::Import => {
                 transfer.look.cancel();
                 return;
@@ -181,11 +181,11 @@ impl App {
     }
 
     /// Starts a look at the present document.
-    fn start_look(&mut self, at: LookAt) {
+    fn start_look(&mut self, at: PreviewSubject) {
         let Some(open) = &self.open else { return };
         let (document, folder, revision) =
             ((*open.document).clone(), open.folder.clone(), open.revision);
-        self.start(TransferLook {
+        self.start(TransferPreview {
             document,
             folder,
             revision,
@@ -236,7 +236,9 @@ impl App {
         match question {
             Question::ExportAs(format) => {
                 let made = match found {
-                    Some(Look::Export(Ok(made))) if made.format == format => Some(made.clone()),
+                    Some(PreviewResult::Export(Ok(made))) if made.format == format => {
+                        Some(made.clone())
+                    }
                     _ => None,
                 };
                 let options = Box::new(transfer.export.clone());
@@ -251,7 +253,7 @@ impl App {
             Question::ImportFrom(format) => self.look_at_labels(ForeignLabels { path, format }),
             _ => {
                 let plan = match found {
-                    Some(Look::Dataset(Ok(plan))) => Some(plan.clone()),
+                    Some(PreviewResult::Dataset(Ok(plan))) => Some(plan.clone()),
                     _ => None,
                 };
                 let options = Box::new(transfer.dataset.clone());
@@ -277,7 +279,7 @@ impl App {
             field,
             ..transfer.import.clone()
         };
-        self.start_look(LookAt::Import {
+        self.start_look(PreviewSubject::Import {
             from: path,
             format,
             options: Box::new(options),
@@ -304,9 +306,9 @@ impl App {
     /// Takes over the import that was read; one step of undo.
     fn take_import(&mut self) {
         let found = self.operations.transfer.found.take();
-        let Some(Found {
+        let Some(RevisionPreview {
             revision: then,
-            look: Look::Import(Ok(look)),
+            look: PreviewResult::Import(Ok(look)),
         }) = found
         else {
             return;
@@ -336,7 +338,7 @@ impl App {
 
     /// Completes an import: preselects the same format for the export, keeps the ways to attach the
     /// cameras for the mending, and reports the result.
-    fn follow_import(&mut self, look: &ImportLook) {
+    fn follow_import(&mut self, look: &ImportPreview) {
         let joined = &look.joined;
         if look.format.exports() {
             self.operations.transfer.format = look.format;

@@ -3,7 +3,7 @@
 use crate::app::sentence;
 use touchline_calibration::pipelines::CameraSurvey;
 use touchline_core::geometry::pluralise;
-use touchline_documents::exchange::{ExchangeError, Joined};
+use touchline_documents::exchange::{ExchangeError, JoinedImport};
 
 /// Options of the command line in error messages, and their names in the dialog. Replaced in this
 /// order; of two with the same beginning the longer one must come first.
@@ -110,7 +110,7 @@ pub fn describe_survey(survey: &CameraSurvey) -> Vec<String> {
 }
 
 /// What was imported, as text.
-pub(super) fn describe_joined(joined: &Joined) -> String {
+pub(super) fn describe_joined(joined: &JoinedImport) -> String {
     let frames = joined.matched + joined.added;
     format!(
         "Labels of {} were imported: {}, {}.",

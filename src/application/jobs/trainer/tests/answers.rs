@@ -1,16 +1,16 @@
 //! Which frames the trainer queries again, and which it leaves as they are answered.
 
-use super::fake_backend::{Begun, Let, model, proposal};
+use super::fake_backend::{BackendCall, ScriptedEnd, model, proposal};
 use super::{Controller, document};
 use crate::app::{AnswerKey, TrainerOrder};
-use crate::jobs::trainer::answer_cache::{AnswerCache, Asking};
+use crate::jobs::trainer::answer_cache::{AnswerCache, ForestQuerySettings};
 use touchline_calibration::proposals::{Proposal, RefusedForests};
 use touchline_core::geometry::Vec3;
 use touchline_documents::document::Document;
 
 /// A query without snapping.
-const fn by(generation: u64) -> Asking {
-    Asking {
+const fn by(generation: u64) -> ForestQuerySettings {
+    ForestQuerySettings {
         generation,
         snapping: false,
     }
@@ -79,10 +79,10 @@ fn a_forest_whose_answers_were_discarded_is_not_queried_for_them_again() {
         generation,
     };
     controller.document(&all);
-    controller.expect(&Begun::Recall, Let::Stopped);
-    controller.expect(&Begun::Learn(vec![0, 1]), Let::Well);
-    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
-    controller.expect(&Begun::Measure, Let::Well);
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Stopped);
+    controller.expect(&BackendCall::Learn(vec![0, 1]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![2, 3]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Measure, ScriptedEnd::Well);
     controller.until_idle();
     let key = |proposal: &Proposal| AnswerKey {
         frame: proposal.frame.clone(),
@@ -96,15 +96,15 @@ fn a_forest_whose_answers_were_discarded_is_not_queried_for_them_again() {
     controller.tell(TrainerOrder::Refused(refused(1)));
     // The document has lost both answers, of which only one was discarded.
     controller.document(&all);
-    controller.expect(&Begun::Propose(vec![3]), Let::Well);
+    controller.expect(&BackendCall::Propose(vec![3]), ScriptedEnd::Well);
     controller.until_idle();
     controller.nothing_begun();
 
     // A newer forest is queried.
     all.frames.push(document(3, 0).frames[2].clone());
     controller.document(&all);
-    controller.expect(&Begun::Learn(vec![0, 1, 4]), Let::Well);
-    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
+    controller.expect(&BackendCall::Learn(vec![0, 1, 4]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![2, 3]), ScriptedEnd::Well);
 }
 
 #[test]
@@ -136,10 +136,10 @@ fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_queried_again()
     controller.tell(TrainerOrder::Snap(true));
     let mut all = document(2, 2);
     controller.document(&all);
-    controller.expect(&Begun::Recall, Let::Stopped);
-    controller.expect(&Begun::Learn(vec![0, 1]), Let::Well);
-    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
-    controller.expect(&Begun::Measure, Let::Well);
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Stopped);
+    controller.expect(&BackendCall::Learn(vec![0, 1]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![2, 3]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Measure, ScriptedEnd::Well);
     controller.until_idle();
     let mut said = controller.proposals.clone();
     said[0].outcome.as_mut().unwrap().samples = Some(80);
@@ -148,7 +148,7 @@ fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_queried_again()
     }
     controller.document(&all);
     controller.tell(TrainerOrder::Snap(false));
-    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
+    controller.expect(&BackendCall::Propose(vec![2, 3]), ScriptedEnd::Well);
     controller.until_idle();
     controller.nothing_begun();
 
@@ -156,6 +156,6 @@ fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_queried_again()
     let controller = Controller::start(0.99);
     controller.tell(TrainerOrder::Snap(true));
     controller.document(&all);
-    controller.expect(&Begun::Recall, Let::Well);
-    controller.expect(&Begun::Propose(vec![3]), Let::Well);
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![3]), ScriptedEnd::Well);
 }

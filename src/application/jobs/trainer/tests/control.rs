@@ -1,27 +1,27 @@
 //! A trainer is paused, shows features, meets panics and ends, at every stage of its work.
 
-use super::fake_backend::{Begun, Let, no_features};
+use super::fake_backend::{BackendCall, ScriptedEnd, no_features};
 use super::{Controller, document};
-use crate::app::{Doing, TrainerOrder};
+use crate::app::{TrainerActivity, TrainerOrder};
 use touchline_calibration::proposals::NoProposal;
 
 #[test]
 fn every_stage_can_be_paused_and_taken_up_again() {
     let mut controller = Controller::start(0.95);
     controller.document(&document(1, 1));
-    controller.expect(&Begun::Recall, Let::Stopped);
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Stopped);
     for stage in [
-        Begun::Learn(vec![0]),
-        Begun::Propose(vec![1]),
-        Begun::Measure,
+        BackendCall::Learn(vec![0]),
+        BackendCall::Propose(vec![1]),
+        BackendCall::Measure,
     ] {
-        controller.expect(&stage, Let::Stopped);
-        controller.until(|status| status.doing != Doing::Paused);
+        controller.expect(&stage, ScriptedEnd::Stopped);
+        controller.until(|status| status.doing != TrainerActivity::Paused);
         controller.tell(TrainerOrder::Pause(true));
-        controller.until(|status| status.doing == Doing::Paused);
+        controller.until(|status| status.doing == TrainerActivity::Paused);
         controller.nothing_begun();
         controller.tell(TrainerOrder::Pause(false));
-        controller.expect(&stage, Let::Well);
+        controller.expect(&stage, ScriptedEnd::Well);
     }
     controller.until_idle();
 }
@@ -31,19 +31,19 @@ fn every_stage_ends_when_the_trainer_is_dropped() {
     for stages in 0..3 {
         let mut controller = Controller::start(0.95);
         controller.document(&document(1, 1));
-        controller.expect(&Begun::Recall, Let::Stopped);
+        controller.expect(&BackendCall::Recall, ScriptedEnd::Stopped);
         let all = [
-            Begun::Learn(vec![0]),
-            Begun::Propose(vec![1]),
-            Begun::Measure,
+            BackendCall::Learn(vec![0]),
+            BackendCall::Propose(vec![1]),
+            BackendCall::Measure,
         ];
         for (number, stage) in all.into_iter().take(stages + 1).enumerate() {
             controller.expect(
                 &stage,
                 if number == stages {
-                    Let::Stopped
+                    ScriptedEnd::Stopped
                 } else {
-                    Let::Well
+                    ScriptedEnd::Well
                 },
             );
         }
@@ -56,8 +56,8 @@ fn a_panic_is_shown_and_work_goes_on() {
     let mut controller = Controller::start(0.95);
     let mut all = document(1, 1);
     controller.document(&all);
-    controller.expect(&Begun::Recall, Let::Stopped);
-    controller.expect(&Begun::Learn(vec![0]), Let::Panic);
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Stopped);
+    controller.expect(&BackendCall::Learn(vec![0]), ScriptedEnd::Panic);
     controller.until(|status| status.trouble.is_some());
     assert!(
         controller
@@ -72,18 +72,18 @@ fn a_panic_is_shown_and_work_goes_on() {
     // Training is not repeated with the same references unless the user pauses and resumes.
     all.frames[1].comment = Some("rain".to_owned());
     controller.document(&all);
-    controller.until(|status| status.doing == Doing::Nothing);
+    controller.until(|status| status.doing == TrainerActivity::Nothing);
     controller.nothing_begun();
     controller.tell(TrainerOrder::Pause(true));
-    controller.until(|status| status.doing == Doing::Paused);
+    controller.until(|status| status.doing == TrainerActivity::Paused);
     controller.tell(TrainerOrder::Pause(false));
-    controller.expect(&Begun::Learn(vec![0]), Let::Fail);
+    controller.expect(&BackendCall::Learn(vec![0]), ScriptedEnd::Fail);
     controller.until(|status| status.trouble == Some(no_features().to_string()));
     all.frames.push(document(2, 0).frames[1].clone());
     controller.document(&all);
-    controller.expect(&Begun::Learn(vec![0, 2]), Let::Well);
-    controller.expect(&Begun::Propose(vec![1]), Let::Panic);
-    controller.expect(&Begun::Measure, Let::Panic);
+    controller.expect(&BackendCall::Learn(vec![0, 2]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![1]), ScriptedEnd::Panic);
+    controller.expect(&BackendCall::Measure, ScriptedEnd::Panic);
     controller.until(|status| {
         status
             .trouble
@@ -108,9 +108,9 @@ fn features_are_shown_while_they_are_wanted_and_follow_the_shown_frame() {
     let all = document(1, 1);
     let [first, second] = [0, 1].map(|position| all.frames[position].id.clone());
     controller.document(&all);
-    controller.expect(&Begun::Recall, Let::Well);
-    controller.expect(&Begun::Propose(vec![1]), Let::Well);
-    controller.expect(&Begun::Measure, Let::Well);
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![1]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Measure, ScriptedEnd::Well);
     controller.until_idle();
     controller.tell(TrainerOrder::Features(true));
     controller.woken.recv().unwrap();

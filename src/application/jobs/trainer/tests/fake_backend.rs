@@ -1,7 +1,7 @@
 //! The backend that the test controls: each piece of work waits until the test says how it ends.
 
-use crate::app::Doing;
-use crate::jobs::trainer::backend::{Backend, Learnt, Measured};
+use crate::app::TrainerActivity;
+use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel};
 use crate::jobs::trainer::error::TrainerError;
 use crate::jobs::trainer::kept_forest::KeptForestError;
 use std::io;
@@ -23,7 +23,7 @@ use touchline_vision::relocalize::{
 
 /// A piece of work that the backend has begun.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Begun {
+pub(super) enum BackendCall {
     Recall,
     Learn(Vec<usize>),
     Propose(Vec<usize>),
@@ -33,7 +33,7 @@ pub(super) enum Begun {
 }
 
 /// How the work ends.
-pub(super) enum Let {
+pub(super) enum ScriptedEnd {
     Well,
     Fail,
     Panic,
@@ -42,25 +42,27 @@ pub(super) enum Let {
 }
 
 pub(super) struct FakeBackend {
-    pub(super) begun: Sender<Begun>,
-    pub(super) orders: Receiver<Let>,
+    pub(super) begun: Sender<BackendCall>,
+    pub(super) orders: Receiver<ScriptedEnd>,
     pub(super) confidence: f64,
 }
 
 impl FakeBackend {
-    fn begin(&self, what: Begun) -> Let {
+    fn begin(&self, what: BackendCall) -> ScriptedEnd {
         // When the test has dropped the controller, the work succeeds.
         self.begun.send(what).unwrap_or_default();
-        self.orders.recv().unwrap_or(Let::Well)
+        self.orders.recv().unwrap_or(ScriptedEnd::Well)
     }
 }
 
 impl Backend for FakeBackend {
     fn recall(&mut self, _: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
-        match self.begin(Begun::Recall) {
-            Let::Well => Ok(Some(model())),
-            Let::Fail => Err(KeptForestError::from(io::Error::other("it is damaged")).into()),
-            Let::Panic | Let::Stopped => Ok(None),
+        match self.begin(BackendCall::Recall) {
+            ScriptedEnd::Well => Ok(Some(model())),
+            ScriptedEnd::Fail => {
+                Err(KeptForestError::from(io::Error::other("it is damaged")).into())
+            }
+            ScriptedEnd::Panic | ScriptedEnd::Stopped => Ok(None),
         }
     }
 
@@ -69,18 +71,20 @@ impl Backend for FakeBackend {
         _: &Document,
         training_frames: &[usize],
         _: &TrainingSet,
-        progress: &Progress<'_, Doing>,
-    ) -> Result<Option<Learnt>, TrainerError> {
-        match self.begin(Begun::Learn(training_frames.to_vec())) {
-            Let::Well => Ok(Some(Learnt {
+        progress: &Progress<'_, TrainerActivity>,
+    ) -> Result<Option<TrainedModel>, TrainerError> {
+        match self.begin(BackendCall::Learn(training_frames.to_vec())) {
+            ScriptedEnd::Well => Ok(Some(TrainedModel {
                 model: model(),
                 features: 1,
                 failed: Vec::new(),
             })),
-            Let::Fail => Err(no_features()),
-            Let::Panic => panic!("the saw broke"),
-            Let::Stopped => {
-                until_stopped(&|| progress.report(Doing::Training(Share { done: 1, of: 2 })));
+            ScriptedEnd::Fail => Err(no_features()),
+            ScriptedEnd::Panic => panic!("the saw broke"),
+            ScriptedEnd::Stopped => {
+                until_stopped(&|| {
+                    progress.report(TrainerActivity::Training(Share { done: 1, of: 2 }))
+                });
                 Ok(None)
             }
         }
@@ -94,13 +98,13 @@ impl Backend for FakeBackend {
         _: bool,
         progress: &Progress<'_, usize>,
     ) -> Vec<Proposal> {
-        match self.begin(Begun::Propose(frames.to_vec())) {
-            Let::Panic => panic!("the forest burns"),
-            Let::Stopped => {
+        match self.begin(BackendCall::Propose(frames.to_vec())) {
+            ScriptedEnd::Panic => panic!("the forest burns"),
+            ScriptedEnd::Stopped => {
                 until_stopped(&|| progress.report(0));
                 Vec::new()
             }
-            Let::Well | Let::Fail => frames
+            ScriptedEnd::Well | ScriptedEnd::Fail => frames
                 .iter()
                 .map(|&index| proposal(document, index, generation, self.confidence))
                 .collect(),
@@ -114,8 +118,8 @@ impl Backend for FakeBackend {
         generation: u64,
         progress: &Progress<'_, usize>,
     ) -> Option<Vec<TrackedProposal>> {
-        match self.begin(Begun::Carry(window.keys.clone())) {
-            Let::Well => {
+        match self.begin(BackendCall::Carry(window.keys.clone())) {
+            ScriptedEnd::Well => {
                 let all = window.clip.frames.iter().filter_map(|frame| frame.place);
                 Some(
                     all.map(|place| {
@@ -124,9 +128,9 @@ impl Backend for FakeBackend {
                     .collect(),
                 )
             }
-            Let::Fail => Some(Vec::new()),
-            Let::Panic => panic!("the rope snapped"),
-            Let::Stopped => {
+            ScriptedEnd::Fail => Some(Vec::new()),
+            ScriptedEnd::Panic => panic!("the rope snapped"),
+            ScriptedEnd::Stopped => {
                 until_stopped(&|| progress.report(0));
                 None
             }
@@ -137,10 +141,10 @@ impl Backend for FakeBackend {
         &mut self,
         document: &Document,
         _: &[usize],
-        progress: &Progress<'_, Doing>,
-    ) -> Option<Measured> {
-        match self.begin(Begun::Measure) {
-            Let::Well => {
+        progress: &Progress<'_, TrainerActivity>,
+    ) -> Option<ForestAccuracy> {
+        match self.begin(BackendCall::Measure) {
+            ScriptedEnd::Well => {
                 let quality = Quality {
                     left_out_by: LeftOutBy::Shot,
                     groups: 1,
@@ -151,18 +155,20 @@ impl Backend for FakeBackend {
                     contradicted_by: 1,
                     disagreement_px: 40.0,
                 }];
-                Some(Measured {
+                Some(ForestAccuracy {
                     quality: Some(quality),
                     suspects,
                 })
             }
-            Let::Fail => Some(Measured {
+            ScriptedEnd::Fail => Some(ForestAccuracy {
                 quality: None,
                 suspects: Vec::new(),
             }),
-            Let::Panic => panic!("the check failed"),
-            Let::Stopped => {
-                until_stopped(&|| progress.report(Doing::Measuring(Share { done: 0, of: 2 })));
+            ScriptedEnd::Panic => panic!("the check failed"),
+            ScriptedEnd::Stopped => {
+                until_stopped(&|| {
+                    progress.report(TrainerActivity::Measuring(Share { done: 0, of: 2 }))
+                });
                 None
             }
         }

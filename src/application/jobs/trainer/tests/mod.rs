@@ -8,8 +8,8 @@ mod training;
 mod videos;
 
 use super::{Trainer, TrainerOptions, TrainerReport};
-use crate::app::{Doing, TrainerOrder, TrainerStatus};
-use fake_backend::{Begun, FakeBackend, Let};
+use crate::app::{TrainerActivity, TrainerOrder, TrainerStatus};
+use fake_backend::{BackendCall, FakeBackend, ScriptedEnd};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
@@ -25,8 +25,8 @@ const SIZE: ImageSize = ImageSize::new(64, 36);
 /// The test's control over the backend.
 struct Controller {
     trainer: Option<Trainer>,
-    begun: Receiver<Begun>,
-    go: Sender<Let>,
+    begun: Receiver<BackendCall>,
+    go: Sender<ScriptedEnd>,
     woken: Receiver<()>,
     status: TrainerStatus,
     proposals: Vec<Proposal>,
@@ -78,7 +78,7 @@ impl Controller {
     }
 
     /// Waits for the next piece of work, checks it, and lets it end.
-    fn expect(&self, begun: &Begun, answer: Let) {
+    fn expect(&self, begun: &BackendCall, answer: ScriptedEnd) {
         assert_eq!(self.begun.recv().unwrap(), *begun);
         self.go.send(answer).unwrap();
     }
@@ -105,7 +105,7 @@ impl Controller {
     }
 
     fn until_idle(&mut self) {
-        self.until(|status| status.doing == Doing::Nothing && status.forest.is_some());
+        self.until(|status| status.doing == TrainerActivity::Nothing && status.forest.is_some());
     }
 
     /// Checks that no other work has begun.

@@ -1,8 +1,8 @@
 //! In a video the forest answers key frames, and tracking answers the frames between them.
 
-use super::fake_backend::{Begun, Let};
+use super::fake_backend::{BackendCall, ScriptedEnd};
 use super::{Controller, accept, document};
-use crate::app::{Doing, TrainerOrder};
+use crate::app::{TrainerActivity, TrainerOrder};
 use touchline_core::progress::Share;
 use touchline_documents::document::{Document, VideoFrame};
 
@@ -21,18 +21,23 @@ fn in_a_video_the_forest_answers_key_frames_and_the_rest_is_tracked() {
     let mut controller = Controller::start(0.95);
     let mut all = video(61);
     controller.document(&all);
-    controller.expect(&Begun::Recall, Let::Well);
-    controller.expect(&Begun::Propose(vec![1, 2, 3, 4]), Let::Well);
-    controller.expect(&Begun::Propose(vec![5, 6, 7, 8]), Let::Well);
-    controller.expect(&Begun::Measure, Let::Well);
-    controller.expect(&Begun::Propose(vec![25, 50, 60]), Let::Well);
-    let keys = Begun::Carry(vec![0, 25, 50, 60]);
-    controller.expect(&keys, Let::Stopped);
-    controller.until(|status| matches!(status.doing, Doing::Carrying(Share { of: 57, .. })));
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![1, 2, 3, 4]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![5, 6, 7, 8]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Measure, ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![25, 50, 60]), ScriptedEnd::Well);
+    let keys = BackendCall::Carry(vec![0, 25, 50, 60]);
+    controller.expect(&keys, ScriptedEnd::Stopped);
+    controller.until(|status| {
+        matches!(
+            status.doing,
+            TrainerActivity::Carrying(Share { of: 57, .. })
+        )
+    });
     controller.tell(TrainerOrder::Pause(true));
-    controller.until(|status| status.doing == Doing::Paused);
+    controller.until(|status| status.doing == TrainerActivity::Paused);
     controller.tell(TrainerOrder::Pause(false));
-    controller.expect(&keys, Let::Well);
+    controller.expect(&keys, ScriptedEnd::Well);
     controller.until_idle();
     // Tracking also adjusts key frames that the forest answered, but not the user's reference.
     assert_eq!(controller.tracked.len(), 60);
@@ -54,9 +59,9 @@ fn in_a_video_the_forest_answers_key_frames_and_the_rest_is_tracked() {
     accept(&mut all.frames[30], 30.5);
     all.frames[30].solution = None;
     controller.document(&all);
-    controller.expect(&Begun::Learn(vec![0, 30]), Let::Well);
-    controller.expect(&Begun::Measure, Let::Well);
-    controller.expect(&keys, Let::Well);
+    controller.expect(&BackendCall::Learn(vec![0, 30]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Measure, ScriptedEnd::Well);
+    controller.expect(&keys, ScriptedEnd::Well);
     while controller.tracked.is_empty() {
         controller.woken.recv().unwrap();
         controller.poll();
@@ -68,15 +73,15 @@ fn in_a_video_the_forest_answers_key_frames_and_the_rest_is_tracked() {
 fn frames_that_tracking_does_not_reach_are_queried() {
     let mut controller = Controller::start(0.95);
     controller.document(&video(31));
-    controller.expect(&Begun::Recall, Let::Well);
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Well);
     for near in [vec![1, 2, 3, 4], vec![5, 6, 7, 8]] {
-        controller.expect(&Begun::Propose(near), Let::Well);
+        controller.expect(&BackendCall::Propose(near), ScriptedEnd::Well);
     }
-    controller.expect(&Begun::Measure, Let::Well);
-    controller.expect(&Begun::Propose(vec![25, 30]), Let::Well);
-    controller.expect(&Begun::Carry(vec![0, 25, 30]), Let::Panic);
+    controller.expect(&BackendCall::Measure, ScriptedEnd::Well);
+    controller.expect(&BackendCall::Propose(vec![25, 30]), ScriptedEnd::Well);
+    controller.expect(&BackendCall::Carry(vec![0, 25, 30]), ScriptedEnd::Panic);
     for left in [9..13, 13..17, 17..21, 21..25, 26..30] {
-        controller.expect(&Begun::Propose(left.collect()), Let::Well);
+        controller.expect(&BackendCall::Propose(left.collect()), ScriptedEnd::Well);
     }
     controller.until_idle();
     assert_eq!(controller.tracked, []);

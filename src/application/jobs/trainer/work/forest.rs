@@ -6,8 +6,8 @@
 
 use super::{Work, broke_down};
 use crate::app::{ForestFacts, TrainerStatus};
-use crate::jobs::trainer::backend::{Backend, Learnt, Measured};
-use crate::jobs::trainer::watch::{Until, Watch};
+use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel};
+use crate::jobs::trainer::watch::{StopCondition, Watch};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -98,7 +98,7 @@ impl<C: Backend> Work<C> {
             &self.mailbox,
             &self.status,
             self.orders.edition,
-            Until::Unlearnt(training_set.clone()),
+            StopCondition::Unlearnt(training_set.clone()),
         );
         let backend = &mut self.backend;
         let learnt = catch_unwind(AssertUnwindSafe(|| {
@@ -107,7 +107,7 @@ impl<C: Backend> Work<C> {
         }));
         match learnt {
             Ok(Ok(None)) => {}
-            Ok(Ok(Some(Learnt {
+            Ok(Ok(Some(TrainedModel {
                 model,
                 features,
                 failed,
@@ -167,7 +167,7 @@ impl<C: Backend> Work<C> {
             &self.mailbox,
             &self.status,
             self.orders.edition,
-            Until::Changed(self.training_set.clone()),
+            StopCondition::Changed(self.training_set.clone()),
         );
         let backend = &mut self.backend;
         let measured = catch_unwind(AssertUnwindSafe(|| {
@@ -178,7 +178,7 @@ impl<C: Backend> Work<C> {
         match measured {
             Ok(None) => return,
             Ok(Some(_)) if !watch.is_wanted() => return,
-            Ok(Some(Measured { quality, suspects })) => {
+            Ok(Some(ForestAccuracy { quality, suspects })) => {
                 if let Some(quality) = &quality {
                     self.bound(quality);
                 }

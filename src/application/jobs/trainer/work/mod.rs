@@ -15,12 +15,12 @@ mod proposals;
 use self::forest::Forest;
 use self::proposals::Queue;
 use super::TrainerOptions;
-use super::answer_cache::{AnswerCache, Asking};
+use super::answer_cache::{AnswerCache, ForestQuerySettings};
 use super::backend::Backend;
 use super::given_answers::GivenAnswers;
 use super::mailbox::{Orders, TrainerMailbox};
 use super::windows::Windows;
-use crate::app::{AnswerKey, Doing, TrainerStatus};
+use crate::app::{AnswerKey, TrainerActivity, TrainerStatus};
 use std::any::Any;
 use std::sync::Arc;
 use std::time::Instant;
@@ -72,7 +72,7 @@ enum Step {
     Carry(Box<KeyWindow>),
     Measure,
     /// Wait for an order, at most until a time.
-    Wait(Doing, Option<Instant>),
+    Wait(TrainerActivity, Option<Instant>),
 }
 
 impl<C: Backend> Work<C> {
@@ -192,11 +192,11 @@ impl<C: Backend> Work<C> {
     /// The first step that is due, in the order of the table on the module's page.
     fn next(&mut self) -> Step {
         if self.orders.paused {
-            return Step::Wait(Doing::Paused, None);
+            return Step::Wait(TrainerActivity::Paused, None);
         }
         if self.training_set.is_empty() {
             self.forget();
-            return Step::Wait(Doing::Nothing, None);
+            return Step::Wait(TrainerActivity::Nothing, None);
         }
         let taught = self.forest.as_ref().map(|forest| &forest.training_set);
         let is_taught = taught == Some(&self.training_set);
@@ -251,9 +251,9 @@ impl<C: Backend> Work<C> {
         }
         Step::Wait(
             if due.is_some() {
-                Doing::Settling
+                TrainerActivity::Settling
             } else {
-                Doing::Nothing
+                TrainerActivity::Nothing
             },
             due,
         )
@@ -281,8 +281,8 @@ impl<C: Backend> Work<C> {
     }
 
     /// The query of the moment: which forest, with or without snapping.
-    const fn asking(&self) -> Asking {
-        Asking {
+    const fn asking(&self) -> ForestQuerySettings {
+        ForestQuerySettings {
             generation: self.generation,
             snapping: self.orders.snapping,
         }
@@ -296,7 +296,7 @@ impl<C: Backend> Work<C> {
         }
     }
 
-    fn report(&mut self, doing: Doing) {
+    fn report(&mut self, doing: TrainerActivity) {
         self.status.doing = doing;
         self.mailbox.report(&self.status);
     }

@@ -4,16 +4,16 @@
 //! cameras between the key frames of videos. It shows how the forest uses the features of a frame.
 
 use super::{Work, broke_down};
-use crate::app::Doing;
+use crate::app::TrainerActivity;
 use crate::jobs::panic_message;
-use crate::jobs::trainer::answer_cache::Asking;
+use crate::jobs::trainer::answer_cache::ForestQuerySettings;
 use crate::jobs::trainer::backend::Backend;
-use crate::jobs::trainer::watch::{Until, Watch};
+use crate::jobs::trainer::watch::{StopCondition, Watch};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
-use touchline_calibration::proposals::{AskingOrder, KeyWindow, NoProposal, Proposal};
+use touchline_calibration::proposals::{KeyWindow, NoProposal, Proposal, QueryOrder};
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::FrameId;
 use touchline_vision::relocalize::ForestModel;
@@ -35,7 +35,7 @@ pub(super) struct Queue {
     /// propagated to them.
     pub(super) between: VecDeque<usize>,
     /// The edition of the document, the shown frame and the query.
-    made_for: Option<(u64, Option<FrameId>, Asking)>,
+    made_for: Option<(u64, Option<FrameId>, ForestQuerySettings)>,
 }
 
 impl<C: Backend> Work<C> {
@@ -68,8 +68,8 @@ impl<C: Backend> Work<C> {
         let asking = self.asking();
         let made_for = Some((self.orders.edition, self.orders.frame.clone(), asking));
         if self.queue.made_for != made_for {
-            let AskingOrder { first, rest } =
-                AskingOrder::new(&self.document, self.current().unwrap_or(0), |index| {
+            let QueryOrder { first, rest } =
+                QueryOrder::new(&self.document, self.current().unwrap_or(0), |index| {
                     self.wants(index, &forest.model, asking)
                 });
             let (between, rest): (Vec<usize>, Vec<usize>) = rest
@@ -110,17 +110,17 @@ impl<C: Backend> Work<C> {
             &self.mailbox,
             &self.status,
             self.orders.edition,
-            Until::Done,
+            StopCondition::Done,
         );
         let (document, request) = (&self.document, self.asking());
-        let Asking {
+        let ForestQuerySettings {
             generation,
             snapping,
         } = request;
         let backend = &mut self.backend;
         let proposed = catch_unwind(AssertUnwindSafe(|| {
             let progress = Progress::new(|more| {
-                watch.tell(Doing::Proposing(Share {
+                watch.tell(TrainerActivity::Proposing(Share {
                     done: done + more,
                     of,
                 }))
@@ -176,7 +176,7 @@ impl<C: Backend> Work<C> {
     }
 
     /// Whether an answer of the forest for a frame is missing.
-    fn wants(&self, index: usize, model: &ForestModel, asking: Asking) -> bool {
+    fn wants(&self, index: usize, model: &ForestModel, asking: ForestQuerySettings) -> bool {
         self.answer_cache
             .wants(&self.document, index, model, asking)
     }
@@ -194,12 +194,12 @@ impl<C: Backend> Work<C> {
             &self.mailbox,
             &self.status,
             self.orders.edition,
-            Until::Done,
+            StopCondition::Done,
         );
         let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
         let before = self.tracked;
         let progress = Progress::new(|done: usize| {
-            watch.tell(Doing::Carrying(Share {
+            watch.tell(TrainerActivity::Carrying(Share {
                 done: before + done.min(window.between.len()),
                 of: before + waiting,
             }))
