@@ -10,6 +10,7 @@ use touchline_calibration::calibrate::{
     Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values,
 };
 use touchline_core::files::plain;
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::Document;
 
 /// Lists everything wrong with a document; exit 1 if there is anything.
@@ -55,23 +56,17 @@ fn text(document: &Document, problems: &[Problem]) -> String {
     }
     let clicks = document.frames.iter().map(|frame| frame.clicks.len()).sum();
     let (frames, clicks) = (
-        count_with_noun(document.frames.len(), "frame"),
-        count_with_noun(clicks, "click"),
+        pluralise(document.frames.len(), "frame"),
+        pluralise(clicks, "click"),
     );
     let _ = match problems.len() {
         0 => writeln!(text, "No problems: {frames}, {clicks}."),
         count => {
-            let problems = count_with_noun(count, "problem");
+            let problems = pluralise(count, "problem");
             writeln!(text, "{problems} in {frames}, {clicks}.")
         }
     };
     text
-}
-
-/// A count with its noun, without separators of thousands.
-fn count_with_noun(count: usize, singular: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {singular}{plural}")
 }
 
 fn report(document: &Document, problems: &[Problem]) -> Value {
@@ -85,4 +80,25 @@ fn report(document: &Document, problems: &[Problem]) -> Value {
     });
     let problems: Vec<Value> = problems.collect();
     json!({ "frames": document.frames.len(), "problems": problems })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FieldSpec, Frame};
+
+    #[test]
+    fn thousands_of_frames_are_set_apart() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for index in 0..1000 {
+            let image = format!("{index}.jpg");
+            let frame = Frame::from_image(&image, "main".into(), ImageSize::new(64, 48));
+            document.frames.push(frame.into());
+        }
+        assert_eq!(
+            text(&document, &[]),
+            "No problems: 1,000 frames, 0 clicks.\n"
+        );
+    }
 }

@@ -257,7 +257,7 @@ fn train(
         references,
         &steps.count(references.len()),
     );
-    let studied = studied.ok_or_else(stopped)?;
+    let studied = studied.ok_or_else(stop_error)?;
     if studied
         .training_samples
         .iter()
@@ -273,7 +273,7 @@ fn train(
     }
     let training = Progress::new(|at: TrainProgress| steps.report(at.placed, at.total));
     let mut model = learn(document, &studied, options, &training).map_err(|error| match error {
-        LearnError::Stopped(Stopped::Cancelled) => stopped(),
+        LearnError::Stopped(Stopped::Cancelled) => stop_error(),
         error => failure(error),
     })?;
     if measured {
@@ -295,7 +295,7 @@ fn train(
 }
 
 /// A cancelled function returns nothing; whoever cancelled it raises its own exception.
-fn stopped() -> PyErr {
+fn stop_error() -> PyErr {
     Error::new_err("stopped")
 }
 

@@ -1,7 +1,7 @@
 //! A row of a list with a name, a bar of proportional length, and a number.
 
+use super::labels::lay_out_within;
 use super::theme::Themed as _;
-use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo,
     pos2, vec2,
@@ -86,13 +86,13 @@ impl Bar<'_> {
         );
         let bar_left = right - NUMBER - self.width;
         let name = Rect::from_min_max(rect.min, pos2(bar_left - 6.0, rect.bottom()));
-        let mut line = LayoutJob::simple_singleline(
+        let galley = lay_out_within(
+            painter,
             self.name.to_owned(),
             FontId::proportional(12.0),
             ui.palette().text,
+            name.width() - 4.0,
         );
-        line.wrap = TextWrapping::truncate_at_width(name.width() - 4.0);
-        let galley = painter.layout_job(line);
         painter.galley(
             pos2(name.left() + 4.0, name.center().y - galley.size().y / 2.0),
             galley,

@@ -1,7 +1,10 @@
-//! Texts on plates over a picture, in the window's own font. The renderer draws shapes only.
+//! Texts in the window's own font: on plates over a picture, where the renderer draws shapes only,
+//! and in one line of a panel, how wide they are and cut to a width.
 
 use super::placement::Placement;
-use egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Align2, Color32, CornerRadius, FontId, Galley, Painter, Pos2, Rect, vec2};
+use std::sync::Arc;
 use touchline_application::scene::drawing::{Colour, Label};
 use touchline_core::geometry::ImagePoint;
 
@@ -51,6 +54,25 @@ pub fn plate(painter: &Painter, at: Pos2, align: Align2, text: &str, style: Plat
     painter.rect_filled(around, CornerRadius::same(3), style.behind);
     painter.galley(rect.min, galley, style.letters);
     around
+}
+
+/// Width of a text, points.
+pub fn text_width(painter: &Painter, text: &str, font: FontId) -> f32 {
+    let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER);
+    galley.size().x
+}
+
+/// Lays out a text in one line, which ends in an ellipsis if it is longer than `width` points.
+pub fn lay_out_within(
+    painter: &Painter,
+    text: String,
+    font: FontId,
+    colour: Color32,
+    width: f32,
+) -> Arc<Galley> {
+    let mut line = LayoutJob::simple_singleline(text, font, colour);
+    line.wrap = TextWrapping::truncate_at_width(width);
+    painter.layout_job(line)
 }
 
 /// The colour of a drawing as an egui colour.

@@ -2,7 +2,7 @@
 //! frames it is, and a button that deletes it.
 
 use super::Panel;
-use super::labels::{PlateStyle, plate};
+use super::labels::{PlateStyle, plate, text_width};
 use super::placement::Placement;
 use egui::{
     Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2,
@@ -104,11 +104,7 @@ fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
 fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
     let shown = mask.intersect(placement.rect);
     let (font, letters) = (FontId::proportional(11.0), Color32::from_gray(225));
-    let width = painter
-        .layout_no_wrap(says.to_owned(), font.clone(), letters)
-        .size()
-        .x;
-    if width + 16.0 <= shown.width() {
+    if text_width(painter, says, font.clone()) + 16.0 <= shown.width() {
         let style = PlateStyle::new(font, letters, Color32::from_black_alpha(150));
         plate(
             painter,

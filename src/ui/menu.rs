@@ -6,12 +6,13 @@
 
 use super::{
     Panel,
+    labels::text_width,
     symbol::{self, Symbol},
     theme::{self, Themed as _},
 };
 use egui::{
-    Align, Button, Color32, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response,
-    RichText, Role, TextStyle, Ui, WidgetInfo, vec2,
+    Align, Button, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response, RichText,
+    Role, TextStyle, Ui, WidgetInfo, vec2,
 };
 use std::path::Path;
 use touchline_application::app::session::{Saving, SidePanel};
@@ -320,11 +321,9 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     let response = ui.add_enabled(why_not.is_none(), button);
     if is_on(panel.app, command) {
         let font = TextStyle::Button.resolve(ui.style());
-        let name =
-            ui.painter()
-                .layout_no_wrap(command.name().to_owned(), font, Color32::PLACEHOLDER);
+        let name = text_width(ui.painter(), command.name(), font);
         // The tick comes after the name.
-        let after = ui.spacing().button_padding.x + name.size().x + theme::SPACE;
+        let after = ui.spacing().button_padding.x + name + theme::SPACE;
         let within = Rect::from_center_size(
             response.rect.left_center() + vec2(after, 0.0),
             vec2(theme::SPACE, theme::SPACE),

@@ -4,7 +4,7 @@
 //! list and reads the pointer.
 
 use super::placement::Placement;
-use super::{Panel, theme::Themed as _};
+use super::{Panel, labels::text_width, theme::Themed as _};
 use egui::{
     Align2, Area, FontId, Id, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2,
 };
@@ -132,13 +132,13 @@ impl Columns {
         Self {
             label: candidates
                 .iter()
-                .map(|candidate| text_width(ui, &candidate.label, label_font()))
+                .map(|candidate| text_width(ui.painter(), &candidate.label, label_font()))
                 .fold(0.0, f32::max),
             code: candidates
                 .iter()
-                .map(|candidate| text_width(ui, &candidate.code, code_font()))
+                .map(|candidate| text_width(ui.painter(), &candidate.code, code_font()))
                 .fold(0.0, f32::max),
-            distance: last.map(|last| text_width(ui, &last, distance_font())),
+            distance: last.map(|last| text_width(ui.painter(), &last, distance_font())),
         }
     }
 
@@ -149,14 +149,6 @@ impl Columns {
             .max(LEAST_WIDTH)
             .ceil()
     }
-}
-
-/// Width of a text in one line, points.
-fn text_width(ui: &egui::Ui, text: &str, font: FontId) -> f32 {
-    ui.painter()
-        .layout_no_wrap(text.to_owned(), font, ui.palette().text)
-        .size()
-        .x
 }
 
 /// The text beside a name that another point has: the two names are exchanged.

@@ -1,6 +1,6 @@
 //! The bottom row: the next step, the pointer's position, the zoom, and what undo would revert.
 
-use super::{Panel, theme::Themed as _};
+use super::{Panel, labels::text_width, theme::Themed as _};
 use egui::{Align, Button, Label, Layout, RichText, TextStyle, Ui};
 use touchline_application::app::guidance::{Guidance, next_step};
 use touchline_application::app::session::PictureView;
@@ -51,14 +51,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Width of a text, points.
 fn width(ui: &Ui, text: &str) -> f32 {
-    ui.painter()
-        .layout_no_wrap(
-            text.to_owned(),
-            TextStyle::Body.resolve(ui.style()),
-            ui.palette().text,
-        )
-        .size()
-        .x
+    text_width(ui.painter(), text, TextStyle::Body.resolve(ui.style()))
 }
 
 /// Minimum width of the buttons, points: the first button, and a menu with the others.

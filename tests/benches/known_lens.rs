@@ -73,7 +73,7 @@ fn main() {
         .take(number("--shots", files.len()))
     {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
-        let clip = Clip::drawn(
+        let clip = Clip::draw(
             file,
             &folder.join(&name),
             seed as u64,
@@ -82,7 +82,7 @@ fn main() {
         );
         for (way, options) in ways() {
             let begun = Instant::now();
-            let errors = clip.tracked(&options);
+            let errors = clip.tracking_errors(&options);
             let mean = errors.mean_deg();
             println!(
                 "{name} {way:14} {} {:8.1}",
@@ -132,7 +132,7 @@ struct Clip {
 
 impl Clip {
     /// Draws the pictures that the folder lacks.
-    fn drawn(lenses: &Path, folder: &Path, seed: u64, count: usize, shoot: &ShootOptions) -> Self {
+    fn draw(lenses: &Path, folder: &Path, seed: u64, count: usize, shoot: &ShootOptions) -> Self {
         let mut field = FieldSpec::new("soccer");
         field.params =
             BTreeMap::from([("length_m".to_owned(), 105.0), ("width_m".to_owned(), 68.0)]);
@@ -190,7 +190,7 @@ impl Clip {
     }
 
     /// How far the frames are off after tracking.
-    fn tracked(&self, options: &TrackClipOptions) -> Errors {
+    fn tracking_errors(&self, options: &TrackClipOptions) -> Errors {
         let at = self.document.at(&self.folder);
         let field = at.model_of(&self.document.field).unwrap();
         let clip = &clips(at, None)[0];

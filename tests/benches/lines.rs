@@ -55,7 +55,7 @@ fn main() {
         real(&options, arguments.number("--worst", 0));
     }
     if arguments.wants("drawn", &sections) {
-        drawn(&options, arguments.number("--cameras", 200));
+        drawn_cameras(&options, arguments.number("--cameras", 200));
     }
 }
 
@@ -202,7 +202,7 @@ fn measure(frame: &Frame, field: &FieldModel, options: &FromLinesOptions) -> Pic
         jaccard: [0.0; 3],
         solved,
         milliseconds,
-        left_out_sigmas: left_out_sigmas(field, &points, &annotated, options),
+        left_out_sigmas: sigmas_of_left_out_points(field, &points, &annotated, options),
     };
     if let Ok(found) = &row.solved {
         let on_ground = with_crown(field, found.crown_m);
@@ -231,7 +231,7 @@ fn with_crown(field: &FieldModel, crown_m: f64) -> FieldModel {
 
 /// The distances of the points of each line from the camera of the lines of the other folds, in
 /// stated sigmas.
-fn left_out_sigmas(
+fn sigmas_of_left_out_points(
     field: &FieldModel,
     points: &[Observation],
     annotated: &[AnnotatedLine],
@@ -394,7 +394,7 @@ fn errors(field: &FieldModel, truth: &PtzCamera, found: &CameraFromLines) -> (f6
     (largest_px, within)
 }
 
-fn drawn(options: &FromLinesOptions, cameras: usize) {
+fn drawn_cameras(options: &FromLinesOptions, cameras: usize) {
     let field = flat_soccer();
     println!("| place | solved | too few lines | median | 95 % | over 20 px | within 68 % |");
     println!("|---|---|---|---|---|---|---|");

@@ -61,7 +61,7 @@ fn scene(bencher: Bencher) {
 }
 
 /// A frame solved from two clicks with a base that is not exactly known.
-fn solved() -> (FieldModel, PtzCamera, Uncertainty) {
+fn solved_frame() -> (FieldModel, PtzCamera, Uncertainty) {
     let field = builtin("soccer")
         .unwrap()
         .model(&BTreeMap::new(), 0.15)
@@ -93,14 +93,14 @@ fn solved() -> (FieldModel, PtzCamera, Uncertainty) {
 /// 1-σ of the overlay on a grid of 60×40.
 #[divan::bench]
 fn heat_map(bencher: Bencher) {
-    let (_, camera, uncertainty) = solved();
+    let (_, camera, uncertainty) = solved_frame();
     bencher.bench(|| HeatMap::new(&uncertainty, &camera, SIZE));
 }
 
 /// The 1-σ band around every line.
 #[divan::bench]
 fn uncertainty_band(bencher: Bencher) {
-    let (field, camera, uncertainty) = solved();
+    let (field, camera, uncertainty) = solved_frame();
     bencher.bench(|| {
         band(
             &uncertainty,

@@ -1,6 +1,6 @@
 //! Broken videos: each gets one clear line, none brings the program down.
 
-use crate::files::{behind_path, cut, written};
+use crate::files::{behind_path, cut, new_file};
 use crate::parts::{Test, tests};
 use crate::program::touchline;
 use std::path::Path;
@@ -19,7 +19,7 @@ pub const TESTS: &[Test] = tests![
 ];
 
 /// What ffmpeg makes.
-fn made(folder: &Path, name: &str, arguments: &str) -> Vec<u8> {
+fn run_ffmpeg(folder: &Path, name: &str, arguments: &str) -> Vec<u8> {
     let path = folder.join(format!("made-{name}"));
     let status = Command::new("ffmpeg")
         .args(["-v", "error", "-y"])
@@ -35,14 +35,14 @@ fn box_at(bytes: &[u8], kind: [u8; 4]) -> usize {
     bytes.windows(4).position(|window| *window == kind).unwrap() - 4
 }
 
-fn filled(mut bytes: Vec<u8>, range: std::ops::Range<usize>, with: u8) -> Vec<u8> {
+fn fill_range(mut bytes: Vec<u8>, range: std::ops::Range<usize>, with: u8) -> Vec<u8> {
     bytes[range].fill(with);
     bytes
 }
 
 /// What opening a video and reading its first, middle and last frame comes to, behind the file's
 /// path.
-fn said(folder: &Path, name: &str, path: &Path) -> String {
+fn outcome_of(folder: &Path, name: &str, path: &Path) -> String {
     let outcome = Video::open(path).and_then(|mut video| {
         let frames = video.info().decoded_frames;
         for index in [0, frames / 2, frames - 1] {
@@ -78,7 +78,7 @@ fn each_broken_video_has_its_message() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     std::fs::create_dir(folder.join("folder.mp4")).unwrap();
-    let make = |name: &str, arguments: &str| made(folder, name, arguments);
+    let make = |name: &str, arguments: &str| run_ffmpeg(folder, name, arguments);
     let mp4 = make("a.mp4", CARD);
     let fast = make("fast.mp4", &format!("{CARD} -movflags +faststart"));
     let mkv = make("a.mkv", CARD);
@@ -130,17 +130,17 @@ fn each_broken_video_has_its_message() {
         ("type-only.mp4", Some(cut(&mp4, 24)), NOT_A_VIDEO),
         (
             "blank-data.mp4",
-            Some(filled(fast.clone(), mdat + 8..fast.len(), 0)),
+            Some(fill_range(fast.clone(), mdat + 8..fast.len(), 0)),
             NO_FRAMES,
         ),
         (
             "blank-index.mp4",
-            Some(filled(mp4.clone(), moov + 8..mp4.len(), 0)),
+            Some(fill_range(mp4.clone(), moov + 8..mp4.len(), 0)),
             NOT_A_VIDEO,
         ),
         (
             "unknown-codec.mp4",
-            Some(filled(fast.clone(), codec + 4..codec + 8, b'z')),
+            Some(fill_range(fast.clone(), codec + 4..codec + 8, b'z')),
             NOT_A_VIDEO,
         ),
         ("wide.avi", Some(wide), TOO_WIDE),
@@ -151,7 +151,7 @@ fn each_broken_video_has_its_message() {
         // Not broken, only odd.
         (
             "wrong-stated-size.mp4",
-            Some(filled(fast, codec + 32..codec + 36, 0xff)),
+            Some(fill_range(fast, codec + 32..codec + 36, 0xff)),
             WHOLE,
         ),
         ("picture.mp4", Some(picture()), "read, 1 frames"),
@@ -160,8 +160,8 @@ fn each_broken_video_has_its_message() {
         ("a:colon 100% é.mp4", Some(mp4.clone()), WHOLE),
         ("trailing.mp4", Some([mp4, vec![7; 1000]].concat()), WHOLE),
     ] {
-        let path = bytes.map_or_else(|| folder.join(name), |bytes| written(folder, name, &bytes));
-        assert_eq!(said(folder, name, &path), expected, "{name}");
+        let path = bytes.map_or_else(|| folder.join(name), |bytes| new_file(folder, name, &bytes));
+        assert_eq!(outcome_of(folder, name, &path), expected, "{name}");
     }
 }
 
@@ -176,22 +176,22 @@ fn picture() -> Vec<u8> {
 fn a_video_cut_off_is_read_as_far_as_it_goes() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let mp4 = made(folder, "fast.mp4", &format!("{CARD} -movflags +faststart"));
-    let mkv = made(folder, "a.mkv", CARD);
+    let mp4 = run_ffmpeg(folder, "fast.mp4", &format!("{CARD} -movflags +faststart"));
+    let mkv = run_ffmpeg(folder, "a.mkv", CARD);
     let mdat = box_at(&mp4, *b"mdat");
     for (name, bytes) in [
         ("half.mp4", cut(&mp4, mdat + (mp4.len() - mdat) / 2)),
         ("first-frames.mp4", cut(&mp4, mdat + 4000)),
         ("half.mkv", cut(&mkv, mkv.len() / 2)),
     ] {
-        let path = written(folder, name, &bytes);
+        let path = new_file(folder, name, &bytes);
         // How many frames are left depends on the encoder.
         let frames = Video::open(&path).unwrap().info().decoded_frames;
         assert!((1..80).contains(&frames), "{name}: {frames}");
         let notice =
             format!("{name} states 100 frames, {frames} decode. Numbering follows decoded frames.");
         assert_eq!(
-            said(folder, name, &path),
+            outcome_of(folder, name, &path),
             format!("read, {frames} frames; {notice}")
         );
     }
@@ -202,12 +202,12 @@ fn frames_behind_damaged_ones_keep_their_numbers() {
     let folder = folder.path();
     let card = "-f lavfi -i testsrc2=size=160x90:rate=25:duration=12 -c:v libx264 -g 25 \
                 -movflags +faststart";
-    let whole = made(folder, "whole.mp4", card);
+    let whole = run_ffmpeg(folder, "whole.mp4", card);
     let mdat = box_at(&whole, *b"mdat");
     let data = whole.len() - mdat;
-    let blanked = filled(whole.clone(), mdat + data / 2..mdat + data * 6 / 10, 0);
-    let mut whole = Video::open(&written(folder, "whole.mp4", &whole)).unwrap();
-    let mut blanked = Video::open(&written(folder, "blanked.mp4", &blanked)).unwrap();
+    let blanked = fill_range(whole.clone(), mdat + data / 2..mdat + data * 6 / 10, 0);
+    let mut whole = Video::open(&new_file(folder, "whole.mp4", &whole)).unwrap();
+    let mut blanked = Video::open(&new_file(folder, "blanked.mp4", &blanked)).unwrap();
     assert_eq!(
         (whole.info().decoded_frames, blanked.info().decoded_frames),
         (300, 300)
@@ -253,7 +253,7 @@ fn start_with(folder: &Path, replaced: &str, script: &str, arguments: &str) -> C
     let text =
         format!("#!/bin/sh\nif [ \"$1\" = -version ]; then exec {real} \"$@\"; fi\n{script}\n");
     let bin = tempfile::tempdir_in(folder).unwrap().keep();
-    let file = written(&bin, replaced, text.as_bytes());
+    let file = new_file(&bin, replaced, text.as_bytes());
     std::fs::set_permissions(file, std::fs::Permissions::from_mode(0o755)).unwrap();
     let path = std::env::var("PATH").unwrap();
     Command::new(env!("CARGO_BIN_EXE_touchline"))
@@ -288,7 +288,7 @@ fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
         const KILLED: &str = "it was ended: signal: 9 (SIGKILL)";
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
-        written(folder, "a.mp4", &made(folder, "a.mp4", CARD));
+        new_file(folder, "a.mp4", &run_ffmpeg(folder, "a.mp4", CARD));
         let project = touchline(folder, "new made --field soccer --frames a.mp4");
         assert_eq!(project.code, 0, "{}", project.stderr);
         let before = std::fs::read(folder.join("made/project.json")).unwrap();
@@ -330,9 +330,9 @@ fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
 fn a_path_that_begins_with_a_dash_is_a_path() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    written(folder, "-a.mp4", &made(folder, "a.mp4", CARD));
+    new_file(folder, "-a.mp4", &run_ffmpeg(folder, "a.mp4", CARD));
     std::fs::create_dir(folder.join("-pictures")).unwrap();
-    written(folder, "-pictures/-1.png", &picture());
+    new_file(folder, "-pictures/-1.png", &picture());
     for (frames, count) in [
         ("-a.mp4", "100 frames"),
         ("-pictures", "1 frame"),
@@ -356,12 +356,12 @@ fn frames_of_8k_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let card = "-f lavfi -i testsrc2=size=7680x4320:rate=25 -frames:v";
-    made(
+    run_ffmpeg(
         folder,
         "8k.mp4",
         &format!("{card} 3 -c:v libx264 -preset ultrafast -pix_fmt yuv420p"),
     );
-    made(folder, "8k.jpg", &format!("{card} 1 -update 1"));
+    run_ffmpeg(folder, "8k.jpg", &format!("{card} 1 -update 1"));
     let mut video = Video::open(&folder.join("made-8k.mp4")).unwrap();
     assert_eq!((video.info().decoded_frames, video.info().size), (3, SIZE));
     assert_eq!(video.frame(2).unwrap().size(), SIZE);
@@ -381,7 +381,7 @@ fn frames_of_8k_are_read() {
 fn json_names_what_reads_the_video() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    written(folder, "a.mp4", &made(folder, "a.mp4", CARD));
+    new_file(folder, "a.mp4", &run_ffmpeg(folder, "a.mp4", CARD));
     let backend = VideoBackend::available().next().unwrap();
     let line = format!(r#"{{"level":"note","message":"videos are read by {backend}"}}"#);
     let ran = touchline(folder, "--json new made --field soccer --frames a.mp4");

@@ -41,17 +41,17 @@ type PixelDigest = [u8; 32];
 
 /// Every frame as one plain pass gives it, from the start to the end, without any seeking: the
 /// truth that numbers are measured by.
-fn played(path: &Path, backend: VideoBackend, size: ImageSize) -> Vec<PixelDigest> {
+fn play_frames(path: &Path, backend: VideoBackend, size: ImageSize) -> Vec<PixelDigest> {
     match backend {
-        VideoBackend::Ffmpeg => played_by_ffmpeg(path, size),
+        VideoBackend::Ffmpeg => play_with_ffmpeg(path, size),
         #[cfg(feature = "opencv-videoio")]
-        VideoBackend::OpenCv => played_by_opencv(path),
+        VideoBackend::OpenCv => play_with_opencv(path),
         #[cfg(not(feature = "opencv-videoio"))]
         VideoBackend::OpenCv => unreachable!("it is not built in"),
     }
 }
 
-fn played_by_ffmpeg(path: &Path, size: ImageSize) -> Vec<PixelDigest> {
+fn play_with_ffmpeg(path: &Path, size: ImageSize) -> Vec<PixelDigest> {
     let play = [
         "-map",
         "0:v:0",
@@ -79,7 +79,7 @@ fn played_by_ffmpeg(path: &Path, size: ImageSize) -> Vec<PixelDigest> {
 
 /// A frame that does not decode is passed over: the end is where many in a row do not.
 #[cfg(feature = "opencv-videoio")]
-fn played_by_opencv(path: &Path) -> Vec<PixelDigest> {
+fn play_with_opencv(path: &Path) -> Vec<PixelDigest> {
     use opencv::core::{Mat, Vec3b};
     use opencv::prelude::*;
     use opencv::videoio::{CAP_FFMPEG, VideoCapture};
@@ -155,7 +155,7 @@ fn mean_difference(one: &Picture, other: &Picture) -> f64 {
 fn assert_numbers_hold_in(mut video: Video, backend: VideoBackend, random_frames: usize) -> Video {
     let path = Arc::clone(&video.info().path);
     let path = &*path;
-    let truth = played(path, backend, video.info().size);
+    let truth = play_frames(path, backend, video.info().size);
     let count = video.info().decoded_frames;
     assert_eq!(count, truth.len(), "{backend}: {}", path.display());
     let mut random = Pcg64Mcg::seed_from_u64(0x6e75_6d62_6572_7321);
@@ -406,7 +406,7 @@ fn a_video_is_examined_again_only_where_its_file_has_changed() {
     let backend = VideoBackend::available().next().unwrap();
     assert_eq!(
         frame(&mut again, 100),
-        played(&path, backend, info.size)[100]
+        play_frames(&path, backend, info.size)[100]
     );
     // Whoever ends it leaves nothing half known.
     ffmpeg(

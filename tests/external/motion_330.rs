@@ -19,7 +19,7 @@ pub const TESTS: &[Test] = tests![
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 /// The published base, moved to the field's centre, and where it looks in each frame.
-fn published(text: &str) -> (FieldModel, CameraBase, Vec<Ptz>) {
+fn published_motion(text: &str) -> (FieldModel, CameraBase, Vec<Ptz>) {
     let json: serde_json::Value = serde_json::from_str(text).unwrap();
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     let (length_m, width_m) = (118.0 * 0.9144, 70.0 * 0.9144);
@@ -88,7 +88,7 @@ fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
     let data = frames_folder();
     let text =
         std::fs::read_to_string(data.join("ptz-soccer-330/soccer_ground_truth.json")).unwrap();
-    let (field, base, motion) = published(&text);
+    let (field, base, motion) = published_motion(&text);
     assert_eq!(motion.len(), 330);
     let mut rng =
         seeded::rng("ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion");

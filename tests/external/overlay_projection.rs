@@ -64,7 +64,7 @@ fn project(
     })
 }
 
-fn crowned(point: Vec3, field: &FieldModel) -> [f64; 3] {
+fn with_crown(point: Vec3, field: &FieldModel) -> [f64; 3] {
     let across = (point.y / (field.width_m / 2.0)).clamp(-1.0, 1.0);
     [point.x, point.y, point.z - CROWN_M * across * across]
 }
@@ -87,7 +87,7 @@ fn samples(curve: &Curve, field: &FieldModel, view: (f64, f64, f64, f64, usize))
                 centre + Vec3::new(radius_m * angle.cos(), radius_m * angle.sin(), 0.0)
             }
         };
-        let Some(point) = project(crowned(nominal, field), view) else {
+        let Some(point) = project(with_crown(nominal, field), view) else {
             continue;
         };
         let near = |x: f64, limit: u32| x > -20.0 && x < f64::from(limit) + 20.0;

@@ -187,7 +187,7 @@ fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
     for frame in &usable {
         let line = json!({
             "image": frame["image"], "direction": "image_from_pitch", "unit": "yd", "pixels": "centre", "undistorted": true,
-            "h": centred(&frame["homography_as_stored"]),
+            "h": centred_matrix(&frame["homography_as_stored"]),
         });
         lines.push_str(&line.to_string());
         lines.push('\n');
@@ -206,7 +206,7 @@ fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
     let mut off: Vec<f64> = Vec::new();
     for (frame, published) in fitted.frames.iter().zip(&usable) {
         let camera = fitted.ptz_camera(frame).unwrap();
-        let h = centred(&published["homography_as_stored"]);
+        let h = centred_matrix(&published["homography_as_stored"]);
         let (mut sum, mut count) = (0.0, 0);
         for landmark in field
             .landmarks
@@ -266,7 +266,7 @@ fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
 }
 
 /// A published matrix for a pitch whose origin is the centre, y away from the camera, yards.
-fn centred(stored: &Value) -> [[f64; 3]; 3] {
+fn centred_matrix(stored: &Value) -> [[f64; 3]; 3] {
     let rows = [0, 1, 2].map(|row| [0, 1, 2].map(|column| number(&stored[row][column])));
     rows.map(|[a, b, c]| [a, -b, c + 57.5 * a + 37.0 * b])
 }

@@ -40,7 +40,7 @@ pub fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: Im
 }
 
 /// A camera turned and zoomed.
-pub fn turned(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
+pub fn turn_view(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
     let ptz = camera.ptz();
     let angle = |px: f64| Angle::from_radians(px / ptz.focal_px);
     let turned = Ptz {
@@ -75,12 +75,12 @@ fn the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back() {
             (0.0, 0.0, 1.08),
             (300.0, 0.0, 1.0),
         ] {
-            let off = check_lines(&ground, &field, &turned(&camera, pan_px, tilt_px, zoom));
+            let off = check_lines(&ground, &field, &turn_view(&camera, pan_px, tilt_px, zoom));
             wrong += usize::from(off.verdict() == LineVerdict::Supports);
         }
         let options = SnapOptions::default();
         let near = snap(&ground, &field, camera.base(), camera.ptz(), &[], &options).unwrap();
-        let start = turned(&camera, 35.0, -25.0, 1.01).ptz();
+        let start = turn_view(&camera, 35.0, -25.0, 1.01).ptz();
         let far = snap(&ground, &field, camera.base(), start, &[], &options);
         let pointed = |ptz| PtzCamera::new(*camera.base(), ptz);
         back += usize::from(far.is_ok_and(|far| {

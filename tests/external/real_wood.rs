@@ -3,7 +3,7 @@
 
 use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
-use crate::real_paint::{apart_px, turned};
+use crate::real_paint::{apart_px, turn_view};
 use std::fs;
 use std::path::Path;
 use touchline::camera::PtzCamera;
@@ -54,7 +54,7 @@ fn right_cameras_are_told_from_wrong_ones_and_snapping_comes_back_on_wood() {
             (0.0, 0.0, 1.08),
             (200.0, 0.0, 1.0),
         ] {
-            let off = check_lines(&ground, &field, &turned(&camera, pan_px, tilt_px, zoom));
+            let off = check_lines(&ground, &field, &turn_view(&camera, pan_px, tilt_px, zoom));
             assert_ne!(
                 off.verdict(),
                 LineVerdict::Supports,
@@ -62,7 +62,7 @@ fn right_cameras_are_told_from_wrong_ones_and_snapping_comes_back_on_wood() {
                 frame.name()
             );
         }
-        let start = turned(&camera, 18.0, -12.0, 1.01).ptz();
+        let start = turn_view(&camera, 18.0, -12.0, 1.01).ptz();
         let found = snap(
             &ground,
             &field,

@@ -21,7 +21,7 @@ fn render(folder: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-fn said(output: &Output) -> String {
+fn stderr_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -56,11 +56,11 @@ fn a_solved_frame_gets_its_overlay_and_its_view_from_above() {
     let folder = tempfile::tempdir().unwrap();
     dataset(folder.path());
     let output = render(folder.path(), &["--frame", "1.png", "-o", "overlay.png"]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr_of(&output));
     assert!(
-        said(&output).contains("touchline: overlay.png: rendered with "),
+        stderr_of(&output).contains("touchline: overlay.png: rendered with "),
         "{}",
-        said(&output)
+        stderr_of(&output)
     );
     let overlay = image::open(folder.path().join("overlay.png"))
         .unwrap()
@@ -75,7 +75,7 @@ fn a_solved_frame_gets_its_overlay_and_its_view_from_above() {
         folder.path(),
         &["--frame", "0", "-o", "above.png", "--top-view"],
     );
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr_of(&output));
     let above = image::open(folder.path().join("above.png"))
         .unwrap()
         .into_rgba8();
@@ -86,11 +86,11 @@ fn a_frame_without_a_camera_is_rendered_and_named() {
     let folder = tempfile::tempdir().unwrap();
     dataset(folder.path());
     let output = render(folder.path(), &["--frame", "2.png", "-o", "2-overlay.png"]);
-    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(1), "{}", stderr_of(&output));
     assert!(
-        said(&output).contains("2.png: it has no camera yet"),
+        stderr_of(&output).contains("2.png: it has no camera yet"),
         "{}",
-        said(&output)
+        stderr_of(&output)
     );
     assert!(folder.path().join("2-overlay.png").exists());
 }
@@ -129,9 +129,9 @@ fn what_cannot_be_done_is_said_in_one_line() {
             output.status.code(),
             Some(2),
             "{arguments:?}: {}",
-            said(&output)
+            stderr_of(&output)
         );
-        let lines: Vec<String> = said(&output).lines().map(str::to_owned).collect();
+        let lines: Vec<String> = stderr_of(&output).lines().map(str::to_owned).collect();
         assert!(
             lines.len() == 1 && lines[0].contains(message),
             "{arguments:?}: {lines:?}"

@@ -11,7 +11,7 @@ pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 /// The document without the counts of its frames' edits: what undo brings back counts as another
 /// edit.
-pub fn uncounted(document: &Document) -> Document {
+pub fn without_counts(document: &Document) -> Document {
     let mut document = document.clone();
     document
         .frames
@@ -70,7 +70,7 @@ impl Bench {
     }
 
     /// The request of an operation that was started last.
-    pub fn started<O: Operation>(&self) -> Job {
+    pub fn last_job<O: Operation>(&self) -> Job {
         let mut jobs = self.effects.iter().filter_map(|effect| match effect {
             Effect::Start(job) if job.name() == O::NAME => Some(job),
             _ => None,
@@ -83,13 +83,13 @@ impl Bench {
     /// The operation that was started last has come this far.
     #[cfg(feature = "opencv")]
     pub fn report_progress<O: Operation>(&mut self, progress: O::Progress) {
-        let id = self.started::<O>().id();
+        let id = self.last_job::<O>().id();
         self.act(Action::Report(Report::from_progress::<O>(id, progress)));
     }
 
     /// The operation that was started last has ended.
     pub fn report_end<O: Operation>(&mut self, result: Result<O::Output, Failure<O::Error>>) {
-        let id = self.started::<O>().id();
+        let id = self.last_job::<O>().id();
         self.act(Action::Report(Report::from_result::<O>(id, result)));
     }
 

@@ -5,7 +5,7 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 
 /// Starts the test `name`, which does nothing unless variables are set; what it prints comes line
 /// by line.
-pub fn spawned<const N: usize>(
+pub fn spawn_test<const N: usize>(
     name: &str,
     variables: [(&str, &str); N],
 ) -> (Child, Lines<BufReader<ChildStdout>>) {

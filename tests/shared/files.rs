@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// A file with these bytes.
-pub fn written(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
+pub fn new_file(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, bytes).unwrap();
     path

@@ -36,7 +36,7 @@ impl Headless {
     }
 
     /// With a project, folder or video open.
-    pub fn opened(path: &Path) -> Self {
+    pub fn open(path: &Path) -> Self {
         let mut headless = Self::new();
         headless.act(Action::Open(path.to_path_buf()));
         headless.wait_until("opening", |app| app.open().is_some());

@@ -30,7 +30,7 @@ pub fn blank(frames: usize) -> Document {
 }
 
 /// A document whose frames are suggested with these confidences; none: the forest has no answer.
-pub fn suggested(confidences: &[Option<f64>]) -> Document {
+pub fn suggestions(confidences: &[Option<f64>]) -> Document {
     let mut document = blank(confidences.len());
     for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate() {
         let mut solution = Solution {

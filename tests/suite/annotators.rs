@@ -40,7 +40,7 @@ fn base() -> CameraBase {
 
 /// Frames of a wide pan, each with up to five landmarks clicked where the truth has them, with
 /// click noise of this sigma.
-fn clicked(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
+fn clicked_frames(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
     let field = field();
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
@@ -54,7 +54,7 @@ fn clicked(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
         for shown in project_landmarks(&field, &PtzCamera::new(base(), ptz), SIZE, 0.0) {
             let landmark = &field.landmarks[shown.landmark];
             if landmark.nominal_m.z == 0.0 && frame.clicks.len() < 5 {
-                let at = moved(shown.image, sigma_px, rng);
+                let at = jitter(shown.image, sigma_px, rng);
                 frame.clicks.push(Click::landmark(landmark.id.clone(), at));
             }
         }
@@ -63,7 +63,7 @@ fn clicked(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
     document
 }
 
-fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
+fn jitter(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
     ImagePoint::new(at.x + sigma_px * normal(rng), at.y + sigma_px * normal(rng))
 }
 
@@ -77,23 +77,23 @@ fn by_another(
     let mut other = document.clone();
     for (frame, exact) in other.frames.iter_mut().zip(&truth.frames) {
         for (click, exact) in frame.clicks.iter_mut().zip(&exact.clicks) {
-            click.image = moved(exact.image, sigma_px, rng);
+            click.image = jitter(exact.image, sigma_px, rng);
         }
     }
     other
 }
 
-fn agreed(first: &Document, second: &Document) -> Agreement {
+fn agreement_of(first: &Document, second: &Document) -> Agreement {
     agreement(first.at(Path::new("/no/a")), second.at(Path::new("/no/b"))).unwrap()
 }
 
 #[test]
 fn click_noise_is_recovered_from_two_annotators() {
     let mut rng = rng("click_noise_is_recovered_from_two_annotators");
-    let truth = clicked(40, 0.0, &mut rng);
+    let truth = clicked_frames(40, 0.0, &mut rng);
     for sigma_px in [0.4, 1.5] {
         let one = by_another(&truth, &truth, sigma_px, &mut rng);
-        let found = agreed(&one, &by_another(&truth, &truth, sigma_px, &mut rng));
+        let found = agreement_of(&one, &by_another(&truth, &truth, sigma_px, &mut rng));
         let noise = found.noise.unwrap();
         let [low, high] = noise.interval_95;
         assert!(
@@ -127,9 +127,9 @@ fn click_noise_is_recovered_from_two_annotators() {
 #[test]
 fn agreement_reports_name_disputes_lone_frames_and_copies() {
     let mut rng = rng("agreement_reports_name_disputes_lone_frames_and_copies");
-    let truth = clicked(12, 0.0, &mut rng);
+    let truth = clicked_frames(12, 0.0, &mut rng);
     let copies: usize = truth.frames.iter().map(|frame| frame.clicks.len()).sum();
-    let found = agreed(&truth, &truth);
+    let found = agreement_of(&truth, &truth);
     assert_eq!(
         (found.copies, found.noise, found.says_something()),
         (copies, None, false)
@@ -151,7 +151,7 @@ fn agreement_reports_name_disputes_lone_frames_and_copies() {
     other.frames[5].status = FrameStatus::New;
     other.frames.remove(7);
     other.frames[4].ptz.as_mut().unwrap().pan_deg += 0.5;
-    let found = agreed(&truth, &other);
+    let found = agreement_of(&truth, &other);
     let named: Vec<(&str, usize)> = found
         .frames
         .iter()
@@ -192,7 +192,7 @@ fn agreement_reports_name_disputes_lone_frames_and_copies() {
 #[test]
 fn evaluate_says_how_two_annotators_agree() {
     let mut rng = rng("evaluate_says_how_two_annotators_agree");
-    let truth = clicked(12, 0.0, &mut rng);
+    let truth = clicked_frames(12, 0.0, &mut rng);
     let folder = tempfile::tempdir().unwrap();
     for (name, document) in [
         ("a.json", &by_another(&truth, &truth, 1.0, &mut rng)),
@@ -246,7 +246,7 @@ fn repeat(
         for (id, exact) in ids.into_iter().zip(&exact.clicks) {
             frame
                 .repeats
-                .push(Repeat::new(id, moved(exact.image, sigma_px, rng), round));
+                .push(Repeat::new(id, jitter(exact.image, sigma_px, rng), round));
         }
     }
 }
@@ -258,7 +258,7 @@ fn own(document: &Document) -> OwnNoise {
 #[test]
 fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
     let mut rng = rng("repeats_give_the_click_noise_and_a_usual_one_changes_nothing");
-    let truth = clicked(40, 0.0, &mut rng);
+    let truth = clicked_frames(40, 0.0, &mut rng);
     assert_eq!(own(&truth), OwnNoise::default());
     let sigma_px = 0.6;
     let mut document = by_another(&truth, &truth, sigma_px, &mut rng);
@@ -286,7 +286,7 @@ fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
         for (frame, exact) in usual.frames.iter_mut().zip(&truth.frames) {
             for click in &exact.clicks {
                 let id = click.target.as_ref().unwrap().as_str();
-                let at = moved(click.image, 0.5 * stated[id] * 0.5_f64.sqrt(), &mut rng);
+                let at = jitter(click.image, 0.5 * stated[id] * 0.5_f64.sqrt(), &mut rng);
                 frame.repeats.push(Repeat::new(id.into(), at, round));
             }
         }
@@ -317,7 +317,7 @@ fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
 #[test]
 fn low_click_noise_lowers_the_solves_sigmas_and_the_document_keeps_it() {
     let mut rng = rng("low_click_noise_lowers_the_solves_sigmas_and_the_document_keeps_it");
-    let truth = clicked(10, 0.0, &mut rng);
+    let truth = clicked_frames(10, 0.0, &mut rng);
     let mut document = by_another(&truth, &truth, 0.2, &mut rng);
     repeat(&mut document, &truth, 10, 0.2, &mut rng);
     let sigma = |document: &Document| {
@@ -357,7 +357,7 @@ fn low_click_noise_lowers_the_solves_sigmas_and_the_document_keeps_it() {
 #[test]
 fn the_interval_of_a_round_holds_the_truth_as_often_as_it_says() {
     let mut rng = rng("the_interval_of_a_round_holds_the_truth_as_often_as_it_says");
-    let truth = clicked(5, 0.0, &mut rng);
+    let truth = clicked_frames(5, 0.0, &mut rng);
     let (rounds, sigma_px) = (200, 0.7);
     let mut held = 0;
     for _ in 0..rounds {
@@ -378,7 +378,7 @@ fn the_interval_of_a_round_holds_the_truth_as_often_as_it_says() {
 #[test]
 fn the_commands_weight_clicks_as_the_document_says() {
     let mut rng = rng("the_commands_weight_clicks_as_the_document_says");
-    let truth = clicked(8, 0.0, &mut rng);
+    let truth = clicked_frames(8, 0.0, &mut rng);
     let mut document = by_another(&truth, &truth, 0.2, &mut rng);
     repeat(&mut document, &truth, 8, 0.2, &mut rng);
     let folder = tempfile::tempdir().unwrap();
@@ -425,7 +425,7 @@ fn the_commands_weight_clicks_as_the_document_says() {
 #[test]
 fn check_reports_faults_in_repeats_and_click_noise() {
     let mut rng = rng("check_reports_faults_in_repeats_and_click_noise");
-    let mut document = clicked(2, 0.0, &mut rng);
+    let mut document = clicked_frames(2, 0.0, &mut rng);
     assert_eq!(check_values(document.at(Path::new("."))), []);
     document.frames[0].repeats.push(Repeat::new(
         "centre_spot".into(),

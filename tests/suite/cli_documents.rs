@@ -68,7 +68,7 @@ fn truth(index: usize) -> PtzCamera {
 }
 
 /// A frame with its first `clicks` landmarks clicked exactly.
-fn clicked(index: usize, clicks: usize) -> Frame {
+fn clicked_frame(index: usize, clicks: usize) -> Frame {
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let mut frame = Frame::from_image(&format!("images/{index}.png"), "main".into(), SIZE);
     frame.status = FrameStatus::Draft;
@@ -91,7 +91,7 @@ fn clicked_document(folder: &Path, clicks: &[usize]) -> Document {
     document.frames = clicks
         .iter()
         .enumerate()
-        .map(|(index, clicks)| clicked(index, *clicks).into())
+        .map(|(index, clicks)| clicked_frame(index, *clicks).into())
         .collect();
     fs::write(
         folder.join("doc.json"),

@@ -51,7 +51,7 @@ pub fn drawn_clip(folder: &Path) -> Document {
 }
 
 /// Where a frame shows the landmarks of the field.
-pub fn shown(truth: &Document, frame: usize) -> Vec<(LandmarkId, ImagePoint)> {
+pub fn visible_landmarks(truth: &Document, frame: usize) -> Vec<(LandmarkId, ImagePoint)> {
     let field = touchline::field::builtin("soccer")
         .unwrap()
         .default_model()
@@ -78,5 +78,10 @@ pub fn landmark_errors_px(found: &Document, truth: &Document, frame: usize) -> O
             .unwrap()
             .distance_px(at)
     };
-    Some(shown(truth, frame).into_iter().map(off_px).collect())
+    Some(
+        visible_landmarks(truth, frame)
+            .into_iter()
+            .map(off_px)
+            .collect(),
+    )
 }

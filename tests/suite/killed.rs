@@ -2,7 +2,7 @@
 //! accepted is lost.
 #![cfg(feature = "opencv")]
 
-use crate::child::spawned;
+use crate::child::spawn_test;
 use crate::headless::Headless;
 use crate::program::touchline;
 use crate::relocalize_command::drawn_match;
@@ -14,7 +14,7 @@ use touchline::document::FrameStatus;
 
 const CHILD_FILE: &str = "TOUCHLINE_TEST_KILLED_FILE";
 
-fn suggested(app: &App) -> Option<usize> {
+fn suggested_frame(app: &App) -> Option<usize> {
     app.open()?
         .document
         .frames
@@ -28,7 +28,7 @@ fn is_done(app: &App) -> bool {
 }
 
 /// What the forest proposed and a person accepted: pan by frame.
-fn accepted(app: &App) -> BTreeMap<usize, f64> {
+fn accepted_pans(app: &App) -> BTreeMap<usize, f64> {
     let frames = app.open().unwrap().document.frames.iter().enumerate();
     let labels =
         frames.filter(|(_, frame)| frame.status == FrameStatus::Reference && frame.is_suggestion());
@@ -44,14 +44,16 @@ fn child_that_accepts_until_it_is_killed() {
     let Some(file) = std::env::var_os(CHILD_FILE) else {
         return;
     };
-    let mut headless = Headless::opened(Path::new(&file));
+    let mut headless = Headless::open(Path::new(&file));
     headless.wait_until("the trainer", |app| {
         app.session.trainer.status.references > 0
     });
     println!("begun");
     loop {
-        headless.wait_until("a proposal", |app| suggested(app).is_some() || is_done(app));
-        let Some(frame) = suggested(&headless.app) else {
+        headless.wait_until("a proposal", |app| {
+            suggested_frame(app).is_some() || is_done(app)
+        });
+        let Some(frame) = suggested_frame(&headless.app) else {
             break;
         };
         println!("proposed");
@@ -60,7 +62,7 @@ fn child_that_accepts_until_it_is_killed() {
         headless.wait_until("the journal", |app| {
             matches!(app.session.disk.saving, Saving::Saved { .. })
         });
-        println!("accepted {frame} {}", accepted(&headless.app)[&frame]);
+        println!("accepted {frame} {}", accepted_pans(&headless.app)[&frame]);
     }
     println!("done");
     std::thread::sleep(std::time::Duration::from_mins(1));
@@ -68,9 +70,9 @@ fn child_that_accepts_until_it_is_killed() {
 
 /// Runs the program until it has said something, kills it, and returns the last it said was
 /// accepted.
-fn killed_after(file: &Path, said: &str) -> BTreeMap<usize, f64> {
+fn kill_after(file: &Path, said: &str) -> BTreeMap<usize, f64> {
     let told = [(CHILD_FILE, file.to_str().unwrap())];
-    let (mut child, lines) = spawned("killed::child_that_accepts_until_it_is_killed", told);
+    let (mut child, lines) = spawn_test("killed::child_that_accepts_until_it_is_killed", told);
     let mut lines = lines.map_while(Result::ok);
     let mut accepted = BTreeMap::new();
     let mut note = |line: &str| {
@@ -103,9 +105,9 @@ fn what_was_accepted_survives_a_kill_and_the_forest_is_read_or_made_again() {
         .into_iter()
         .enumerate()
     {
-        acknowledged.extend(killed_after(&file, said));
-        let mut headless = Headless::opened(&file);
-        let found = accepted(&headless.app);
+        acknowledged.extend(kill_after(&file, said));
+        let mut headless = Headless::open(&file);
+        let found = accepted_pans(&headless.app);
         let lost: Vec<_> = acknowledged
             .iter()
             .filter(|(frame, pan_deg)| found.get(frame) != Some(pan_deg))

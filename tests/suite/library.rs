@@ -85,7 +85,7 @@ fn a_solved_frame_is_written_with_its_units() {
 }
 
 /// The names that a room's own file and its public modules hand out.
-fn handed_out(file: &Path, path: &str, into: &mut BTreeSet<String>) {
+fn collect_names(file: &Path, path: &str, into: &mut BTreeSet<String>) {
     let text = fs::read_to_string(file).unwrap();
     let text: String = text
         .lines()
@@ -121,7 +121,7 @@ fn handed_out(file: &Path, path: &str, into: &mut BTreeSet<String>) {
                     folder.join(name).join("mod.rs"),
                 ];
                 let file = candidates.iter().find(|file| file.is_file()).unwrap();
-                handed_out(file, &format!("{path}::{name}"), into);
+                collect_names(file, &format!("{path}::{name}"), into);
             }
             _ => {
                 let declared = rest
@@ -151,7 +151,7 @@ fn nothing_becomes_public_by_accident() {
             .filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'))
         {
             if !HIDDEN.contains(&room) {
-                handed_out(&folder.join(room).join("mod.rs"), room, &mut found);
+                collect_names(&folder.join(room).join("mod.rs"), room, &mut found);
             }
         }
     }

@@ -12,7 +12,7 @@ use touchline::geometry::{Angle, Mat3, Vec3};
 
 /// The clip with one camera for each frame, as another program gives them: without a lens, each at
 /// a place of its own, and `spoil` may spoil those of some frames.
-fn given(truth: &Document, spoil: impl Fn(usize, &mut CameraBase, &mut Ptz)) -> Document {
+fn foreign_clip(truth: &Document, spoil: impl Fn(usize, &mut CameraBase, &mut Ptz)) -> Document {
     let mut given = truth.clone();
     given.cameras.clear();
     for index in 0..given.frames.len() {
@@ -59,7 +59,7 @@ fn absurd_and_displaced_cameras_come_back_onto_the_lines() {
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
     // A stretch that is 20 px off, a focal length of three million px, a camera under the ground.
-    let given = given(&truth, |index, base, ptz| match index {
+    let given = foreign_clip(&truth, |index, base, ptz| match index {
         6..=9 => ptz.pan = ptz.pan + Angle::from_radians(20.0 / ptz.focal_px),
         13 => ptz.focal_px = 3e6,
         17 => base.position_m.z = -4.0,
@@ -91,7 +91,7 @@ fn cameras_that_are_all_mirrored_are_named_as_such() {
     let folder = place.path().join("match");
     let reflection = Vec3::new(-1.0, 1.0, 1.0);
     let reflect = Mat3::from_diagonal(&reflection);
-    let given = given(&truth, |_, base, ptz| {
+    let given = foreign_clip(&truth, |_, base, ptz| {
         base.position_m.component_mul_assign(&reflection);
         base.base_from_world = reflect * base.base_from_world * reflect;
         ptz.pan = -ptz.pan;
@@ -120,8 +120,8 @@ fn what_cannot_be_mended_is_said_in_one_line_and_nothing_is_written() {
         frame.solution = None;
         frame.status = FrameStatus::New;
     }
-    let absurd = given(&truth, |_, _, ptz| ptz.focal_px = 3e6);
-    let scattered = given(&truth, |index, base, _| {
+    let absurd = foreign_clip(&truth, |_, _, ptz| ptz.focal_px = 3e6);
+    let scattered = foreign_clip(&truth, |index, base, _| {
         base.position_m *= 1.0 + 0.5 * index as f64;
     });
     for (given, expected) in [
@@ -143,7 +143,7 @@ fn cameras_without_a_video_are_compared_with_each_other() {
     let place = tempfile::tempdir().unwrap();
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
-    let given = given(&truth, |index, base, ptz| match index {
+    let given = foreign_clip(&truth, |index, base, ptz| match index {
         7 => ptz.pan = ptz.pan + Angle::from_degrees(9.0),
         13 => ptz.focal_px = 3e6,
         17 => base.position_m.z = -4.0,

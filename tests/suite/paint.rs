@@ -35,7 +35,7 @@ fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: ImageS
     distances[distances.len() / 2]
 }
 
-fn turned(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
+fn turn_view(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
     let ptz = camera.ptz();
     let angle = |px: f64| Angle::from_radians(px / ptz.focal_px);
     let turned = Ptz {
@@ -60,7 +60,7 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
     for frame in &mut off.frames {
         frame.clicks.clear();
         let camera = truth.ptz_camera(frame).unwrap();
-        let ptz = turned(&camera, 12.0, -8.0, 1.005).ptz();
+        let ptz = turn_view(&camera, 12.0, -8.0, 1.005).ptz();
         frame.ptz = Some(FramePtz::new(ptz, None));
     }
     // One frame has no camera and stays as it is.
@@ -183,7 +183,7 @@ fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
     let folder = place.path().join("match");
     let mut off = document(&folder.join("truth.json"));
     let camera = off.ptz_camera(&off.frames[0]).unwrap();
-    let before = FramePtz::new(turned(&camera, 400.0, 150.0, 1.2).ptz(), None);
+    let before = FramePtz::new(turn_view(&camera, 400.0, 150.0, 1.2).ptz(), None);
     off.frames[0].ptz = Some(before.clone());
     off.frames[0].clicks.clear();
     fs::write(folder.join("off.json"), document_to_string(&off).unwrap()).unwrap();

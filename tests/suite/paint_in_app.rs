@@ -77,7 +77,7 @@ fn off_px(app: &App, truth: &Document) -> f64 {
 #[test]
 fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     let (place, truth) = project();
-    let mut headless = Headless::opened(&place.path().join("project"));
+    let mut headless = Headless::open(&place.path().join("project"));
     headless.wait_for_picture();
     assert!((9.0..11.0).contains(&off_px(&headless.app, &truth)));
 
@@ -168,7 +168,7 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     bare.image = Some(turf.to_string_lossy().into_owned());
     (bare.ptz, bare.solution, bare.status) = (None, None, FrameStatus::New);
     std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
-    let mut headless = Headless::opened(&place.path().join("project"));
+    let mut headless = Headless::open(&place.path().join("project"));
     assert_eq!(
         headless.app.why_not(Command::SearchLines),
         Some("This frame has a camera: snap it.")
@@ -231,7 +231,7 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
 #[test]
 fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
     let (place, _) = project();
-    let mut headless = Headless::opened(&place.path().join("project"));
+    let mut headless = Headless::open(&place.path().join("project"));
     headless.act(Action::Navigate(Navigation::GoTo(1)));
     headless.wait_for_picture();
     let before = frame(&headless.app).ptz.clone();
@@ -317,7 +317,7 @@ fn a_proposal_that_is_more_likely_wrong_is_asked_about_names_nothing_and_below_a
             ..Solution::default()
         });
         std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
-        let mut headless = Headless::opened(&place.path().join("project"));
+        let mut headless = Headless::open(&place.path().join("project"));
         assert_eq!(
             headless.app.shown_values().camera.is_some(),
             is_drawn,
@@ -357,7 +357,7 @@ fn a_proposal_that_is_more_likely_wrong_is_asked_about_names_nothing_and_below_a
 #[test]
 fn points_beside_painted_crossings_go_to_them() {
     let (place, truth) = project();
-    let mut headless = Headless::opened(&place.path().join("project"));
+    let mut headless = Headless::open(&place.path().join("project"));
     headless.wait_for_picture();
     let (field, size) = (
         headless.app.current().field().unwrap().clone(),
@@ -410,7 +410,7 @@ fn snapping_a_proposal_is_a_step_of_its_own() {
         ..Solution::default()
     });
     std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
-    let mut headless = Headless::opened(&place.path().join("project"));
+    let mut headless = Headless::open(&place.path().join("project"));
     headless.act(Action::Navigate(Navigation::GoTo(1)));
     headless.wait_until("the line check", |app| app.paint_says(1).is_some());
     headless.act(Action::Command(Command::AcceptAndStay));

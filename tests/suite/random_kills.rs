@@ -3,7 +3,7 @@
 //! each kill follows from its number.
 #![cfg(feature = "opencv")]
 
-use crate::child::spawned;
+use crate::child::spawn_test;
 use crate::headless::Headless;
 use crate::program::touchline;
 use crate::relocalize_command::drawn_match;
@@ -61,7 +61,7 @@ fn child_that_edits_until_it_is_killed() {
     };
     let place = place.into_string().unwrap();
     let (number, file) = place.split_once(' ').unwrap();
-    let mut headless = Headless::opened(Path::new(file));
+    let mut headless = Headless::open(Path::new(file));
     let mut random = rng(number);
     let mut edits = 0;
     let is_saved = |app: &touchline::app::App| !matches!(app.session.disk.saving, Saving::Pending);
@@ -102,7 +102,7 @@ fn what_a_person_did_survives_kills_at_random_moments() {
     let mut kept = 0;
     for number in 0..kills() {
         let told = format!("{number} {}", file.display());
-        let (mut child, lines) = spawned(
+        let (mut child, lines) = spawn_test(
             "random_kills::child_that_edits_until_it_is_killed",
             [(CHILD, &told)],
         );

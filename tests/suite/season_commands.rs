@@ -35,7 +35,7 @@ struct Season {
 }
 
 impl Season {
-    fn drawn() -> Self {
+    fn draw() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let drawn = touchline(
             folder.path(),
@@ -66,8 +66,8 @@ impl Season {
     }
 
     /// The season with its plan.
-    fn planned() -> (Self, Plan) {
-        let season = Self::drawn();
+    fn with_plan() -> (Self, Plan) {
+        let season = Self::draw();
         let ran = season.run("plan season.toml -o plan.json --commands commands");
         assert_eq!(ran.code, 0, "{}", ran.stderr);
         let plan = Plan::read(&season.path("plan.json")).unwrap();
@@ -134,7 +134,7 @@ fn bytes_of(folder: &Path, endings: &[&str]) -> BTreeMap<String, Vec<u8>> {
 
 #[test]
 fn a_season_in_any_order_gives_the_same_bytes_and_peoples_work_stays() {
-    let (season, plan) = Season::planned();
+    let (season, plan) = Season::with_plan();
     let north = &plan.matches[0];
     assert_eq!((north.num_frames, north.labels.len()), (12, 3));
     let commands = fs::read_to_string(season.path("commands")).unwrap();
@@ -218,7 +218,7 @@ fn a_season_in_any_order_gives_the_same_bytes_and_peoples_work_stays() {
 
 #[test]
 fn gaps_are_named_and_what_is_not_a_whole_part_is_not_taken() {
-    let (season, plan) = Season::planned();
+    let (season, plan) = Season::with_plan();
     let north = &plan.matches[0];
     let ran = season.run("collect plan.json parts -o out");
     assert_eq!(ran.code, 2);
@@ -321,7 +321,7 @@ fn gaps_are_named_and_what_is_not_a_whole_part_is_not_taken() {
 
 #[test]
 fn a_plan_is_for_one_processor_class_unless_it_says_otherwise() {
-    let season = Season::drawn();
+    let season = Season::draw();
     let mistaken = SEASON.replace("'grey'", "'gray'");
     fs::write(season.path("wrong.toml"), mistaken).unwrap();
     let refusal = season.refusal("plan wrong.toml -o wrong.json");
@@ -379,7 +379,7 @@ fn a_plan_is_for_one_processor_class_unless_it_says_otherwise() {
 
 #[test]
 fn a_shard_that_is_killed_or_has_no_space_leaves_nothing_and_is_done_again() {
-    let (season, plan) = Season::planned();
+    let (season, plan) = Season::with_plan();
     let find = &plan.matches[0].find;
     season.shard(find, "parts");
     let whole = fs::read(part_path(&season.path("parts"), find)).unwrap();
@@ -418,7 +418,7 @@ fn a_shard_that_is_killed_or_has_no_space_leaves_nothing_and_is_done_again() {
 
 #[test]
 fn a_shard_ends_with_the_process_that_started_it() {
-    let (season, plan) = Season::planned();
+    let (season, plan) = Season::with_plan();
     // The shell waits for the shard and is killed meanwhile.
     let script = format!(
         "{} shard plan.json {} -o parts & echo $!; wait",
@@ -457,7 +457,7 @@ fn a_shard_ends_with_the_process_that_started_it() {
 
 #[test]
 fn in_the_application_the_queue_leads_from_match_to_match() {
-    let (season, plan) = Season::planned();
+    let (season, plan) = Season::with_plan();
     season.all_shards(&plan, "parts");
     let collected = season.run("collect plan.json parts -o out");
     assert_eq!(collected.code, 0, "{}", collected.stderr);

@@ -2,7 +2,7 @@
 //! `TOUCHLINE_SOAK=14400` makes it eight hours of one action every two seconds.
 #![cfg(all(feature = "opencv", target_os = "linux"))]
 
-use crate::child::spawned;
+use crate::child::spawn_test;
 use crate::headless::Headless;
 use crate::relocalize_command::drawn_match;
 use crate::seeded::rng;
@@ -77,7 +77,7 @@ fn child_that_works_for_hours() {
     let told = told.into_string().unwrap();
     let (actions, file) = told.split_once(' ').unwrap();
     let mut random = rng("soak");
-    let mut headless = Headless::opened(Path::new(file));
+    let mut headless = Headless::open(Path::new(file));
     for done in 1..=actions.parse().unwrap() {
         let frames = headless.app.open().unwrap().document.frames.len();
         let at = ImagePoint::new(
@@ -119,7 +119,7 @@ fn child_that_works_for_hours() {
         if done % SESSION == 0 {
             headless.wait_until("rest", is_quiet);
             assert!(headless.runner.close().is_empty());
-            headless = Headless::opened(Path::new(file));
+            headless = Headless::open(Path::new(file));
             headless.wait_until("rest", is_quiet);
             headless.wait_for_picture();
             let ResourceUse {
@@ -134,12 +134,12 @@ fn child_that_works_for_hours() {
 }
 
 /// What a program takes of the machine each time that it has opened the project again.
-fn taken_in(actions: usize, file: &Path) -> Vec<ResourceUse> {
+fn resource_uses(actions: usize, file: &Path) -> Vec<ResourceUse> {
     let told = format!("{actions} {}", file.display());
     // Every session has threads of its own, and the allocator would keep room for some of each
     // until it has seen very many.
     let variables = [(CHILD, told.as_str()), ("MALLOC_ARENA_MAX", "1")];
-    let (mut child, lines) = spawned("soak::child_that_works_for_hours", variables);
+    let (mut child, lines) = spawn_test("soak::child_that_works_for_hours", variables);
     let taken = lines.map_while(Result::ok).filter_map(|line| {
         let numbers: Vec<f64> = line
             .split_once("taken ")?
@@ -167,7 +167,7 @@ fn hours_of_work_take_no_more_of_the_machine_than_minutes() {
     let place = tempfile::tempdir().unwrap();
     drawn_match(place.path());
     let file = place.path().join("match/ask.json");
-    let taken = taken_in(actions(), &file);
+    let taken = resource_uses(actions(), &file);
     let (begun, last) = taken.split_at(taken.len() / 2);
     let mean_mib = |some: &[ResourceUse]| {
         some.iter().map(|taken| taken.memory_mib).sum::<f64>() / some.len() as f64

@@ -72,7 +72,7 @@ fn is_read(text: &str) -> bool {
 }
 
 /// The list as it is now.
-fn listed() -> String {
+fn list_strings() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files: BTreeSet<&Path> = crates()
         .iter()
@@ -114,7 +114,7 @@ fn listed() -> String {
 #[test]
 fn every_text_stands_in_the_list_for_review() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(LIST);
-    let now = listed();
+    let now = list_strings();
     if std::env::var_os("UPDATE_STRINGS").is_some() {
         std::fs::write(&file, &now).unwrap();
         return;

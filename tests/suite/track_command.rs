@@ -2,7 +2,7 @@
 //! application.
 #![cfg(feature = "opencv")]
 
-use crate::drawn_clip::{document, drawn_clip, landmark_errors_px, shown, write};
+use crate::drawn_clip::{document, drawn_clip, landmark_errors_px, visible_landmarks, write};
 use crate::headless::Headless;
 use crate::program::touchline;
 use std::fs;
@@ -186,7 +186,7 @@ fn with_one_clicked_frame(folder: &Path, truth: &Document) -> Document {
             let clicked = |(index, (landmark, at)): (usize, (LandmarkId, ImagePoint))| {
                 Click::landmark(landmark, at.translate(off(index)))
             };
-            frame.clicks = shown(truth, 0)
+            frame.clicks = visible_landmarks(truth, 0)
                 .into_iter()
                 .enumerate()
                 .map(clicked)
@@ -252,7 +252,7 @@ fn in_the_application_the_base_is_refined_on_a_shot_that_is_carried_with_it() {
         &folder.join("project.json"),
         &with_one_clicked_frame(&folder, &truth),
     );
-    let mut headless = Headless::opened(&folder);
+    let mut headless = Headless::open(&folder);
     assert!(
         headless.app.why_not(Command::Track).is_some(),
         "there is no base"
@@ -269,14 +269,14 @@ fn in_the_application_the_base_is_refined_on_a_shot_that_is_carried_with_it() {
     );
 
     headless.act(Action::Command(Command::RefineBaseOnShot));
-    headless.wait_until("the cameras", |app| tracked(app) == 29);
+    headless.wait_until("the cameras", |app| tracked_count(app) == 29);
     let worst = worst_of_all_px(&headless.app.open().unwrap().document, &truth);
     assert!(worst < 3.0, "{worst} px");
     let has_base = |app: &App| app.open().unwrap().document.cameras[0].base().is_some();
     headless.act(Action::Command(Command::Undo));
     assert!(!has_base(&headless.app), "the base is one step");
     assert_eq!(
-        tracked(&headless.app),
+        tracked_count(&headless.app),
         0,
         "what was carried with it goes, too"
     );
@@ -316,7 +316,7 @@ fn a_clip_that_cannot_be_read_is_named_and_the_others_are_carried() {
 }
 
 /// Frames with a tracked camera.
-fn tracked(app: &App) -> usize {
+fn tracked_count(app: &App) -> usize {
     let source = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.source);
     app.open()
         .unwrap()
@@ -333,7 +333,7 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
     fs::copy(folder.join("ask.json"), folder.join("project.json")).unwrap();
-    let mut headless = Headless::opened(&folder);
+    let mut headless = Headless::open(&folder);
     headless.act(Action::Command(Command::Track));
     assert_eq!(
         next_step(&headless.app).offers,
@@ -344,10 +344,12 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
         "one at a time"
     );
     headless.act(Action::Command(Command::StopTracking));
-    assert!(headless.app.why_not(Command::StopTracking).is_some() && tracked(&headless.app) == 0);
+    assert!(
+        headless.app.why_not(Command::StopTracking).is_some() && tracked_count(&headless.app) == 0
+    );
 
     headless.act(Action::Command(Command::Track));
-    headless.wait_until("the cameras", |app| tracked(app) == 28);
+    headless.wait_until("the cameras", |app| tracked_count(app) == 28);
     let document = (*headless.app.open().unwrap().document).clone();
     for index in 1..29 {
         let off_px = worst_px(&document, &truth, index);
@@ -361,11 +363,11 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
     assert_eq!(headless.app.frame().unwrap().status, FrameStatus::Reference);
     headless.act(Action::Command(Command::Undo));
     assert_eq!(headless.app.frame().unwrap().status, FrameStatus::Suggested);
-    assert_eq!(tracked(&headless.app), 28);
+    assert_eq!(tracked_count(&headless.app), 28);
 
     // They go as they came.
     headless.act(Action::Command(Command::DiscardTracked));
-    assert_eq!(tracked(&headless.app), 0);
+    assert_eq!(tracked_count(&headless.app), 0);
     assert!(headless.app.why_not(Command::DiscardTracked).is_some());
     let decided = |app: &App| {
         app.open()
@@ -381,7 +383,7 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
 
 /// The two landmarks of a frame that are farthest apart.
 fn far_apart(truth: &Document, frame: usize) -> [LandmarkId; 2] {
-    let shown = shown(truth, frame);
+    let shown = visible_landmarks(truth, frame);
     let pairs = shown
         .iter()
         .flat_map(|one| shown.iter().map(move |other| (one, other)));
@@ -394,7 +396,7 @@ fn far_apart(truth: &Document, frame: usize) -> [LandmarkId; 2] {
 
 /// Clicks a landmark of the shown frame where it is.
 fn click(headless: &mut Headless, truth: &Document, landmark: &LandmarkId) {
-    let shown = shown(truth, headless.app.session.frame);
+    let shown = visible_landmarks(truth, headless.app.session.frame);
     let (_, at) = shown.iter().find(|(id, _)| id == landmark).unwrap();
     headless.act(Action::Pointer(PointerAction::Press { at: *at, on: None }));
     headless.act(Action::Pointer(PointerAction::Release));
@@ -426,9 +428,9 @@ fn the_other_frames_of_the_shot_follow_a_correction_without_reading_its_pictures
     first.solution.as_mut().unwrap().covariance =
         Some(Mat3::from_diagonal(&Vec3::new(0.25, 0.25, 400.0)));
     write(&folder.join("project.json"), &asked);
-    let mut headless = Headless::opened(&folder);
+    let mut headless = Headless::open(&folder);
     headless.act(Action::Command(Command::Track));
-    headless.wait_until("the cameras", |app| tracked(app) == 29);
+    headless.wait_until("the cameras", |app| tracked_count(app) == 29);
     let off_px = |app: &App, frame| worst_px(&app.open().unwrap().document, &truth, frame);
     // Without most of its pictures the shot can only follow by what was seen before. Those that are
     // held to their paint are looked at again where masks were found since.
@@ -449,7 +451,7 @@ fn the_other_frames_of_the_shot_follow_a_correction_without_reading_its_pictures
             .any(|notice| notice.text.contains("follow this correction"))
     };
     headless.wait_until("the others follow", followed);
-    assert_eq!(tracked(&headless.app), 28);
+    assert_eq!(tracked_count(&headless.app), 28);
     assert!(
         off_px(&headless.app, 20) < 2.0,
         "{}",

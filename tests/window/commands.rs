@@ -1,7 +1,7 @@
 //! Commands by palette, keys and menus, and the dialogs that they open.
 
 use super::harness::Window;
-use super::solved_frame::{SIZE, chord, solved};
+use super::solved_frame::{SIZE, chord, solved_window};
 use crate::parts::{Test, tests};
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -81,7 +81,7 @@ fn a_key_conflict_is_reported_when_a_key_is_changed() {
 }
 
 fn menus_say_what_cannot_be_done_and_the_rows_what_can() {
-    let mut window = solved();
+    let mut window = solved_window();
     window.snapshot_of(
         "status",
         egui::Rect::from_min_size(pos2(0.0, 696.0), vec2(1280.0, 24.0)),

@@ -71,7 +71,7 @@ fn round(off_px: f64) -> Window {
 
 /// What the window shows below its menu and above its filmstrip, with the pointer at a point of the
 /// picture.
-fn seen(window: &mut Window, at: ImagePoint) -> Vec<u8> {
+fn pixels(window: &mut Window, at: ImagePoint) -> Vec<u8> {
     let at = window.on_screen(at);
     window.drag(at);
     window.harness.run_steps(2);
@@ -95,7 +95,7 @@ fn nothing_of_the_label_shows_in_a_blind_round() {
     assert!(label.distance_px(far.app().frame().unwrap().clicks[0].image) > 25.0);
     for at in [label, ImagePoint::new(320.0, 180.0)] {
         assert!(
-            alike(&seen(&mut near, at), &seen(&mut far, at)),
+            alike(&pixels(&mut near, at), &pixels(&mut far, at)),
             "the label shows with the pointer at {at:?}"
         );
     }
@@ -107,7 +107,7 @@ fn nothing_of_the_label_shows_in_a_blind_round() {
             .apply([Action::Command(Command::Cancel)]);
         window.harness.run_steps(3);
     }
-    assert!(!alike(&seen(&mut near, label), &seen(&mut far, label)));
+    assert!(!alike(&pixels(&mut near, label), &pixels(&mut far, label)));
 }
 
 fn a_blind_click_is_kept_where_it_was_made() {

@@ -1,7 +1,7 @@
 //! The panels of a frame and of its camera: numbers are typed and dragged, points are listed.
 
 use super::harness::{Window, truth};
-use super::solved_frame::{chord, solved};
+use super::solved_frame::{chord, solved_window};
 use crate::parts::{Test, tests};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2, vec2};
@@ -41,7 +41,7 @@ fn type_number(window: &mut Window, name: &str, text: &str, end: Key) {
 }
 
 fn a_typed_number_is_one_step_of_undo_and_escape_none() {
-    let mut window = solved();
+    let mut window = solved_window();
     let before = window.app().current().camera.unwrap().ptz();
     let step = undo_name(&window);
     type_number(&mut window, "Focal length", "900", Key::Escape);
@@ -64,7 +64,7 @@ fn a_typed_number_is_one_step_of_undo_and_escape_none() {
 }
 
 fn a_dragged_number_is_one_step_and_the_camera_follows() {
-    let mut window = solved();
+    let mut window = solved_window();
     let before = window.app().current().camera.unwrap().ptz();
     let at = window
         .harness
@@ -84,7 +84,7 @@ fn a_dragged_number_is_one_step_and_the_camera_follows() {
 }
 
 fn points_are_selected_held_out_and_deleted_in_their_list() {
-    let mut window = solved();
+    let mut window = solved_window();
     // The camera is checked against the painted lines in the background, which adds a line to the
     // verdict.
     window.harness.hover_at(pos2(600.0, 400.0));
@@ -121,7 +121,7 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
 }
 
 fn details_unfold_and_say_what_two_points_cannot() {
-    let mut window = solved();
+    let mut window = solved_window();
     window.harness.get_by_label("Details").click();
     window.harness.run_steps(3);
     assert!(window.app().settings.details);
@@ -132,7 +132,7 @@ fn details_unfold_and_say_what_two_points_cannot() {
 }
 
 fn the_camera_panel_changes_the_base_and_the_overlay_follows() {
-    let mut window = solved();
+    let mut window = solved_window();
     window.key(Key::F2);
     assert_eq!(window.app().session.panel, SidePanel::Camera);
     window.harness.hover_at(pos2(1020.0, 40.0));

@@ -1,7 +1,7 @@
 //! The panels around the picture as a whole: sizes, places, names of controls, messages.
 
 use super::harness::Window;
-use super::solved_frame::{SIZE, solved};
+use super::solved_frame::{SIZE, solved_window};
 use crate::parts::{Test, tests};
 use egui::accesskit::Role;
 use egui::{Key, vec2};
@@ -69,7 +69,7 @@ fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
 }
 
 fn every_control_has_a_name() {
-    let mut window = solved();
+    let mut window = solved_window();
     let nameless = |window: &Window, place: &str| {
         assert_eq!(
             window.harness.unnamed_widgets(),
@@ -217,7 +217,7 @@ fn in_the_smallest_window_verdict_and_reasons_are_in_sight() {
 }
 
 fn every_side_panel_begins_at_the_same_place() {
-    let mut window = solved();
+    let mut window = solved_window();
     let panels = [
         (Command::CameraPanel, "POSITION"),
         (Command::TrainerPanel, "TRAINED ON"),

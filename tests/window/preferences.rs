@@ -106,7 +106,7 @@ fn without_the_loupe_there_is_none() {
 }
 
 /// The control with the focus: its name and its place.
-fn focused(window: &Window) -> Option<(String, Rect)> {
+fn focused_control(window: &Window) -> Option<(String, Rect)> {
     let node = window
         .harness
         .root()
@@ -143,7 +143,7 @@ fn tab_goes_through_a_dialog_from_top_to_bottom() {
                 .harness
                 .key_press_modifiers(Modifiers::NONE, Key::Tab);
             window.harness.run_steps(2);
-            match focused(&window) {
+            match focused_control(&window) {
                 Some((name, _)) if name == close => {
                     comes_back = true;
                     break;

@@ -7,7 +7,7 @@ use egui::{Key, Modifiers, pos2};
 pub const SIZE: [f32; 2] = [1280.0, 720.0];
 
 /// A frame with two points, solved.
-pub fn solved() -> Window {
+pub fn solved_window() -> Window {
     let mut window = Window::open(4, SIZE, 1.0);
     for (landmark, code) in [
         ("penalty_area_far_left_front", "pflf"),

@@ -79,7 +79,7 @@ fn handle(window: &Window, frame: u64) -> Pos2 {
     )
 }
 
-fn shown(window: &Window) -> usize {
+fn shown_frame(window: &Window) -> usize {
     window.app().session.frame
 }
 
@@ -96,18 +96,18 @@ fn a_click_or_a_drag_on_the_timeline_shows_that_frame() {
     let at = on_line(&window, 30, 20.0);
     window.press(at);
     window.release(at);
-    assert_eq!(shown(&window), 30);
+    assert_eq!(shown_frame(&window), 30);
     window.press(on_line(&window, 10, 20.0));
-    assert_eq!(shown(&window), 10);
+    assert_eq!(shown_frame(&window), 10);
     let to = on_line(&window, 55, 20.0);
     window.drag(to);
     assert_eq!(
-        shown(&window),
+        shown_frame(&window),
         55,
         "the frame under the pointer is shown while it is dragged"
     );
     window.release(to);
-    assert_eq!(shown(&window), 55);
+    assert_eq!(shown_frame(&window), 55);
     assert_eq!(starts(&window), [0, CUT], "nothing was cut");
 }
 
@@ -133,7 +133,7 @@ fn a_drag_with_shift_selects_frames_and_a_click_lets_go_of_them() {
         .event(Event::ModifiersChanged(Modifiers::NONE));
     window.harness.run_steps(2);
     assert_eq!(selected(&window), (10..=15).collect::<Vec<_>>());
-    assert_eq!(shown(&window), 10, "the shown frame stays");
+    assert_eq!(shown_frame(&window), 10, "the shown frame stays");
     window
         .harness
         .get_by_label_contains("6 frames selected, 10 to 15.");
@@ -147,7 +147,7 @@ fn a_drag_with_shift_selects_frames_and_a_click_lets_go_of_them() {
     let elsewhere = on_line(&window, 40, 20.0);
     window.press(elsewhere);
     window.release(elsewhere);
-    assert_eq!((selected(&window), shown(&window)), (Vec::new(), 40));
+    assert_eq!((selected(&window), shown_frame(&window)), (Vec::new(), 40));
 }
 
 fn the_handle_of_a_cut_moves_it_in_one_step_of_undo() {
@@ -158,12 +158,12 @@ fn the_handle_of_a_cut_moves_it_in_one_step_of_undo() {
         window.drag(from + (to - from) * (step as f32 / 4.0));
     }
     assert_eq!(
-        (starts(&window), shown(&window)),
+        (starts(&window), shown_frame(&window)),
         (vec![0, CUT], 0),
         "it is moved when it is let go"
     );
     window.release(to);
-    assert_eq!((starts(&window), shown(&window)), (vec![0, 20], 0));
+    assert_eq!((starts(&window), shown_frame(&window)), (vec![0, 20], 0));
     window
         .harness
         .key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -180,12 +180,12 @@ fn a_frame_is_gone_to_by_its_number_or_its_time() {
         window.harness.run_steps(3);
         window.type_text(typed);
         window.key(Key::Enter);
-        assert_eq!(shown(&window), frame, "{typed}");
+        assert_eq!(shown_frame(&window), frame, "{typed}");
     }
     window.key(Key::Home);
-    assert_eq!(shown(&window), 0);
+    assert_eq!(shown_frame(&window), 0);
     window.key(Key::End);
-    assert_eq!(shown(&window) as u64, FRAMES - 1);
+    assert_eq!(shown_frame(&window) as u64, FRAMES - 1);
     // What is no place is said at the field, and nothing else happens.
     window
         .harness
@@ -193,7 +193,7 @@ fn a_frame_is_gone_to_by_its_number_or_its_time() {
     window.harness.run_steps(3);
     window.type_text("soon");
     window.key(Key::Enter);
-    assert_eq!(shown(&window) as u64, FRAMES - 1);
+    assert_eq!(shown_frame(&window) as u64, FRAMES - 1);
     window.harness.get_by_label("Frame or time");
 }
 
@@ -203,9 +203,9 @@ fn a_video_plays_and_stands_where_it_is_paused() {
     window.wait_for(|shell| shell.app().session.frame >= 3);
     window.harness.get_by_label("Pause").click();
     window.harness.run_steps(2);
-    let stands = shown(&window);
+    let stands = shown_frame(&window);
     window.harness.get_by_label("Play");
     std::thread::sleep(std::time::Duration::from_millis(150));
     window.harness.run_steps(4);
-    assert_eq!(shown(&window), stands);
+    assert_eq!(shown_frame(&window), stands);
 }

@@ -16,13 +16,13 @@ pub const TESTS: &[Test] = tests![
 
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
-fn looked(window: &mut Window) {
+fn wait_for_look(window: &mut Window) {
     window.wait_for(|shell| shell.app().operations.transfer.found.is_some() && shell.is_idle());
     window.harness.run_steps(3);
 }
 
 /// The format of the export that was looked at.
-fn exported(app: &App) -> Option<Format> {
+fn exported_format(app: &App) -> Option<Format> {
     match &app.operations.transfer.found.as_ref()?.look {
         PreviewResult::Export(Ok(exported)) => Some(exported.format),
         _ => None,
@@ -36,13 +36,13 @@ fn formats_say_what_they_are_and_what_they_lose_before_anything_is_written() {
         .key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.harness.run_steps(2);
     assert_eq!(window.app().session.dialog, Some(Dialog::Transfer));
-    looked(&mut window);
+    wait_for_look(&mut window);
     // Further down in the list than a click reaches.
     window
         .harness
         .state_mut()
         .apply([Action::Transfer(TransferAction::Format(Format::Chan))]);
-    window.wait_for(|shell| shell.is_idle() && exported(shell.app()) == Some(Format::Chan));
+    window.wait_for(|shell| shell.is_idle() && exported_format(shell.app()) == Some(Format::Chan));
     window.harness.run_steps(3);
     assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
     window.snapshot_of(
@@ -68,7 +68,7 @@ fn a_dataset_is_shown_before_it_is_written() {
         .get_by_label("split into training, validation and test, %:")
         .click();
     window.harness.run_steps(2);
-    looked(&mut window);
+    wait_for_look(&mut window);
     assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
     window.snapshot_of(
         "export_dataset",

@@ -160,7 +160,7 @@ fn two_points_named() -> Window {
     window
 }
 
-fn named(window: &Window) -> Vec<String> {
+fn clicked_names(window: &Window) -> Vec<String> {
     let clicks = &window.app().open().unwrap().frame(0).unwrap().clicks;
     clicks
         .iter()
@@ -204,11 +204,11 @@ fn a_code_typed_after_a_point_has_named_itself_is_its_name_and_no_command() {
             // The second point has that name: the two have swapped, and the list has said so
             // before.
             assert_eq!(
-                named(&window)[1..],
+                clicked_names(&window)[1..],
                 ["penalty_mark_left", "centre_circle_halfway_near"]
             );
         } else {
-            assert_eq!(named(&window)[2], expected);
+            assert_eq!(clicked_names(&window)[2], expected);
         }
     }
     // Where the pointer has left the point letters are commands again.

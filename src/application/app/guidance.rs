@@ -234,8 +234,8 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
     let ready = app.base_readiness();
     if ready.is_enough() {
         let text = format!(
-            "{} frames are enough to estimate the base. More frames improve it.",
-            ready.wide
+            "{} are enough to estimate the base. More frames improve it.",
+            pluralise(ready.wide, "frame")
         );
         return Some(
             Guidance::say(text).with_button("Estimate the base now", Command::EstimateBase),

@@ -78,7 +78,7 @@ impl FilmingPosition {
     }
 
     /// The landmarks that a camera here shows, with where.
-    fn shown(&self, ptz: Ptz) -> Vec<(String, ImagePoint)> {
+    fn visible_landmarks(&self, ptz: Ptz) -> Vec<(String, ImagePoint)> {
         let field = field();
         let camera = PtzCamera::new(self.base, ptz);
         let image = |landmark| {
@@ -96,7 +96,7 @@ impl FilmingPosition {
     /// What a frame with all landmarks clicked is warned of as being implausible, were it the
     /// document's next one.
     fn implausible(&self, document: &Document, frame: Frame, ptz: Ptz) -> Option<String> {
-        let shown = self.shown(ptz);
+        let shown = self.visible_landmarks(ptz);
         assert!(shown.len() >= 3, "{}: {shown:?}", self.name);
         let clicks = shown
             .iter()
@@ -198,7 +198,7 @@ fn a_camera_that_pans_over_the_seam_does_not_jump() {
 /// right one's rank.
 fn names(place: &FilmingPosition, right_deg: f64) -> (Vec<String>, usize) {
     let (field, ptz) = (field(), place.looks(right_deg));
-    let shown = place.shown(ptz);
+    let shown = place.visible_landmarks(ptz);
     let left = shown.iter().min_by(|a, b| a.1.x.total_cmp(&b.1.x)).unwrap();
     let right = shown.iter().max_by(|a, b| a.1.x.total_cmp(&b.1.x)).unwrap();
     let scene = NamingScene {

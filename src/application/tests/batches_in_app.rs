@@ -47,7 +47,7 @@ fn a_batch_is_discarded_where_no_person_has_changed_its_frames() {
         "it is no step"
     );
     assert_eq!(
-        bench.journalled(&start),
+        bench.replay_journal(&start),
         *bench.app.open().unwrap().document
     );
 }

@@ -1,7 +1,7 @@
 //! Changes after which many frames are solved again: in the background, as one step of undo,
 //! and without overwriting edits.
 
-use crate::bench::uncounted;
+use crate::bench::without_counts;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use touchline_application::app::operation::{Job, Operation};
@@ -99,7 +99,7 @@ fn higher(app: &App, height_m: f64) -> Action {
     Action::Edit(EditAction::Camera(Box::new(camera)))
 }
 
-fn ordered(effects: Vec<Effect>) -> Option<Job> {
+fn bulk_job(effects: Vec<Effect>) -> Option<Job> {
     effects.into_iter().find_map(|effect| match effect {
         Effect::Start(job) if job.name() == BulkSolving::NAME => Some(job),
         _ => None,
@@ -107,7 +107,7 @@ fn ordered(effects: Vec<Effect>) -> Option<Job> {
 }
 
 /// What the job reports in the end.
-fn solved(job: &Job) -> Action {
+fn report_of(job: &Job) -> Action {
     Action::Report(job.run(&SharedPictures::none(), &|_| ()))
 }
 
@@ -145,7 +145,7 @@ fn many_frames_are_solved_in_the_background_in_one_step_and_edits_made_meanwhile
     let before = document();
     let mut app = open(before.clone());
     let change = higher(&app, 18.5);
-    let order = ordered(app.update(change)).expect("many frames");
+    let order = bulk_job(app.update(change)).expect("many frames");
     assert_eq!(*now(&app), before, "nothing has changed yet");
     assert!(app.operations.bulk_solve.is_running() && app.why_not(Command::StopSolving).is_none());
 
@@ -160,7 +160,7 @@ fn many_frames_are_solved_in_the_background_in_one_step_and_edits_made_meanwhile
     assert_ne!(clicks, before.frames[EDITED].clicks);
     let edited = now(&app).clone();
 
-    let effects = app.update(solved(&order));
+    let effects = app.update(report_of(&order));
     assert!(!app.operations.bulk_solve.is_running());
     let journalled = effects
         .iter()
@@ -192,15 +192,15 @@ fn many_frames_are_solved_in_the_background_in_one_step_and_edits_made_meanwhile
 
     app.update(Action::Command(Command::Undo));
     assert_eq!(
-        uncounted(now(&app)),
-        uncounted(&edited),
+        without_counts(now(&app)),
+        without_counts(&edited),
         "one step takes all of it back, and nothing else"
     );
     app.update(Action::Command(Command::Redo));
     assert_eq!(height_m(now(&app)), 18.5);
     app.update(Action::Command(Command::Undo));
     app.update(Action::Command(Command::Undo));
-    assert_eq!(uncounted(now(&app)), uncounted(&before));
+    assert_eq!(without_counts(now(&app)), without_counts(&before));
 }
 
 #[test]
@@ -208,10 +208,10 @@ fn it_can_be_stopped_and_then_nothing_has_changed() {
     let before = document();
     let mut app = open(before.clone());
     let change = higher(&app, 19.0);
-    let order = ordered(app.update(change)).unwrap();
+    let order = bulk_job(app.update(change)).unwrap();
     let change = higher(&app, 20.0);
-    assert!(ordered(app.update(change)).is_none(), "one at a time");
-    let late = solved(&order);
+    assert!(bulk_job(app.update(change)).is_none(), "one at a time");
+    let late = report_of(&order);
     app.update(Action::Command(Command::StopSolving));
     assert!(order.is_cancelled() && !app.operations.bulk_solve.is_running());
     app.update(late);
@@ -253,7 +253,7 @@ fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
 fn a_drag_is_not_cut_in_two() {
     let mut app = open(document());
     let change = higher(&app, 18.5);
-    let order = ordered(app.update(change)).unwrap();
+    let order = bulk_job(app.update(change)).unwrap();
     app.update(Action::Navigate(Navigation::GoTo(EDITED)));
     let at = app.frame().unwrap().clicks[0].image;
     app.update(Action::Pointer(PointerAction::Press { at, on: Some(0) }));
@@ -261,7 +261,7 @@ fn a_drag_is_not_cut_in_two() {
         at.x + 2.0,
         at.y,
     ))));
-    app.update(solved(&order));
+    app.update(report_of(&order));
     assert_eq!(
         height_m(now(&app)),
         18.0,
@@ -299,16 +299,16 @@ fn a_drag_is_not_cut_in_two() {
 fn where_the_cameras_have_changed_meanwhile_it_is_worked_out_again() {
     let mut app = open(document());
     let change = higher(&app, 18.5);
-    let first = ordered(app.update(change)).unwrap();
-    app.update(solved(&first));
+    let first = bulk_job(app.update(change)).unwrap();
+    app.update(report_of(&first));
     let change = higher(&app, 19.0);
-    let second = ordered(app.update(change)).unwrap();
+    let second = bulk_job(app.update(change)).unwrap();
     app.update(Action::Command(Command::Undo));
     assert_eq!(height_m(now(&app)), 18.0);
-    let again = ordered(app.update(solved(&second)))
+    let again = bulk_job(app.update(report_of(&second)))
         .expect("the camera is not the one it was worked out for");
     assert!(again.id() != second.id() && height_m(now(&app)) == 18.0);
-    app.update(solved(&again));
+    app.update(report_of(&again));
     assert_eq!(height_m(now(&app)), 19.0);
     assert!(is_solved_for(now(&app), 3, 19.0));
 }
@@ -325,10 +325,10 @@ fn a_frame_that_is_given_away_while_it_is_edited_keeps_its_edit_and_gets_its_cam
         scope: Scope::Onwards,
         camera: CameraChoice::Known("second".into()),
     });
-    let order = ordered(app.update(give)).expect("many frames");
+    let order = bulk_job(app.update(give)).expect("many frames");
     app.update(Action::Navigate(Navigation::GoTo(EDITED)));
     app.update(Action::Edit(EditAction::SetComment("rain".to_owned())));
-    app.update(solved(&order));
+    app.update(report_of(&order));
     let frames = &now(&app).frames;
     assert!((3..FRAMES).all(|index| frames[index].camera.as_str() == "second"));
     assert_eq!(
@@ -351,7 +351,7 @@ fn what_cannot_be_done_is_reported_and_changes_nothing() {
     let mut app = open(document());
     let before = now(&app).clone();
     let change = higher(&app, 19.0);
-    let order = ordered(app.update(change)).unwrap();
+    let order = bulk_job(app.update(change)).unwrap();
     app.update(Action::Report(
         order.panic_report("out of grass".to_owned()),
     ));
@@ -372,7 +372,7 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     gold.frames[EDITED].gold = true;
     let mut app = open(gold);
     let change = higher(&app, 18.5);
-    let order = ordered(app.update(change)).expect("many frames");
+    let order = bulk_job(app.update(change)).expect("many frames");
     app.update(Action::Command(Command::ClickAgain));
     let question = app
         .round()
@@ -383,7 +383,7 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     app.update(Action::Pointer(PointerAction::Release));
     let repeats = |app: &App| now(app).frames[EDITED].repeats.len();
     assert_eq!(repeats(&app), 1);
-    app.update(solved(&order));
+    app.update(report_of(&order));
     assert_eq!(height_m(now(&app)), 18.5, "it became a step meanwhile");
     app.update(Action::Command(Command::Undo));
     assert_eq!(
@@ -403,7 +403,7 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
 fn a_mask_that_is_drawn_meanwhile_stays() {
     let mut app = open(document());
     let change = higher(&app, 18.5);
-    let order = ordered(app.update(change)).expect("many frames");
+    let order = bulk_job(app.update(change)).expect("many frames");
     let mask = PixelBox {
         x: 60.0,
         y: 40.0,
@@ -414,9 +414,9 @@ fn a_mask_that_is_drawn_meanwhile_stays() {
         of_camera: true,
         mask,
     }));
-    let again = ordered(app.update(solved(&order)))
+    let again = bulk_job(app.update(report_of(&order)))
         .expect("the camera changed meanwhile: it is worked out again");
-    app.update(solved(&again));
+    app.update(report_of(&again));
     assert_eq!(
         (height_m(now(&app)), &now(&app).cameras[0].masks[..]),
         (18.5, &[mask][..])

@@ -2,7 +2,7 @@
 #![cfg(feature = "opencv")]
 
 use crate::bench::Bench;
-use crate::masks_in_app::{BUG, ranged, video};
+use crate::masks_in_app::{BUG, ranged_masks, video};
 use touchline_application::app::operation::Report;
 use touchline_application::app::operations::BurntInSearch;
 use touchline_application::app::session::{Level, SidePanel};
@@ -14,7 +14,7 @@ use touchline_documents::document::{
     Camera, Document, Extra, FieldSpec, Frame, MaskSource, RangedMask,
 };
 
-fn found(from: Option<u64>, to: Option<u64>) -> FoundMask {
+fn found_mask(from: Option<u64>, to: Option<u64>) -> FoundMask {
     let mask = RangedMask {
         pixel_box: BUG,
         from,
@@ -31,13 +31,13 @@ fn found(from: Option<u64>, to: Option<u64>) -> FoundMask {
 }
 
 fn bench_with_found() -> Bench {
-    let mut bench = opened(video());
-    bench.report_end::<BurntInSearch>(Ok(vec![found(None, Some(499))]));
+    let mut bench = bench_of(video());
+    bench.report_end::<BurntInSearch>(Ok(vec![found_mask(None, Some(499))]));
     bench
 }
 
 /// A document with what opening it started.
-fn opened(document: Document) -> Bench {
+fn bench_of(document: Document) -> Bench {
     let mut bench = Bench {
         app: App::new(Settings::default()),
         effects: Vec::new(),
@@ -84,28 +84,31 @@ fn what_looks_burned_in_causes_a_question_and_is_kept_in_one_step() {
         "not where it is not shown"
     );
     bench.command(Command::KeepBurntIn);
-    assert_eq!(ranged(&bench.app), [(None, Some(499), MaskSource::Found)]);
+    assert_eq!(
+        ranged_masks(&bench.app),
+        [(None, Some(499), MaskSource::Found)]
+    );
     assert!(bench.app.session.messages.notices.is_empty());
     assert_eq!(bench.app.session.picture.tool, Tool::Point);
     assert!(bench.app.why_not(Command::KeepBurntIn).is_some());
     bench.command(Command::Undo);
-    assert!(ranged(&bench.app).is_empty());
+    assert!(ranged_masks(&bench.app).is_empty());
     bench.command(Command::Redo);
-    assert_eq!(ranged(&bench.app).len(), 1);
+    assert_eq!(ranged_masks(&bench.app).len(), 1);
 }
 
 #[test]
 fn change_keeps_them_and_opens_the_masks() {
     let mut bench = bench_with_found();
     bench.command(Command::ChangeBurntIn);
-    assert_eq!(ranged(&bench.app).len(), 1);
+    assert_eq!(ranged_masks(&bench.app).len(), 1);
     assert_eq!(bench.app.session.picture.tool, Tool::Mask);
     assert_eq!(bench.app.session.panel, SidePanel::Camera);
     bench.act(Action::Edit(EditAction::RemoveMask {
         list: MaskList::Ranged,
         index: 0,
     }));
-    assert!(ranged(&bench.app).is_empty());
+    assert!(ranged_masks(&bench.app).is_empty());
 }
 
 #[test]
@@ -119,13 +122,13 @@ fn a_closed_question_shows_nothing_and_what_is_masked_causes_no_new_question() {
         "the menu still offers it"
     );
     bench.command(Command::KeepBurntIn);
-    let before = bench.started::<BurntInSearch>().id();
+    let before = bench.last_job::<BurntInSearch>().id();
     let document = (*bench.app.open().unwrap().document).clone();
     open(&mut bench, document);
-    bench.report_end::<BurntInSearch>(Ok(vec![found(None, None)]));
+    bench.report_end::<BurntInSearch>(Ok(vec![found_mask(None, None)]));
     bench.act(Action::Report(Report::from_result::<BurntInSearch>(
         before,
-        Ok(vec![found(None, None)]),
+        Ok(vec![found_mask(None, None)]),
     )));
     assert!(
         bench.app.session.messages.notices.is_empty(),
@@ -193,5 +196,5 @@ fn a_drawn_match_with_a_score_bug_causes_a_question_after_opening() {
             touchline_application::app::session::Saving::Saved { .. }
         )
     });
-    assert_eq!(ranged(&headless.app).len(), masks.len());
+    assert_eq!(ranged_masks(&headless.app).len(), masks.len());
 }

@@ -1,7 +1,7 @@
 //! Gold frames in the application: chosen, clicked again blind, undone, journalled; the resulting
 //! click noise and its use.
 
-use crate::bench::{Bench, SIZE, base, landmark_in, uncounted};
+use crate::bench::{Bench, SIZE, base, landmark_in, without_counts};
 use crate::seeded::{normal, rng};
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
@@ -30,12 +30,12 @@ fn exact(frame: usize, landmark: &str) -> ImagePoint {
     )
 }
 
-fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
+fn jitter(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
     at.translate(Vec2::new(normal(rng), normal(rng)) * sigma_px)
 }
 
 /// Accepted frames with three points each, with click noise of this sigma.
-fn accepted(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Bench {
+fn accepted_frames(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Bench {
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base());
@@ -45,7 +45,7 @@ fn accepted(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Bench {
         frame.status = FrameStatus::Draft;
         frame.clicks = LANDMARKS
             .iter()
-            .map(|id| Click::landmark((*id).into(), moved(exact(index, id), sigma_px, rng)))
+            .map(|id| Click::landmark((*id).into(), jitter(exact(index, id), sigma_px, rng)))
             .collect();
         document.frames.push(frame.into());
     }
@@ -71,7 +71,7 @@ impl Bench {
     fn answer(&mut self, sigma_px: f64, rng: &mut Pcg64Mcg) {
         while let Some(target) = self.app.round().and_then(|round| round.target().cloned()) {
             assert_eq!(self.app.session.frame, target.frame);
-            self.click(moved(
+            self.click(jitter(
                 exact(target.frame, target.landmark.as_str()),
                 sigma_px,
                 rng,
@@ -83,7 +83,7 @@ impl Bench {
 #[test]
 fn a_blind_click_keeps_its_time_if_there_is_a_clock() {
     let mut rng = rng("a_blind_click_keeps_its_time_if_there_is_a_clock");
-    let mut bench = accepted(4, 0.8, &mut rng);
+    let mut bench = accepted_frames(4, 0.8, &mut rng);
     bench.command(Command::ChooseGold);
     bench.command(Command::ClickAgain);
     let click_once = |bench: &mut Bench| {
@@ -108,7 +108,7 @@ fn a_blind_click_keeps_its_time_if_there_is_a_clock() {
 #[test]
 fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
     let mut rng = rng("a_blind_round_asks_for_every_point_and_leaves_the_labels_alone");
-    let mut bench = accepted(4, 0.8, &mut rng);
+    let mut bench = accepted_frames(4, 0.8, &mut rng);
     assert!(
         bench
             .document()
@@ -209,7 +209,7 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
 #[test]
 fn another_document_is_compared_on_the_quality_page() {
     let mut rng = rng("another_document_is_compared_on_the_quality_page");
-    let mut bench = accepted(3, 0.5, &mut rng);
+    let mut bench = accepted_frames(3, 0.5, &mut rng);
     bench.effects.clear();
     bench.command(Command::CompareAnnotators);
     assert_eq!(
@@ -221,7 +221,7 @@ fn another_document_is_compared_on_the_quality_page() {
         "/other/project.json".into(),
     ));
     assert!(bench.app.session.quality.open && bench.app.operations.comparison.is_running());
-    bench.started::<Comparison>();
+    bench.last_job::<Comparison>();
     let request = bench.app.operations.comparison.running().unwrap();
     let (document, with, revision) = (
         request.document.clone(),
@@ -252,7 +252,7 @@ fn another_document_is_compared_on_the_quality_page() {
     let mut other = document.clone();
     for frame in &mut other.frames {
         for click in &mut frame.clicks {
-            click.image = moved(click.image, 1.0, &mut rng);
+            click.image = jitter(click.image, 1.0, &mut rng);
         }
     }
     let agreement = agreement(document.at(Path::new("/a")), other.at(Path::new("/b"))).unwrap();
@@ -284,7 +284,7 @@ fn another_document_is_compared_on_the_quality_page() {
 #[test]
 fn enough_blind_clicks_weigh_the_points_until_that_is_undone() {
     let mut rng = rng("enough_blind_clicks_weigh_the_points_until_that_is_undone");
-    let mut bench = accepted(6, 0.5, &mut rng);
+    let mut bench = accepted_frames(6, 0.5, &mut rng);
     bench.command(Command::ChooseGold);
     bench.command(Command::ClickAgain);
     bench.command(Command::Cancel);
@@ -332,5 +332,5 @@ fn enough_blind_clicks_weigh_the_points_until_that_is_undone() {
     bench.command(Command::Undo);
     assert!((sigma(&bench).0 - own).abs() < 1e-12);
     bench.command(Command::Undo);
-    assert_eq!(uncounted(bench.document()), uncounted(&before));
+    assert_eq!(without_counts(bench.document()), without_counts(&before));
 }

@@ -1,7 +1,7 @@
 //! A drawn landmark or line is grabbed and dragged to where the picture shows it.
 
 use crate::bench::{Bench, SIZE, base, landmark_in};
-use crate::proposed::{blank, suggested, truth};
+use crate::proposed::{blank, suggestions, truth};
 use touchline_application::app::session::{Filter, Mode};
 use touchline_application::app::{Action, Command, EditAction, PointerAction};
 use touchline_application::scene::drawn_element::ElementReach;
@@ -202,7 +202,7 @@ fn escape_during_the_drag_takes_it_back() {
 fn a_press_without_a_drag_places_a_point_as_everywhere() {
     let places = [-4.0, 0.0].map(|off| {
         let grabs = off == 0.0;
-        let mut bench = Bench::new(suggested(&[Some(0.9)]));
+        let mut bench = Bench::new(suggestions(&[Some(0.9)]));
         let at = drawn_place(&bench, "centre_mark");
         let at = ImagePoint::new(at.x + 3.0, at.y);
         if grabs {

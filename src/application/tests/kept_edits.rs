@@ -59,7 +59,7 @@ impl World {
     fn new(number: usize) -> Self {
         let (root, path) = new_project(FRAMES);
         let (other_root, other) = new_project(1);
-        let mut window = Headless::opened(&path);
+        let mut window = Headless::open(&path);
         for frame in 0..2 {
             accept(&mut window, frame, -4.0 - frame as f64);
         }
@@ -113,7 +113,7 @@ impl World {
                 self.write_outside();
             } else {
                 self.tell("open");
-                self.window = Some(Headless::opened(self.folder.path()));
+                self.window = Some(Headless::open(self.folder.path()));
             }
             return;
         };

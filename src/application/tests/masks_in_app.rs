@@ -37,7 +37,7 @@ pub fn video() -> Document {
     document
 }
 
-pub fn ranged(app: &App) -> Vec<(Option<u64>, Option<u64>, MaskSource)> {
+pub fn ranged_masks(app: &App) -> Vec<(Option<u64>, Option<u64>, MaskSource)> {
     let document = &app.open().unwrap().document;
     document.cameras[0]
         .ranged_masks
@@ -63,18 +63,18 @@ fn a_mask_by_hand_is_for_a_frame_a_shot_a_range_or_all() {
     }));
     scope(&mut bench, MaskList::Frame, MaskScope::Shot);
     assert_eq!(
-        ranged(&bench.app),
+        ranged_masks(&bench.app),
         [(Some(0), Some(500), MaskSource::ByHand)]
     );
     scope(&mut bench, MaskList::Ranged, MaskScope::FromHere);
     assert_eq!(
-        ranged(&bench.app),
+        ranged_masks(&bench.app),
         [(Some(200), Some(500), MaskSource::ByHand)]
     );
     bench.act(Action::Navigate(Navigation::GoTo(4)));
     scope(&mut bench, MaskList::Ranged, MaskScope::UpToHere);
     assert_eq!(
-        ranged(&bench.app),
+        ranged_masks(&bench.app),
         [(Some(200), Some(400), MaskSource::ByHand)]
     );
     let covered = |bench: &Bench| {
@@ -135,7 +135,7 @@ fn images_have_no_range_in_time_but_a_shot() {
 
 #[test]
 fn escape_leaves_the_masks_and_enter_accepts_nothing_below_them() {
-    let mut bench = Bench::new(crate::proposed::suggested(&[Some(0.9), Some(0.9)]));
+    let mut bench = Bench::new(crate::proposed::suggestions(&[Some(0.9), Some(0.9)]));
     bench.command(Command::ShowMasks);
     bench.command(Command::Accept);
     bench.command(Command::AcceptAndStay);

@@ -55,7 +55,7 @@ fn frame(name: &str, ptz: Ptz, spots: &[(&str, &str)]) -> Frame {
 }
 
 /// Centre mark and far end of the circle are exchanged.
-fn swapped() -> Frame {
+fn swapped_frame() -> Frame {
     let ptz = Ptz::from_degrees(-12.0, -14.0, 2000.0);
     let spots = [
         ("halfway_far", "halfway_far"),
@@ -66,7 +66,7 @@ fn swapped() -> Frame {
     frame("swapped.jpg", ptz, &spots)
 }
 
-fn opened(document: Document) -> App {
+fn open_document(document: Document) -> App {
     let mut app = App::new(Settings::default());
     app.update(Action::Opened(Box::new(Opened::new(
         document,
@@ -88,8 +88,8 @@ fn names(app: &App) -> Vec<String> {
 #[test]
 fn a_swap_is_marked_compared_and_mended_in_one_step() {
     let mut document = project();
-    document.frames.push(swapped().into());
-    let mut app = opened(document);
+    document.frames.push(swapped_frame().into());
+    let mut app = open_document(document);
     let before = names(&app);
     let current = app.current();
     let judgement = current.judgement.clone().unwrap();
@@ -136,7 +136,7 @@ fn a_swap_is_marked_compared_and_mended_in_one_step() {
 #[test]
 fn the_correction_is_in_the_document() {
     let mut document = project();
-    document.frames.push(swapped().into());
+    document.frames.push(swapped_frame().into());
     // A point without a name comes first: a dataset leaves it out, and the numbers follow.
     let unnamed = Click::without_name(document.frames[0].clicks[0].image);
     document.frames[0].clicks.insert(0, unnamed);
@@ -171,7 +171,7 @@ fn the_correction_is_in_the_document() {
 }
 
 /// A slow pan in a video: every second frame of the first 40 is solved and accepted.
-fn panned() -> Document {
+fn panned_document() -> Document {
     let mut document = project();
     for index in 0..41 {
         let ptz = Ptz::from_degrees(-40.0 + 0.2 * index as f64, -12.0, 5000.0);
@@ -193,7 +193,7 @@ fn panned() -> Document {
 
 #[test]
 fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
-    let mut document = panned();
+    let mut document = panned_document();
     let ptz = Ptz::from_degrees(-40.0 + 0.2 * 21.0, -12.0, 5000.0);
     let taken_for = [
         (
@@ -287,7 +287,7 @@ fn a_camera_under_the_pitch_is_implausible() {
         ..base()
     };
     document.cameras[0].set_base(&below);
-    document.frames.push(swapped().into());
+    document.frames.push(swapped_frame().into());
     let field = document.field.model("/nowhere".as_ref()).unwrap();
     let Ok(solved) = calibrate(
         &document,
@@ -310,11 +310,11 @@ fn a_camera_under_the_pitch_is_implausible() {
 #[test]
 fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
     let mut document = project();
-    document.frames.push(swapped().into());
+    document.frames.push(swapped_frame().into());
     document
         .frames
         .push(frame("next.jpg", Ptz::from_degrees(0.0, -14.0, 2000.0), &[]).into());
-    let mut app = opened(document.clone());
+    let mut app = open_document(document.clone());
     assert_eq!(
         app.current().judgement.as_ref().unwrap().verdict,
         Verdict::Wrong
@@ -349,7 +349,7 @@ fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
     );
 
     // Pressing Enter twice accepts as well; after a change the question is shown again.
-    let mut app = opened(document);
+    let mut app = open_document(document);
     app.update(Action::Command(Command::AcceptAndStay));
     app.update(Action::Navigate(Navigation::Select(Some(0))));
     app.update(Action::Edit(EditAction::Nudge {
@@ -387,7 +387,7 @@ fn a_point_has_one_residual_wherever_it_is_said() {
     document
         .frames
         .push(frame("renamed.jpg", ptz, &spots).into());
-    let app = opened(document);
+    let app = open_document(document);
     let finding = app.current().other_names().unwrap();
     assert_eq!(finding.renames.len(), 1, "{finding:?}");
     let listed = app
@@ -406,8 +406,8 @@ fn a_point_has_one_residual_wherever_it_is_said() {
 #[test]
 fn a_name_in_use_is_found_by_typing_it_and_taking_it_swaps_the_two() {
     let mut document = project();
-    document.frames.push(swapped().into());
-    let mut app = opened(document);
+    document.frames.push(swapped_frame().into());
+    let mut app = open_document(document);
     let before = names(&app);
     app.update(Action::Navigate(Navigation::Select(Some(1))));
     app.update(Action::Command(Command::RenameClick));
@@ -442,7 +442,7 @@ fn what_nothing_painted_marks_is_not_suggested_before_a_base_and_warned_of_when_
     document
         .frames
         .push(Frame::from_image("a.jpg", "main".into(), SIZE).into());
-    let mut app = opened(document);
+    let mut app = open_document(document);
     let place = |app: &mut App, x: f64| {
         app.update(Action::Pointer(PointerAction::Press {
             at: touchline_core::geometry::ImagePoint::new(x, 500.0),
@@ -484,7 +484,7 @@ fn what_nothing_painted_marks_is_not_suggested_before_a_base_and_warned_of_when_
     document
         .frames
         .push(Frame::from_image("a.jpg", "main".into(), SIZE).into());
-    let mut app = opened(document);
+    let mut app = open_document(document);
     place(&mut app, 700.0);
     let Mode::Naming(naming) = &app.session.mode else {
         panic!("{:?}", app.session.mode)

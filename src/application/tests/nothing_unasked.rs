@@ -67,7 +67,7 @@ fn write_outside(path: &Path, frame: usize, text: &str) {
 
 /// A window on a project whose disk takes nothing any more, with an edit that is only in memory.
 fn with_a_refusing_disk(root: &TempDir, path: &Path) -> (Headless, PathBuf) {
-    let mut headless = Headless::opened(path);
+    let mut headless = Headless::open(path);
     let away = root.path().join("away");
     fs::rename(path, &away).unwrap();
     comment(&mut headless, 0, "only in memory");
@@ -104,7 +104,7 @@ fn a_window_that_cannot_save_asks_before_it_closes_and_does_close() {
 #[test]
 fn a_disk_that_refuses_only_while_the_window_closes_is_reported() {
     let (root, path) = new_project();
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     comment(&mut headless, 0, "in the journal");
     wait_until_saved(&mut headless);
     fs::rename(&path, root.path().join("away")).unwrap();
@@ -171,7 +171,7 @@ fn opening_another_document_asks_as_well() {
 #[test]
 fn the_document_that_is_open_is_not_opened_again() {
     let (_root, path) = new_project();
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     comment(&mut headless, 1, "mine");
     for way in [
         path.clone(),
@@ -199,7 +199,7 @@ fn the_document_that_is_open_is_not_opened_again() {
 
 /// A window whose document another program has changed: it commented b, the window a.
 fn changed_outside(path: &Path) -> Headless {
-    let mut headless = Headless::opened(path);
+    let mut headless = Headless::open(path);
     comment(&mut headless, 0, "mine");
     wait_until_saved(&mut headless);
     write_outside(path, 1, "theirs");
@@ -295,7 +295,7 @@ fn edits_that_were_set_aside_are_taken_in_later_or_become_a_document() {
     );
     wait_until_saved(&mut headless);
     assert!(headless.runner.close().is_empty());
-    let again = Headless::opened(&path);
+    let again = Headless::open(&path);
     assert!(again.app.session.disk.orphans.is_empty(), "offered once");
     let recovered = comments(&read(&path.join("project.json.recovered-1.json")).unwrap().1);
     assert_eq!(recovered[0], "mine");
@@ -304,7 +304,7 @@ fn edits_that_were_set_aside_are_taken_in_later_or_become_a_document() {
 #[test]
 fn an_orphan_finds_the_version_it_starts_from() {
     let (_root, path) = new_project();
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     comment(&mut headless, 0, "mine");
     wait_until_saved(&mut headless);
     // The version that the edits start from is still there, under another name.

@@ -1,7 +1,7 @@
 //! What holds of every operation of the application, whichever it is.
 
 use crate::bench::Bench;
-use crate::proposed::{blank, suggested};
+use crate::proposed::{blank, suggestions};
 use touchline_application::app::operation::{Job, Operation};
 use touchline_application::app::operations::Comparison;
 use touchline_application::app::{Action, App, Effect, Opened, Settings};
@@ -48,7 +48,7 @@ fn another_document_ends_a_comparison_and_what_runs_unasked() {
         app: App::new(Settings::default()),
         effects: Vec::new(),
     };
-    let document = suggested(&[Some(0.9), Some(0.8)]);
+    let document = suggestions(&[Some(0.9), Some(0.8)]);
     bench.act(Action::Opened(Box::new(Opened::new(
         document,
         "/match/project.json",
@@ -72,7 +72,7 @@ fn another_document_ends_the_tracking_of_a_clip() {
     use touchline_application::app::Command;
     use touchline_application::app::guidance::next_step;
     use touchline_application::app::operations::ClipTracking;
-    let mut bench = Bench::new(suggested(&[Some(0.9), None]));
+    let mut bench = Bench::new(suggestions(&[Some(0.9), None]));
     bench.command(Command::Track);
     assert!(
         names(&jobs(&bench.effects)).contains(&ClipTracking::NAME),
@@ -84,7 +84,7 @@ fn another_document_ends_the_tracking_of_a_clip() {
         "Tracking cameras through the shot…"
     );
     assert!(bench.app.why_not(Command::Track).is_some(), "one at a time");
-    let started = vec![bench.started::<ClipTracking>()];
+    let started = vec![bench.last_job::<ClipTracking>()];
     open_another(&mut bench, &started);
     assert!(
         bench.app.why_not(Command::StopTracking).is_some(),
@@ -102,7 +102,7 @@ fn another_document_ends_the_search_for_a_camera() {
     (camera.position_m, camera.base_from_world) = (None, None);
     let mut bench = Bench::new(document);
     bench.command(Command::FindCamera);
-    let started = vec![bench.started::<CameraSearch>()];
+    let started = vec![bench.last_job::<CameraSearch>()];
     open_another(&mut bench, &started);
     assert!(bench.app.operations.camera_search.running().is_none());
 }
@@ -111,13 +111,13 @@ fn another_document_ends_the_search_for_a_camera() {
 fn another_document_ends_a_look_at_an_export_and_its_writing() {
     use touchline_application::app::operations::transfer::{TransferPreview, TransferWrite};
     use touchline_application::app::{Command, Question};
-    let mut bench = Bench::new(suggested(&[Some(0.9)]));
+    let mut bench = Bench::new(suggestions(&[Some(0.9)]));
     bench.command(Command::Export);
     assert!(bench.app.operations.transfer.is_looking());
-    let look = bench.started::<TransferPreview>();
+    let look = bench.last_job::<TransferPreview>();
     open_another(&mut bench, &[look]);
     bench.act(Action::Answer(Question::DatasetTo, "/elsewhere/set".into()));
-    let write = bench.started::<TransferWrite>();
+    let write = bench.last_job::<TransferWrite>();
     open_another(&mut bench, &[write]);
     let transfer = &bench.app.operations.transfer;
     assert!(!transfer.is_looking() && transfer.writing().is_none());

@@ -107,7 +107,7 @@ fn statuses(document: &Document) -> Vec<FrameStatus> {
 /// how it was opened, with a comment on frame 1.
 fn set_back(path: &Path) -> Headless {
     let before = fs::read(path.join("project.json")).unwrap();
-    let mut headless = Headless::opened(path);
+    let mut headless = Headless::open(path);
     accept(&mut headless, 0, -4.0);
     save(&mut headless);
     assert_eq!(on_disk(path).frames[0].status, FrameStatus::Reference);
@@ -252,7 +252,7 @@ fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
                 app.open().unwrap().document.frames.len() == 1
             });
         }
-        let again = Headless::opened(&path);
+        let again = Headless::open(&path);
         assert_eq!(orphaned_edits(&again), ["Changes in 0.jpg"]);
     }
 }
@@ -261,7 +261,7 @@ fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
 fn opening_another_project_after_saving_still_opens_it() {
     let (_root, path) = new_project(2);
     let (_other_root, other) = new_project(1);
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     accept(&mut headless, 0, -4.0);
     headless.act(Action::Open(other));
     headless.wait_until("opening", |app| {
@@ -288,7 +288,7 @@ fn a_proposal_beats_no_label_of_another_person() {
     write_outside(&path, |document| {
         document.frames.iter_mut().for_each(|frame| propose(frame));
     });
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     headless.act(Action::Navigate(Navigation::GoTo(2)));
     headless.act(Action::Edit(EditAction::SetComment("mine".to_owned())));
     headless.wait_until("saving", |app| {
@@ -297,7 +297,7 @@ fn a_proposal_beats_no_label_of_another_person() {
     // The colleague accepts the first two.
     let accepted = {
         let (_root, path) = new_project(3);
-        let mut other = Headless::opened(&path);
+        let mut other = Headless::open(&path);
         accept(&mut other, 0, -4.0);
         accept(&mut other, 1, -6.0);
         other.app.open().unwrap().document.clone()
@@ -331,7 +331,7 @@ fn a_proposal_beats_no_label_of_another_person() {
 #[test]
 fn a_reference_is_solved_again_where_the_merge_takes_another_base() {
     let (_root, path) = new_project(2);
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     accept(&mut headless, 0, -4.0);
     headless.wait_until("saving", |app| {
         matches!(app.session.disk.saving, Saving::Saved { .. })

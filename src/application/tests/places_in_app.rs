@@ -7,7 +7,7 @@ use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame, VideoFrame};
 
 /// Every fifth of a hundred frames of one video, then ten of another one.
-fn sampled() -> App {
+fn app_with_samples() -> App {
     let size = ImageSize::new(64, 36);
     let mut document = Document::new(FieldSpec::new("soccer"));
     document
@@ -29,7 +29,7 @@ fn sampled() -> App {
 }
 
 /// The number of the frame that is shown after going to a place, and what was said.
-fn shown(app: &mut App, place: &str) -> (u64, String) {
+fn go_to_place(app: &mut App, place: &str) -> (u64, String) {
     app.session.messages.notices.clear();
     app.update(Action::Navigate(Navigation::GoToPlace(
         place.parse::<FrameOrTime>().unwrap(),
@@ -46,23 +46,23 @@ fn shown(app: &mut App, place: &str) -> (u64, String) {
 
 #[test]
 fn a_number_is_that_of_the_videos_frame() {
-    let mut app = sampled();
-    assert_eq!(shown(&mut app, "45"), (45, String::new()));
+    let mut app = app_with_samples();
+    assert_eq!(go_to_place(&mut app, "45"), (45, String::new()));
     assert_eq!(app.session.frame, 9);
     assert_eq!(
-        shown(&mut app, "1:00"),
+        go_to_place(&mut app, "1:00"),
         (95, String::new()),
         "the last one is nearest to a time behind it"
     );
     assert_eq!(
-        shown(&mut app, "17"),
+        go_to_place(&mut app, "17"),
         (
             15,
             "There is no frame 17: the nearest one is 15.".to_owned()
         )
     );
     assert_eq!(
-        shown(&mut app, "500"),
+        go_to_place(&mut app, "500"),
         (
             95,
             "There is no frame 500: the nearest one is 95.".to_owned()
@@ -76,9 +76,9 @@ fn a_number_is_that_of_the_videos_frame() {
 
 #[test]
 fn a_number_is_looked_for_in_the_video_that_is_shown() {
-    let mut app = sampled();
+    let mut app = app_with_samples();
     app.update(Action::Navigate(Navigation::GoTo(24)));
-    assert_eq!(shown(&mut app, "7"), (7, String::new()));
+    assert_eq!(go_to_place(&mut app, "7"), (7, String::new()));
     assert_eq!(app.session.frame, 27);
     assert_eq!(app.open().unwrap().numbers_beside(27), (0, 9));
 }

@@ -25,7 +25,7 @@ pub fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f6
 
 impl Bench {
     /// The document that results from reading the journal.
-    pub fn journalled(&self, start: &Document) -> Document {
+    pub fn replay_journal(&self, start: &Document) -> Document {
         let mut document = start.clone();
         for effect in &self.effects {
             if let Effect::Journal { edit, .. } = effect {
@@ -75,7 +75,7 @@ fn proposals_are_for_frames_that_no_person_touched_and_no_step_of_undo() {
         "no step of undo"
     );
     assert_eq!(
-        bench.journalled(&start),
+        bench.replay_journal(&start),
         *bench.app.open().unwrap().document
     );
 }
@@ -116,7 +116,7 @@ fn undo_and_redo_neither_lose_nor_resurrect_what_is_proposed() {
     assert_eq!(bench.statuses(), "RDSS");
     assert_eq!([2, 3].map(|frame| bench.pan_deg(frame)), [Some(2.0); 2]);
     assert_eq!(
-        bench.journalled(&start),
+        bench.replay_journal(&start),
         *bench.app.open().unwrap().document
     );
 }
@@ -139,7 +139,7 @@ fn proposals_that_arrive_in_the_middle_of_a_drag_leave_it_alone() {
     assert!(matches!(bench.app.session.mode, Mode::Dragging { .. }));
     assert_eq!(bench.statuses(), "DSS");
     assert!(
-        bench.journalled(&start).frames[0].clicks.is_empty(),
+        bench.replay_journal(&start).frames[0].clicks.is_empty(),
         "half a drag is not journalled"
     );
     bench.command(Command::Cancel);
@@ -149,7 +149,7 @@ fn proposals_that_arrive_in_the_middle_of_a_drag_leave_it_alone() {
         "without the point the frame is as it was proposed"
     );
     assert_eq!(
-        bench.journalled(&start),
+        bench.replay_journal(&start),
         *bench.app.open().unwrap().document
     );
     bench.act(Action::Pointer(PointerAction::Press {
@@ -158,7 +158,7 @@ fn proposals_that_arrive_in_the_middle_of_a_drag_leave_it_alone() {
     }));
     bench.act(Action::Pointer(PointerAction::Release));
     assert_eq!(
-        bench.journalled(&start),
+        bench.replay_journal(&start),
         *bench.app.open().unwrap().document
     );
     bench.command(Command::Undo);

@@ -4,7 +4,7 @@
 pub use crate::proposals_in_app::proposal;
 
 use crate::bench::{Bench, base, landmark_in};
-use crate::proposed::{suggested, truth};
+use crate::proposed::{suggestions, truth};
 use std::sync::Arc;
 use touchline_application::app::guidance::next_step;
 use touchline_application::app::review::ReviewOrder;
@@ -37,7 +37,7 @@ impl Bench {
             .collect()
     }
 
-    pub fn listed(&self) -> Vec<usize> {
+    pub fn row_frames(&self) -> Vec<usize> {
         self.app.review().rows.iter().map(|row| row.frame).collect()
     }
 
@@ -61,14 +61,14 @@ impl Bench {
         }
     }
 
-    fn said(&self) -> String {
+    fn hint(&self) -> String {
         next_step(&self.app).text
     }
 }
 
 #[test]
 fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
-    let mut bench = Bench::new(suggested(&[
+    let mut bench = Bench::new(suggestions(&[
         Some(0.7),
         Some(0.99),
         None,
@@ -76,12 +76,12 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
         Some(0.8),
     ]));
     assert_eq!(
-        bench.said(),
+        bench.hint(),
         "Dashed = proposed. Enter takes it, a click corrects it, X rejects it."
     );
     bench.command(Command::ReviewPanel);
     assert_eq!(bench.app.session.panel, SidePanel::Review);
-    assert_eq!(bench.listed(), [0, 4, 3, 1], "the most doubtful first");
+    assert_eq!(bench.row_frames(), [0, 4, 3, 1], "the most doubtful first");
     bench.command(Command::PreviousNeedsMe);
     assert_eq!(bench.app.session.frame, 1, "round and round");
     bench.command(Command::Accept);
@@ -97,7 +97,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
         "a label that is not used for training"
     );
     bench.act(Action::View(ViewAction::SetReviewOrder(ReviewOrder::Time)));
-    assert_eq!(bench.listed(), [0, 3, 4]);
+    assert_eq!(bench.row_frames(), [0, 3, 4]);
     bench.command(Command::Accept);
     bench.command(Command::Accept);
     bench.command(Command::Accept);
@@ -112,7 +112,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     );
     bench.act(Action::Navigate(Navigation::GoTo(1)));
     assert_eq!(
-        bench.said(),
+        bench.hint(),
         "1 frame has no answer: label frame 2, near pan\u{a0}−4°."
     );
     bench.command(Command::NextUnanswered);
@@ -121,15 +121,15 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
         "the very frame that the sentence names"
     );
     assert!(
-        bench.said().starts_with("No proposal here. Click a spot"),
+        bench.hint().starts_with("No proposal here. Click a spot"),
         "{}",
-        bench.said()
+        bench.hint()
     );
 }
 
 #[test]
 fn without_the_panel_n_goes_through_every_frame_that_is_neither_accepted_nor_rejected() {
-    let mut bench = Bench::new(suggested(&[Some(0.7), None, Some(0.99)]));
+    let mut bench = Bench::new(suggestions(&[Some(0.7), None, Some(0.99)]));
     bench.command(Command::NextNeedsMe);
     assert_eq!(bench.app.session.frame, 1);
     assert!(Filter::ToDo.shows(&bench.frames()[1]) && Filter::Unanswered.shows(&bench.frames()[1]));
@@ -142,7 +142,7 @@ fn without_the_panel_n_goes_through_every_frame_that_is_neither_accepted_nor_rej
 
 #[test]
 fn several_are_accepted_in_one_step_after_a_preview() {
-    let mut bench = Bench::new(suggested(&[
+    let mut bench = Bench::new(suggestions(&[
         Some(0.7),
         Some(0.99),
         None,
@@ -205,7 +205,13 @@ fn several_are_accepted_in_one_step_after_a_preview() {
 
 #[test]
 fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
-    let mut bench = Bench::new(suggested(&[Some(0.99), Some(0.98), None, None, Some(0.97)]));
+    let mut bench = Bench::new(suggestions(&[
+        Some(0.99),
+        Some(0.98),
+        None,
+        None,
+        Some(0.97),
+    ]));
     bench.command(Command::AcceptAllAbove);
     bench.act(Action::View(ViewAction::SetReviewThreshold(0.0)));
     // The forest answers two more, and the last one otherwise.
@@ -224,7 +230,7 @@ fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
 
 #[test]
 fn one_that_jumps_out_of_its_neighbours_is_not_accepted_with_the_others() {
-    let mut document = suggested(&[Some(0.99); 5]);
+    let mut document = suggestions(&[Some(0.99); 5]);
     document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(7.0, -14.0, 2300.0), None));
     let mut bench = Bench::new(document);
     bench.command(Command::AcceptAllAbove);
@@ -248,7 +254,7 @@ fn one_that_jumps_out_of_its_neighbours_is_not_accepted_with_the_others() {
 
 #[test]
 fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
-    let mut bench = Bench::new(suggested(&[Some(0.9), Some(0.9)]));
+    let mut bench = Bench::new(suggestions(&[Some(0.9), Some(0.9)]));
     let before = bench.frames()[0].clone();
     let at = bench.point_of("centre_mark");
     bench.act(Action::Pointer(PointerAction::Press {
@@ -305,7 +311,7 @@ fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
 
 #[test]
 fn a_rejected_suggestion_comes_back_as_one() {
-    let mut bench = Bench::new(suggested(&[Some(0.9), Some(0.8), Some(0.7)]));
+    let mut bench = Bench::new(suggestions(&[Some(0.9), Some(0.8), Some(0.7)]));
     bench.command(Command::ReviewPanel);
     bench.command(Command::Reject);
     bench.act(Action::Edit(EditAction::RejectAs(RejectReason::Replay)));
@@ -321,7 +327,7 @@ fn a_rejected_suggestion_comes_back_as_one() {
 
 #[test]
 fn using_an_accepted_suggestion_for_training_is_one_step() {
-    let mut bench = Bench::new(suggested(&[Some(0.9)]));
+    let mut bench = Bench::new(suggestions(&[Some(0.9)]));
     bench.command(Command::UseForTraining);
     assert!(!bench.frames()[0].is_used_for_training());
     bench.command(Command::AcceptAndStay);
@@ -351,9 +357,9 @@ fn ten_thousand_suggestions_are_listed_and_accepted_together() {
     let confidences: Vec<Option<f64>> = (0..10_000)
         .map(|index| (index % 10 != 0).then_some(0.5 + 0.05 * f64::from(index % 10)))
         .collect();
-    let mut bench = Bench::new(suggested(&confidences));
+    let mut bench = Bench::new(suggestions(&confidences));
     bench.command(Command::ReviewPanel);
-    assert_eq!(bench.listed().len(), 9_000);
+    assert_eq!(bench.row_frames().len(), 9_000);
     bench.act(Action::View(ViewAction::SetReviewThreshold(0.9)));
     bench.act(Action::View(ViewAction::SetWithDisagreeing(true)));
     bench.act(Action::Edit(EditAction::AcceptAll));

@@ -57,7 +57,7 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     let camera_file = root.path().join("camera.json");
     std::fs::write(&camera_file, document_to_string(&other).unwrap()).unwrap();
 
-    let mut headless = Headless::opened(&frames);
+    let mut headless = Headless::open(&frames);
     let PictureState::Ready(_, picture) = headless.wait_for_picture() else {
         panic!("no picture")
     };

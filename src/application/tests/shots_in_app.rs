@@ -32,18 +32,18 @@ fn document() -> Document {
 }
 
 /// An application on a document, and the search for cuts that it requested.
-fn opened(document: Document) -> (App, Option<Job>) {
+fn open_document(document: Document) -> (App, Option<Job>) {
     let mut app = App::new(Settings::default());
     let effects = app.update(Action::Opened(Box::new(Opened::new(
         document,
         "/match/project.json",
     ))));
-    let search = started::<ShotSearch>(&effects);
+    let search = job_of::<ShotSearch>(&effects);
     (app, search)
 }
 
 /// The request of an operation among effects.
-fn started<O: Operation>(effects: &[Effect]) -> Option<Job> {
+fn job_of<O: Operation>(effects: &[Effect]) -> Option<Job> {
     effects.iter().find_map(|effect| match effect {
         Effect::Start(job) if job.name() == O::NAME => Some(job.clone()),
         _ => None,
@@ -51,7 +51,7 @@ fn started<O: Operation>(effects: &[Effect]) -> Option<Job> {
 }
 
 /// A search has ended like this.
-fn ended(search: &Job, result: Result<FoundShots, MediaError>) -> Action {
+fn report_of(search: &Job, result: Result<FoundShots, MediaError>) -> Action {
     Action::Report(Report::from_result::<ShotSearch>(
         search.id(),
         result.map_err(Failure::Failed),
@@ -60,12 +60,12 @@ fn ended(search: &Job, result: Result<FoundShots, MediaError>) -> Action {
 
 /// The same with two cuts found, the second one a fade.
 fn with_shots() -> App {
-    let (mut app, search) = opened(document());
+    let (mut app, search) = open_document(document());
     let found = FoundShots {
         last: FRAMES - 1,
         cuts: vec![(10, ShotKind::Cut), (20, ShotKind::Fade)],
     };
-    app.update(ended(&search.unwrap(), Ok(found)));
+    app.update(report_of(&search.unwrap(), Ok(found)));
     app
 }
 
@@ -86,7 +86,7 @@ fn undo(app: &mut App) {
 
 #[test]
 fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
-    let (app, search) = opened(document());
+    let (app, search) = open_document(document());
     assert!(search.is_some());
     let search = app.operations.shot_search.running().unwrap();
     assert_eq!(
@@ -97,11 +97,11 @@ fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
     let mut labelled = document();
     labelled.frames[3].status = FrameStatus::Reference;
     assert_eq!(
-        opened(labelled).1,
+        open_document(labelled).1,
         None,
         "a person has worked here: nothing is changed automatically"
     );
-    let (again, none) = opened((*with_shots().open().unwrap().document).clone());
+    let (again, none) = open_document((*with_shots().open().unwrap().document).clone());
     assert_eq!((starts(&again), none), (vec![0, 10, 20], None));
 }
 
@@ -113,8 +113,8 @@ fn shots_are_marked_in_one_step_once_a_drag_is_over() {
         "/match/project.json",
     ))));
     let [search, other] = [
-        started::<ShotSearch>(&effects),
-        started::<BurntInSearch>(&effects),
+        job_of::<ShotSearch>(&effects),
+        job_of::<BurntInSearch>(&effects),
     ]
     .map(Option::unwrap);
     app.update(Action::Edit(EditAction::Begin("Pan")));
@@ -122,14 +122,14 @@ fn shots_are_marked_in_one_step_once_a_drag_is_over() {
         last: FRAMES - 1,
         cuts: vec![(10, ShotKind::Cut)],
     };
-    app.update(ended(
+    app.update(report_of(
         &other,
         Ok(FoundShots {
             last: FRAMES - 1,
             cuts: vec![(12, ShotKind::Cut)],
         }),
     ));
-    app.update(ended(&search, Ok(found)));
+    app.update(report_of(&search, Ok(found)));
     assert_eq!((starts(&app), &app.session.mode), (vec![], &Mode::Editing));
     app.update(Action::Edit(EditAction::End));
     assert_eq!(starts(&app), [0, 10]);
@@ -161,8 +161,8 @@ fn a_search_that_fails_says_so_and_one_that_is_stopped_does_not() {
             0,
         ),
     ] {
-        let (mut app, search) = opened(document());
-        app.update(ended(&search.unwrap(), Err(error)));
+        let (mut app, search) = open_document(document());
+        app.update(report_of(&search.unwrap(), Err(error)));
         assert_eq!(app.session.messages.notices.len(), notices);
         assert!(app.operations.shot_search.running().is_none());
     }
@@ -230,7 +230,7 @@ fn nothing_is_accepted_before_its_picture_is_there() {
         None,
     ));
     document.frames[4].status = FrameStatus::Suggested;
-    let (mut app, _) = opened(document);
+    let (mut app, _) = open_document(document);
     app.update(Action::Navigate(Navigation::GoTo(4)));
     app.update(Action::PictureAwaited(true));
     app.update(Action::Command(Command::AcceptAndStay));
@@ -243,7 +243,7 @@ fn nothing_is_accepted_before_its_picture_is_there() {
 
 #[test]
 fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
-    let (mut app, search) = opened(document());
+    let (mut app, search) = open_document(document());
     app.update(Action::Navigate(Navigation::GoTo(3)));
     app.update(Action::Edit(EditAction::SetComment("mine".to_owned())));
     app.update(Action::Edit(EditAction::SetComment("undone".to_owned())));
@@ -252,7 +252,7 @@ fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
         last: FRAMES - 1,
         cuts: vec![(10, ShotKind::Cut)],
     };
-    let effects = app.update(ended(&search.unwrap(), Ok(found)));
+    let effects = app.update(report_of(&search.unwrap(), Ok(found)));
     assert_eq!(starts(&app), [0, 10]);
     let given = effects.iter().find_map(|effect| match effect {
         Effect::Journal { to, .. } => Some((&to.document, &to.history)),

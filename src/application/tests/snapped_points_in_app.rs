@@ -10,14 +10,14 @@ use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_documents::document::{Click, Target};
 use touchline_vision::paint::SnappedPoint;
 
-fn pointed() -> PtzCamera {
+fn true_camera() -> PtzCamera {
     PtzCamera::new(base(), Ptz::from_degrees(-4.0, -14.0, 2300.0))
 }
 
 impl Bench {
     /// Places a landmark, landmark first, 3 px to the right of where the truth has it.
     fn place_beside(&mut self, landmark: &str, release: Action) -> ImagePoint {
-        let at = landmark_in(&pointed(), landmark).translate(Vec2::new(3.0, 0.0));
+        let at = landmark_in(&true_camera(), landmark).translate(Vec2::new(3.0, 0.0));
         self.act(Action::Edit(EditAction::Pick(Target::Landmark(
             landmark.into(),
         ))));
@@ -37,14 +37,14 @@ impl Bench {
 
     /// Reports that the clicks of the last order are painted where the truth has them.
     fn report(&mut self) {
-        let order = self.started::<PointSnap>();
+        let order = self.last_job::<PointSnap>();
         let PointSnap { frame, clicks, .. } = order.operation().unwrap();
         let snapped = |click: &usize| {
             let landmark = frame.clicks[*click].target.as_ref().unwrap().as_str();
             (
                 *click,
                 SnappedPoint {
-                    image: landmark_in(&pointed(), landmark),
+                    image: landmark_in(&true_camera(), landmark),
                     sigma_px: 0.4,
                 },
             )
@@ -71,7 +71,7 @@ fn points_go_to_the_paint_once_there_is_a_camera_and_undo_takes_place_and_snap_b
     assert_eq!(bench.point_orders()[0].clicks, [0, 1]);
     bench.report();
     for click in bench.points() {
-        let exact = landmark_in(&pointed(), click.target.as_ref().unwrap().as_str());
+        let exact = landmark_in(&true_camera(), click.target.as_ref().unwrap().as_str());
         assert_eq!((click.image, click.snapped_sigma_px), (exact, Some(0.4)));
     }
     assert_eq!(bench.app.session.points.just_snapped, [0, 1]);
@@ -142,7 +142,7 @@ fn alt_and_the_setting_hold_it_off() {
     );
     assert!(bench.app.current().camera.is_some() && bench.point_orders().is_empty());
     // Also where the name comes after the point.
-    let at = landmark_in(&pointed(), "centre_circle_left");
+    let at = landmark_in(&true_camera(), "centre_circle_left");
     bench.act(Action::Pointer(PointerAction::Press { at, on: None }));
     bench.act(Action::Pointer(PointerAction::ReleaseExactly));
     bench.act(Action::Edit(EditAction::Name {
@@ -208,7 +208,7 @@ fn what_was_changed_meanwhile_stays_and_what_is_under_way_is_not_disturbed() {
         "centre_circle_left",
         Action::Pointer(PointerAction::Release),
     );
-    let at = landmark_in(&pointed(), "centre_circle_right");
+    let at = landmark_in(&true_camera(), "centre_circle_right");
     bench.act(Action::Edit(EditAction::Pick(Target::Landmark(
         "centre_circle_right".into(),
     ))));

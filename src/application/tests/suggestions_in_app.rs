@@ -1,9 +1,9 @@
 //! What is suggested stays beside what people do: outside undo, on disk at once, in the file as the
 //! format has it.
 
-use crate::bench::{Bench, uncounted};
+use crate::bench::{Bench, without_counts};
 use crate::headless::Headless;
-use crate::proposed::{blank, proposal_in, suggested};
+use crate::proposed::{blank, proposal_in, suggestions};
 use crate::review_in_app::proposal;
 use std::fs;
 use touchline_application::app::session::Saving;
@@ -30,7 +30,7 @@ fn document(app: &App) -> &Document {
 
 #[test]
 fn a_document_is_written_byte_for_byte_as_it_was_read() {
-    let text = document_to_string(&suggested(&[Some(0.7), None, Some(0.99), Some(0.9)])).unwrap();
+    let text = document_to_string(&suggestions(&[Some(0.7), None, Some(0.99), Some(0.9)])).unwrap();
     assert_eq!(text.matches(r#""status": "suggested""#).count(), 3);
     let read = document_from_bytes(text.as_bytes()).unwrap();
     let mut bench = Bench::new(read.clone());
@@ -38,13 +38,13 @@ fn a_document_is_written_byte_for_byte_as_it_was_read() {
     // An edit of a frame is all that differs, and undo takes it back to the byte.
     bench.command(Command::AcceptAndStay);
     bench.act(Action::Edit(EditAction::SetComment("rain".into())));
-    let journalled = bench.journalled(&read);
+    let journalled = bench.replay_journal(&read);
     assert_eq!(journalled, *document(&bench.app));
     assert_eq!(suggested_frames(&journalled), [2, 3]);
     bench.command(Command::Undo);
     bench.command(Command::Undo);
     assert_eq!(
-        document_to_string(&uncounted(document(&bench.app))).unwrap(),
+        document_to_string(&without_counts(document(&bench.app))).unwrap(),
         text
     );
 }
@@ -79,7 +79,7 @@ fn accepting_is_one_step_and_taken_back_the_frame_shows_what_is_suggested_by_the
         (bench.statuses().as_str(), bench.pan_deg(0)),
         ("SS", Some(2.0))
     );
-    assert!(bench.listed().contains(&0), "it waits for review again");
+    assert!(bench.row_frames().contains(&0), "it waits for review again");
     bench.command(Command::Redo);
     assert_eq!(
         (bench.statuses().as_str(), bench.pan_deg(0)),
@@ -166,7 +166,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
         false,
     )
     .unwrap();
-    let mut headless = Headless::opened(&folder);
+    let mut headless = Headless::open(&folder);
     let answers = [0, 1, 2]
         .map(|frame| proposal_in(document(&headless.app), frame, 1, Some(frame as f64)))
         .to_vec();
@@ -190,7 +190,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
             .contains("suggested"),
         "only the journal has them"
     );
-    let mut again = Headless::opened(&killed);
+    let mut again = Headless::open(&killed);
     assert_eq!(*document(&again.app), *document(&headless.app));
     assert_eq!(suggested_frames(document(&again.app)), [1, 2]);
     again.act(Action::Command(Command::Save));
@@ -204,7 +204,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
     assert_eq!(expected.matches(r#""status": "suggested""#).count(), 2);
 
     // The acceptance was not in the way of suggestions, and can be undone in another session.
-    let mut later = Headless::opened(&killed);
+    let mut later = Headless::open(&killed);
     later.act(Action::Navigate(Navigation::GoTo(0)));
     assert_eq!(
         later.app.open().unwrap().history.next_undo().unwrap().name,
@@ -222,7 +222,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
     );
     later.act(Action::Command(Command::Redo));
     assert_eq!(
-        uncounted(document(&later.app)),
-        uncounted(document(&headless.app))
+        without_counts(document(&later.app)),
+        without_counts(document(&headless.app))
     );
 }

@@ -19,7 +19,7 @@ use touchline_documents::exchange::{DatasetOptions, Format, Gaps, Splitting};
 const SIZE: ImageSize = ImageSize::new(160, 90);
 
 /// Four frames with pictures, the first two references with a click each, as a project.
-fn opened(folder: &Path) -> Headless {
+fn open_project(folder: &Path) -> Headless {
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&CameraBase::new(
@@ -112,7 +112,7 @@ fn every_option_that_an_export_or_import_speaks_of_has_words_in_the_dialog() {
     }
 }
 
-fn found(headless: &mut Headless) -> PreviewResult {
+fn wait_for_look(headless: &mut Headless) -> PreviewResult {
     headless.wait_until("looking", |app| app.operations.transfer.found.is_some());
     headless.app.operations.transfer.found.clone().unwrap().look
 }
@@ -120,10 +120,10 @@ fn found(headless: &mut Headless) -> PreviewResult {
 #[test]
 fn an_export_is_shown_with_its_losses_before_it_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    let mut headless = opened(folder.path());
+    let mut headless = open_project(folder.path());
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::Wc14));
-    let PreviewResult::Export(Ok(made)) = found(&mut headless) else {
+    let PreviewResult::Export(Ok(made)) = wait_for_look(&mut headless) else {
         panic!("an export was looked at")
     };
     assert_eq!(made.frames, 2);
@@ -154,7 +154,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     options.frames.statuses = vec![FrameStatus::Rejected];
     options.gaps = Gaps::Takes;
     act(&mut headless, TransferAction::Export(Box::new(options)));
-    let PreviewResult::Export(Err(why)) = found(&mut headless) else {
+    let PreviewResult::Export(Err(why)) = wait_for_look(&mut headless) else {
         panic!("no frame is rejected")
     };
     assert_eq!(
@@ -167,7 +167,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
 #[test]
 fn a_dataset_is_planned_written_and_can_be_stopped() {
     let folder = tempfile::tempdir().unwrap();
-    let mut headless = opened(folder.path());
+    let mut headless = open_project(folder.path());
     headless.act(Action::Command(Command::ExportDataset));
     assert_eq!(headless.app.operations.transfer.tab, TransferTab::Dataset);
     let options = DatasetOptions {
@@ -176,7 +176,7 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
         ..DatasetOptions::default()
     };
     act(&mut headless, TransferAction::Dataset(Box::new(options)));
-    let PreviewResult::Dataset(Ok(plan)) = found(&mut headless) else {
+    let PreviewResult::Dataset(Ok(plan)) = wait_for_look(&mut headless) else {
         panic!("a dataset was planned")
     };
     assert_eq!(
@@ -222,7 +222,7 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
 #[test]
 fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     let folder = tempfile::tempdir().unwrap();
-    let mut headless = opened(folder.path());
+    let mut headless = open_project(folder.path());
     let labelme = folder.path().join("labelme");
     std::fs::create_dir(&labelme).unwrap();
     for index in [0, 2] {
@@ -241,7 +241,7 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     act(&mut headless, TransferAction::ImportFormat(Format::Labelme));
     let before = headless.app.open().unwrap().document.frames.clone();
     headless.answer(Question::ImportFrom(Format::Labelme), &labelme);
-    let PreviewResult::Import(Ok(look)) = found(&mut headless) else {
+    let PreviewResult::Import(Ok(look)) = wait_for_look(&mut headless) else {
         panic!("{:?}", headless.app.operations.transfer.found);
     };
     let joined = &look.joined;
@@ -280,7 +280,7 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
 #[test]
 fn a_typed_path_replaces_no_file_unasked() {
     let folder = tempfile::tempdir().unwrap();
-    let mut headless = opened(folder.path());
+    let mut headless = open_project(folder.path());
     let precious = folder.path().join("precious.csv");
     std::fs::write(&precious, "precious").unwrap();
     headless.act(Action::Command(Command::Export));
@@ -313,7 +313,7 @@ fn a_typed_path_replaces_no_file_unasked() {
 #[test]
 fn undo_of_an_import_shows_a_frame_that_is_there() {
     let folder = tempfile::tempdir().unwrap();
-    let mut headless = opened(folder.path());
+    let mut headless = open_project(folder.path());
     // Another project brings six frames of its own.
     let other = tempfile::tempdir().unwrap();
     let mut theirs = (*headless.app.open().unwrap().document).clone();
@@ -338,7 +338,7 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
         Question::ImportFrom(Format::Json),
         &other.path().join("project.json"),
     );
-    let PreviewResult::Import(Ok(look)) = found(&mut headless) else {
+    let PreviewResult::Import(Ok(look)) = wait_for_look(&mut headless) else {
         panic!("{:?}", headless.app.operations.transfer.found)
     };
     assert_eq!(look.joined.added, 6);
@@ -396,7 +396,10 @@ fn import_cameras(headless: &mut Headless, folder: &Path, cameras: usize) {
     headless.act(Action::Command(Command::Import));
     act(headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(Question::ImportFrom(Format::Json), &file);
-    assert!(matches!(found(headless), PreviewResult::Import(Ok(_))));
+    assert!(matches!(
+        wait_for_look(headless),
+        PreviewResult::Import(Ok(_))
+    ));
     act(headless, TransferAction::TakeOver);
 }
 
@@ -404,7 +407,7 @@ fn import_cameras(headless: &mut Headless, folder: &Path, cameras: usize) {
 fn imported_cameras_can_be_mended_at_once_where_there_are_enough() {
     for (cameras, can_be_mended) in [(2, false), (3, cfg!(feature = "opencv"))] {
         let folder = tempfile::tempdir().unwrap();
-        let mut headless = opened(folder.path());
+        let mut headless = open_project(folder.path());
         let other = tempfile::tempdir().unwrap();
         import_cameras(&mut headless, other.path(), cameras);
         assert_eq!(
@@ -418,7 +421,7 @@ fn imported_cameras_can_be_mended_at_once_where_there_are_enough() {
 #[test]
 fn an_import_that_was_looked_at_before_a_change_is_joined_with_the_change() {
     let folder = tempfile::tempdir().unwrap();
-    let mut headless = opened(folder.path());
+    let mut headless = open_project(folder.path());
     let labels = folder.path().join("labels.json");
     let mut document = (*headless.app.open().unwrap().document).clone();
     document.frames[2].clicks = vec![Click::landmark(
@@ -438,7 +441,10 @@ fn an_import_that_was_looked_at_before_a_change_is_joined_with_the_change() {
             .iter()
             .any(|frame| frame.comment.as_deref() == Some("meanwhile"))
     );
-    assert!(matches!(found(&mut headless), PreviewResult::Import(Ok(_))));
+    assert!(matches!(
+        wait_for_look(&mut headless),
+        PreviewResult::Import(Ok(_))
+    ));
     act(&mut headless, TransferAction::TakeOver);
     let now = headless.app.open().unwrap().document.frames.clone();
     let others = |frames: &Frames| [0, 1, 3].map(|index| frames[index].clone());
@@ -453,7 +459,7 @@ fn an_import_that_was_looked_at_before_a_change_is_joined_with_the_change() {
 #[test]
 fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
     let folder = tempfile::tempdir().unwrap();
-    let headless = opened(folder.path());
+    let headless = open_project(folder.path());
     let mut document = (*headless.app.open().unwrap().document).clone();
     for frame in &mut document.frames {
         frame.sha256 =
@@ -468,7 +474,7 @@ fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
     image::RgbImage::from_pixel(SIZE.width, SIZE.height, image::Rgb([9, 9, 9]))
         .save(folder.path().join("0001.png"))
         .unwrap();
-    let mut headless = Headless::opened(folder.path());
+    let mut headless = Headless::open(folder.path());
     headless.wait_until("comparing", |app| app.other_picture(1).is_some());
     assert!(
         headless
@@ -491,7 +497,7 @@ fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
 #[test]
 fn labels_wait_for_their_pictures_and_are_then_shown_in_the_dialog() {
     let folder = tempfile::tempdir().unwrap();
-    let mut headless = opened(folder.path());
+    let mut headless = open_project(folder.path());
     let cameras = tempfile::tempdir().unwrap();
     let to = cameras.path().join("cameras");
     headless.act(Action::Command(Command::Export));
@@ -510,7 +516,7 @@ fn labels_wait_for_their_pictures_and_are_then_shown_in_the_dialog() {
     // With their pictures they are looked at as soon as those are open, and once more later.
     for paths in [vec![to.clone(), folder.path().to_path_buf()], vec![to]] {
         headless.act(Action::OpenAny(paths));
-        let PreviewResult::Import(Ok(look)) = found(&mut headless) else {
+        let PreviewResult::Import(Ok(look)) = wait_for_look(&mut headless) else {
             panic!("{:?}", headless.app.operations.transfer.found)
         };
         assert_eq!(look.format, Format::SoccerNet);

@@ -1,8 +1,8 @@
 //! Undo survives closing the window, a kill and another program's changes: by actions, with files
 //! on disk.
 
-use crate::bench::{SIZE, base, landmark_in, uncounted};
-use crate::child::{numbers_behind, spawned};
+use crate::bench::{SIZE, base, landmark_in, without_counts};
+use crate::child::{numbers_behind, spawn_test};
 use crate::headless::Headless;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ fn notices(headless: &Headless) -> Vec<&str> {
 
 impl Headless {
     fn document(&self) -> Document {
-        uncounted(&self.app.open().unwrap().document)
+        without_counts(&self.app.open().unwrap().document)
     }
 
     /// Clicks where the truth sees a landmark, and names it.
@@ -170,7 +170,7 @@ fn edit_in_many_ways(headless: &mut Headless) {
 #[test]
 fn every_step_of_earlier_sessions_is_undone_and_redone() {
     let (_root, path) = new_project(4);
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     edit_in_many_ways(&mut headless);
     // Another program adds frames, which are taken in.
     let theirs = {
@@ -200,7 +200,7 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     let (document, history) = (open.document.clone(), open.history.clone());
     headless.close();
 
-    let mut again = Headless::opened(&path);
+    let mut again = Headless::open(&path);
     assert_eq!(
         (&again.app.open().unwrap().history, &again.document()),
         (&history, &last)
@@ -216,13 +216,13 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     assert!(back.len() >= 14, "{}", back.len());
     assert_eq!(
         back.last().unwrap(),
-        &uncounted(&self::document(4)),
+        &without_counts(&self::document(4)),
         "as it was when it was made"
     );
     again.close();
 
     // Forward again in a third session, and what is written is what was written.
-    let mut third = Headless::opened(&path);
+    let mut third = Headless::open(&path);
     let mut forward = third.all(Command::Redo);
     forward.reverse();
     assert_eq!(forward, back);
@@ -231,7 +231,7 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     third.close();
     let written = document_from_bytes(&fs::read(path.join("project.json")).unwrap()).unwrap();
     assert_eq!(
-        document_to_string(&uncounted(&written)).unwrap(),
+        document_to_string(&without_counts(&written)).unwrap(),
         document_to_string(&last).unwrap()
     );
 }
@@ -239,7 +239,7 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
 #[test]
 fn steps_that_lead_to_another_version_are_left_out_and_said_so() {
     let (_root, path) = new_project(2);
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     headless.comment(0, "ours");
     headless.close();
     let file = path.join("project.json");
@@ -248,14 +248,14 @@ fn steps_that_lead_to_another_version_are_left_out_and_said_so() {
         fs::read_to_string(&file).unwrap().replace("ours", "theirs"),
     )
     .unwrap();
-    let mut other = Headless::opened(&path);
+    let mut other = Headless::open(&path);
     let notice =
         "Steps of earlier sessions cannot be undone: they lead to another version of the document.";
     assert_eq!(notices(&other), [notice]);
     assert!(other.app.open().unwrap().history.is_empty());
     other.comment(1, "new");
     other.close();
-    let mut again = Headless::opened(&path);
+    let mut again = Headless::open(&path);
     assert!(notices(&again).is_empty());
     assert_eq!(
         again.all(Command::Undo).len(),
@@ -267,12 +267,12 @@ fn steps_that_lead_to_another_version_are_left_out_and_said_so() {
 #[test]
 fn a_document_to_look_at_only_offers_no_undo() {
     let (_root, path) = new_project(2);
-    let mut headless = Headless::opened(&path);
+    let mut headless = Headless::open(&path);
     headless.comment(0, "rain");
     headless.wait_until("saving", |app| {
         matches!(app.session.disk.saving, Saving::Saved { .. })
     });
-    let second = Headless::opened(&path);
+    let second = Headless::open(&path);
     let open = second.app.open().unwrap();
     assert!(open.read_only.is_some() && open.history.is_empty());
     assert_eq!(second.document(), headless.document());
@@ -287,7 +287,7 @@ fn child_that_edits_until_it_is_killed() {
     let Some(path) = std::env::var_os(CHILD_FOLDER) else {
         return;
     };
-    let mut headless = Headless::opened(Path::new(&path));
+    let mut headless = Headless::open(Path::new(&path));
     for number in 0.. {
         if number % 5 == 4 {
             assert!(headless.undo(Command::Undo));
@@ -315,9 +315,9 @@ fn child_that_edits_until_it_is_killed() {
 #[test]
 fn undo_survives_a_kill() {
     let (_root, path) = new_project(3);
-    let start = uncounted(&document(3));
+    let start = without_counts(&document(3));
     for round in 0..6 {
-        let (mut child, lines) = spawned(
+        let (mut child, lines) = spawn_test(
             "undo_in_app::child_that_edits_until_it_is_killed",
             [(CHILD_FOLDER, path.to_str().unwrap())],
         );
@@ -326,7 +326,7 @@ fn undo_survives_a_kill() {
         child.kill().unwrap();
         steps.extend(counts);
         child.wait().unwrap();
-        let mut headless = Headless::opened(&path);
+        let mut headless = Headless::open(&path);
         let found = headless.all(Command::Undo);
         // The last edit may be on disk without having been acknowledged.
         let acknowledged = *steps.last().unwrap();

@@ -1,6 +1,6 @@
 //! Which camera took a frame: one that stops fitting, another that fits better, frames given away.
 
-use crate::bench::uncounted;
+use crate::bench::without_counts;
 use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -46,7 +46,7 @@ fn base() -> CameraBase {
 }
 
 /// The base after a person walked into the tripod.
-fn bumped() -> CameraBase {
+fn bumped_base() -> CameraBase {
     let angles = BaseAngles {
         roll: Angle::from_degrees(1.2),
         ..base().angles()
@@ -66,7 +66,7 @@ fn elsewhere() -> CameraBase {
 
 /// Frames of a camera that is bumped after the first `before` of them.
 fn document(frames: usize, before: usize, noise_px: f64, rng: &mut Pcg64Mcg) -> Document {
-    document_of(frames, before, &bumped(), noise_px, rng)
+    document_of(frames, before, &bumped_base(), noise_px, rng)
 }
 
 /// Frames that pan to and fro with 4 to 8 clicks each of 1-σ `noise_px`, the first `before` of them
@@ -149,7 +149,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
             change.frame
         );
         assert!(
-            (change.base.position_m - bumped().position_m).norm() < 1.0,
+            (change.base.position_m - bumped_base().position_m).norm() < 1.0,
             "{:?}",
             change.base.position_m
         );
@@ -353,7 +353,10 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
     assert_eq!((notices(&app), app.camera_change()), (0, None));
     app.update(Action::Command(Command::Undo));
     app.update(Action::Command(Command::Undo));
-    assert_eq!(uncounted(&app.open().unwrap().document), uncounted(&before));
+    assert_eq!(
+        without_counts(&app.open().unwrap().document),
+        without_counts(&before)
+    );
 }
 
 #[test]
@@ -470,5 +473,8 @@ fn a_new_camera_needs_a_name_of_its_own() {
     );
     assert!(app.current().base.is_none());
     app.update(Action::Command(Command::Undo));
-    assert_eq!(uncounted(&app.open().unwrap().document), uncounted(&before));
+    assert_eq!(
+        without_counts(&app.open().unwrap().document),
+        without_counts(&before)
+    );
 }

@@ -20,7 +20,7 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
     AdjustOptions, BaseEstimate, BaseModel, BaseOptions, BaseProgress, CameraClicks, FittedSize,
-    FrameClicks, HeldOutErrors, adjust_base, estimate_base_on_paint, held_out_errors,
+    FrameClicks, HeldOutErrors, adjust_base, cross_validated_errors, estimate_base_on_paint,
 };
 use touchline_documents::document::{DocumentAt, FieldSpec};
 use touchline_vision::media::Picture;
@@ -215,7 +215,8 @@ impl KnownFrames<'_> {
             frames: &as_first,
             ..clicks
         };
-        let (paint, at_clicks) = held_out_errors(&as_first, &first.base, first.crown_m, &start.ptz);
+        let (paint, at_clicks) =
+            cross_validated_errors(&as_first, &first.base, first.crown_m, &start.ptz);
         // The errors of the new base come from the choice of its model, which evaluated each frame
         // with a base estimated without it.
         let chosen = estimate

@@ -84,7 +84,7 @@ pub(super) fn leave_out_burnt_in(
             let is_open_before = graphic.first == 0;
             let is_open_after = graphic.last + 1 == frames.len();
             let ends = [graphic.first, graphic.last].map(|picture| frames[picture]);
-            let [from, to] = ends.map(|index| video_frame_number(document, index));
+            let [from, to] = ends.map(|index| document.frames[index].video_frame_index());
             let mask = RangedMask {
                 pixel_box: graphic.pixel_box,
                 from: from.filter(|_| !is_open_before),
@@ -116,12 +116,6 @@ pub(super) fn leave_out_burnt_in(
         }
     }
     found
-}
-
-/// The number of a frame in its video; none for an image.
-pub(super) fn video_frame_number(document: &Document, index: usize) -> Option<u64> {
-    let video = document.frames[index].video.as_ref();
-    video.map(|video| video.frame_index)
 }
 
 /// Removes the rays of some features, so that they do not become training samples.

@@ -1,7 +1,7 @@
 //! Finds graphics burnt into the pictures of a document, labelled or not, from a few pictures of
 //! each camera: by edges that are static throughout or for a while, and by static features.
 
-use super::burnt_in::{FoundMask, has_point_moved, video_frame_number};
+use super::burnt_in::{FoundMask, has_point_moved};
 use super::spread::spread;
 use super::{FramePictures, read_picture};
 use std::ops::ControlFlow;
@@ -111,7 +111,7 @@ fn by_edges(
         // and the next one; bisect between the two. Images have no frame numbers, so their range
         // stays open.
         let mut bound = |shown: usize, other: Option<&SampledPicture>| -> Option<Option<u64>> {
-            let is_of_video = video_frame_number(document, shown).is_some();
+            let is_of_video = document.frames[shown].video.is_some();
             let Some(other) = other.filter(|_| is_of_video) else {
                 return Some(None);
             };
@@ -123,7 +123,7 @@ fn by_edges(
                 [shown, other.frame],
                 progress,
             )?;
-            Some(video_frame_number(document, without))
+            Some(document.frames[without].video_frame_index())
         };
         let before = bound(
             first,
@@ -223,10 +223,10 @@ fn mask_of_graphic(
     let before = graphic
         .first
         .checked_sub(1)
-        .and_then(|before| video_frame_number(document, sampled[before]));
+        .and_then(|before| document.frames[sampled[before]].video_frame_index());
     let after = sampled
         .get(graphic.last + 1)
-        .and_then(|after| video_frame_number(document, *after));
+        .and_then(|after| document.frames[*after].video_frame_index());
     FoundMask {
         camera: camera.id.clone(),
         mask: RangedMask {

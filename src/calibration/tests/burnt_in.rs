@@ -30,7 +30,7 @@ impl World {
     }
 
     /// What a camera sees, the features of the screen last.
-    fn seen(&self, pan_deg: f64, with_graphic: bool, rng: &mut Pcg64Mcg) -> Features {
+    fn view(&self, pan_deg: f64, with_graphic: bool, rng: &mut Pcg64Mcg) -> Features {
         let camera = PtzCamera::new(base(), Ptz::from_degrees(pan_deg, -10.0, 1900.0));
         let stadium = self
             .stadium
@@ -53,7 +53,7 @@ impl World {
     }
 }
 
-fn found(pictures: &[Features]) -> BurntIn {
+fn find_graphics(pictures: &[Features]) -> BurntIn {
     burnt_in(&pictures.iter().collect::<Vec<_>>(), &|_, _, _| true)
 }
 
@@ -61,8 +61,8 @@ fn found(pictures: &[Features]) -> BurntIn {
 fn two_pictures_tell_what_stands_still() {
     let mut rng = rng("two_pictures_tell_what_stands_still");
     let world = World::new(&mut rng);
-    let pictures = [-4.0, 9.0].map(|pan_deg| world.seen(pan_deg, true, &mut rng));
-    let found = found(&pictures);
+    let pictures = [-4.0, 9.0].map(|pan_deg| world.view(pan_deg, true, &mut rng));
+    let found = find_graphics(&pictures);
     for (features, burnt) in pictures.iter().zip(&found.features) {
         let on_screen = features.len() - world.screen.len()..features.len();
         let caught = burnt
@@ -96,17 +96,17 @@ fn two_pictures_tell_what_stands_still() {
 fn a_still_camera_is_no_graphic() {
     let mut rng = rng("a_still_camera_is_no_graphic");
     let world = World::new(&mut rng);
-    let once = world.seen(2.0, true, &mut rng);
+    let once = world.view(2.0, true, &mut rng);
     assert_eq!(
-        found(&[once.clone(), once.clone()]).features,
+        find_graphics(&[once.clone(), once.clone()]).features,
         [Vec::<usize>::new(), Vec::new()],
         "the same picture twice"
     );
     // Again with noise, and moved by a few px: the picture as a whole hardly moved.
     for moved_deg in [0.0, 0.02, 0.1, 0.2] {
-        let pictures = [once.clone(), world.seen(2.0 + moved_deg, true, &mut rng)];
+        let pictures = [once.clone(), world.view(2.0 + moved_deg, true, &mut rng)];
         assert_eq!(
-            found(&pictures),
+            find_graphics(&pictures),
             BurntIn {
                 features: vec![vec![], vec![]],
                 graphics: vec![]
@@ -120,14 +120,14 @@ fn a_still_camera_is_no_graphic() {
 fn pictures_that_tell_nothing_give_nothing() {
     let mut rng = rng("pictures_that_tell_nothing_give_nothing");
     let world = World::new(&mut rng);
-    let one = world.seen(0.0, true, &mut rng);
+    let one = world.view(0.0, true, &mut rng);
     let empty = empty();
     let other_size = Features {
         image_size: ImageSize::new(1920, 1080),
-        ..world.seen(12.0, true, &mut rng)
+        ..world.view(12.0, true, &mut rng)
     };
     let unmasked = [-8.0, 0.0, 7.0]
-        .map(|pan_deg| world.seen(pan_deg, false, &mut rng))
+        .map(|pan_deg| world.view(pan_deg, false, &mut rng))
         .to_vec();
     for pictures in [
         vec![],
@@ -136,7 +136,7 @@ fn pictures_that_tell_nothing_give_nothing() {
         vec![one, other_size],
         unmasked,
     ] {
-        let found = found(&pictures);
+        let found = find_graphics(&pictures);
         assert!(
             found.graphics.is_empty() && found.features.iter().all(Vec::is_empty),
             "{found:?}"
@@ -150,9 +150,9 @@ fn a_graphic_has_the_pictures_that_show_it() {
     let mut rng = rng("a_graphic_has_the_pictures_that_show_it");
     let world = World::new(&mut rng);
     let pictures: Vec<Features> = (0..8)
-        .map(|i| world.seen(7.0 * f64::from(i) - 25.0, (2..6).contains(&i), &mut rng))
+        .map(|i| world.view(7.0 * f64::from(i) - 25.0, (2..6).contains(&i), &mut rng))
         .collect();
-    let found = found(&pictures);
+    let found = find_graphics(&pictures);
     let [graphic] = &found.graphics[..] else {
         panic!("{:?}", found.graphics)
     };
@@ -169,7 +169,7 @@ fn a_graphic_has_the_pictures_that_show_it() {
 fn pairs_count_only_where_the_cameras_moved() {
     let mut rng = rng("pairs_count_only_where_the_cameras_moved");
     let world = World::new(&mut rng);
-    let pictures = [-4.0, 9.0].map(|pan_deg| world.seen(pan_deg, true, &mut rng));
+    let pictures = [-4.0, 9.0].map(|pan_deg| world.view(pan_deg, true, &mut rng));
     let found = burnt_in(&[&pictures[0], &pictures[1]], &|_, _, _| false);
     assert!(found.graphics.is_empty() && found.features.iter().all(Vec::is_empty));
 }
@@ -424,7 +424,7 @@ mod videos {
             }
         }
 
-        fn found(&mut self) -> Vec<FoundMask> {
+        fn find_masks(&mut self) -> Vec<FoundMask> {
             let mut document: Document = document_from_bytes(
                 br#"{"format": "touchline", "version": 1, "field": {"template": "soccer", "params": {}}, "frames": [],
                     "cameras": [{"id": "main", "image_size_px": [480, 270], "principal_point_px": [240, 135]}]}"#,
@@ -474,7 +474,7 @@ mod videos {
     }
 
     /// The share of a box that another covers.
-    fn covered(of: &PixelBox, by: &PixelBox) -> f64 {
+    fn covered_share(of: &PixelBox, by: &PixelBox) -> f64 {
         let along = |a: f64, a_length: f64, b: f64, b_length: f64| {
             ((a + a_length).min(b + b_length) - a.max(b)).max(0.0)
         };
@@ -492,23 +492,23 @@ mod videos {
             ..BUG
         };
         let mut video = DrawnVideo::new(5, Preset::Paper, graphics);
-        let found = video.found();
+        let found = video.find_masks();
         let truth = graphics.boxes(SIZE, at_s(150.0));
         let masks: Vec<PixelBox> = found.iter().map(|found| found.mask.pixel_box).collect();
         for mask in &masks {
             assert!(
-                truth.iter().any(|of| covered(mask, of) >= 0.5),
+                truth.iter().any(|of| covered_share(mask, of) >= 0.5),
                 "{mask:?} is no graphic"
             );
         }
         let of = |truth: PixelBox| {
             found
                 .iter()
-                .filter(move |found| covered(&found.mask.pixel_box, &truth) >= 0.5)
+                .filter(move |found| covered_share(&found.mask.pixel_box, &truth) >= 0.5)
         };
         for (&truth, ranged) in truth.iter().zip([false, false, true]) {
             let covered: f64 = of(truth)
-                .map(|mask| covered(&truth, &mask.mask.pixel_box))
+                .map(|mask| covered_share(&truth, &mask.mask.pixel_box))
                 .sum();
             // Of a banner that few views show only what stands is found: its text moves.
             let least = if ranged { 0.25 } else { 0.6 };
@@ -543,11 +543,11 @@ mod videos {
             for graphics in [Graphics::NONE, BUG] {
                 let mut video = DrawnVideo::new(1, Preset::Paper, graphics);
                 video.turn_slowly(30, turn_deg, focal_px);
-                for found in video.found() {
+                for found in video.find_masks() {
                     let truth = graphics.boxes(SIZE, 0.0);
                     let is_one = truth
                         .iter()
-                        .any(|of| covered(&found.mask.pixel_box, of) >= 0.5);
+                        .any(|of| covered_share(&found.mask.pixel_box, of) >= 0.5);
                     assert!(is_one, "{turn_deg:?}°: {found:?} is no graphic");
                 }
             }
@@ -556,6 +556,9 @@ mod videos {
 
     #[test]
     fn nothing_is_found_where_nothing_is_burnt_in() {
-        assert_eq!(DrawnVideo::new(9, Preset::Hard, Graphics::NONE).found(), []);
+        assert_eq!(
+            DrawnVideo::new(9, Preset::Hard, Graphics::NONE).find_masks(),
+            []
+        );
     }
 }

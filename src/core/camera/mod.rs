@@ -25,7 +25,8 @@ pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{MIN_DEPTH, ProjectError, PtzCamera};
 pub use ray::PanTilt;
 
-use crate::geometry::Angle;
+use crate::geometry::rotation::{q_pan, q_tilt};
+use crate::geometry::{Angle, Mat3};
 use serde::Serialize;
 
 /// The parameters of a frame beside its camera's base: pan, tilt and focal length.
@@ -59,6 +60,13 @@ impl Ptz {
             && self.tilt.is_finite()
             && self.focal_px.is_finite()
             && self.focal_px > 0.0
+    }
+
+    /// `Q_tilt` · `Q_pan`: the rotation from the frame in which pan and tilt are given, `base` as a
+    /// rule, to `cam`.
+    #[must_use]
+    pub fn cam_from_base(&self) -> Mat3 {
+        q_tilt(self.tilt) * q_pan(self.pan)
     }
 
     /// The value at a share (0 to 1) of the way to another: pan and tilt linear, the pan by the

@@ -2,7 +2,6 @@
 
 use super::distortion::{UndistortError, distort, undistort};
 use super::{CameraBase, PanTilt, Ptz, Radial};
-use crate::geometry::rotation::{q_pan, q_tilt};
 use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 use thiserror::Error;
 
@@ -42,7 +41,7 @@ impl PtzCamera {
     /// at this focal length.
     #[must_use]
     pub fn new(base: CameraBase, ptz: Ptz) -> Self {
-        let cam_from_base = q_tilt(ptz.tilt) * q_pan(ptz.pan);
+        let cam_from_base = ptz.cam_from_base();
         let cam_from_world = cam_from_base * base.base_from_world;
         Self {
             base,

@@ -1,5 +1,6 @@
 //! The direction of a ray in `base` by its exact pan and tilt.
 
+use crate::geometry::rotation::angle_between_directions;
 use crate::geometry::{Angle, Vec3};
 
 /// A direction in `base`: pan α and tilt β of the ray itself, r = (sin α cos β, −sin β, cos α cos
@@ -47,8 +48,7 @@ impl PanTilt {
     /// The angle between two rays.
     #[must_use]
     pub fn angle_to(self, other: Self) -> Angle {
-        let (a, b) = (self.direction(), other.direction());
-        Angle::from_radians(a.cross(&b).norm().atan2(a.dot(&b)))
+        angle_between_directions(&self.direction(), &other.direction())
     }
 }
 

@@ -17,5 +17,27 @@ pub fn plain(text: &str) -> String {
 /// Whether a terminal or a text view obeys a character instead of showing it.
 fn is_control(letter: char) -> bool {
     letter.is_control()
-        || matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
+        || matches!(
+            letter,
+            '\u{61c}'
+                | '\u{200b}'..='\u{200f}'
+                | '\u{2028}'..='\u{202e}'
+                | '\u{2066}'..='\u{2069}'
+                | '\u{feff}'
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_that_change_the_direction_of_writing_are_escaped() {
+        for mark in [
+            '\u{61c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202e}', '\u{2066}', '\u{2069}',
+        ] {
+            let escaped = format!("a{}gpj.exe", mark.escape_default());
+            assert_eq!(plain(&format!("a{mark}gpj.exe")), escaped);
+        }
+    }
 }

@@ -26,7 +26,7 @@ pub(crate) use homography::{HomographyError, only_null_vector};
 pub use image::{ImagePoint, ImageSize, PixelBox};
 pub use rows::rows;
 pub use segment::distance_from_segment;
-pub(crate) use subsample::keep_distinct;
+pub(crate) use subsample::{farthest_pairs, keep_distinct};
 pub use subsample::{stride_of_subsample, subsample};
 pub use text::{decimal, hex, is_formula, pluralise, text_cell, thousands, xml_text};
 

@@ -73,6 +73,13 @@ pub fn angle_between(a: &Mat3, b: &Mat3) -> Angle {
     Angle::from_radians(sine.atan2(difference.trace() - 1.0))
 }
 
+/// The angle between two directions of any length but zero; exact for small angles, where an arc
+/// cosine is not.
+#[must_use]
+pub fn angle_between_directions(a: &Vec3, b: &Vec3) -> Angle {
+    Angle::from_radians(a.cross(b).norm().atan2(a.dot(b)))
+}
+
 /// The distance of a matrix from a rotation: the largest absolute entry of `RᵀR` − I, or infinity
 /// for a reflection or NaN.
 #[must_use]

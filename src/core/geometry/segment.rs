@@ -35,6 +35,15 @@ impl ImagePoint {
         )
     }
 
+    /// The distance from a polyline, px; infinite if that has fewer than two points.
+    #[must_use]
+    pub fn distance_from_polyline_px(self, polyline: &[Self]) -> f64 {
+        polyline
+            .windows(2)
+            .map(|ends| self.distance_from_segment_px(ends[0], ends[1]))
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// The point of the segment between two points that is nearest to this one.
     #[must_use]
     pub fn nearest_on_segment(self, from: Self, to: Self) -> Self {

@@ -1,4 +1,4 @@
-//! Some of many values: evenly spaced ones, and those that differ.
+//! Some of many values: evenly spaced ones, pairs that are far apart, and those that differ.
 
 use std::iter::StepBy;
 
@@ -17,6 +17,21 @@ where
     let values = values.into_iter();
     let stride = stride_of_subsample(values.len(), most);
     values.step_by(stride)
+}
+
+/// The pairs of items that are farthest apart, the farthest first, at most `most`.
+pub(crate) fn farthest_pairs<T: Copy>(
+    items: &[T],
+    most: usize,
+    separation: impl Fn(&[T; 2]) -> f64,
+) -> Vec<[T; 2]> {
+    let mut pairs: Vec<[T; 2]> = Vec::new();
+    for (index, one) in items.iter().enumerate() {
+        pairs.extend(items[index + 1..].iter().map(|two| [*one, *two]));
+    }
+    pairs.sort_by(|a, b| separation(b).total_cmp(&separation(a)));
+    pairs.truncate(most);
+    pairs
 }
 
 /// The first candidates that differ from all kept before them, at most `most`.

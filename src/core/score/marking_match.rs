@@ -249,11 +249,7 @@ impl NamedMatch {
 
 /// Distance of a point, px, from the polyline that joins all parts in order, as in the task.
 fn distance_px(point: ImagePoint, parts: &[Vec<ImagePoint>]) -> f64 {
-    let joined: Vec<ImagePoint> = parts.iter().flatten().copied().collect();
-    joined
-        .windows(2)
-        .map(|ends| point.distance_from_segment_px(ends[0], ends[1]))
-        .fold(f64::INFINITY, f64::min)
+    point.distance_from_polyline_px(&parts.concat())
 }
 
 #[cfg(test)]

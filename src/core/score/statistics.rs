@@ -20,7 +20,7 @@ pub struct Summary {
     /// The 95 % bootstrap interval of the mean (percentiles of 1000 resamples).
     #[serde(rename = "mean_interval_95")]
     pub mean_interval: [f64; 2],
-    /// Their standard deviation (n − 1); 0 for a single value.
+    /// Their standard deviation (n − 1); 0 for a single value, infinite if one of several is.
     pub std: f64,
     /// The minimum.
     pub min: f64,
@@ -63,17 +63,12 @@ impl Summary {
             .collect();
         sorted.sort_by(f64::total_cmp);
         let mean = mean(&sorted)?;
-        let squares: f64 = sorted.iter().map(|value| (value - mean).powi(2)).sum();
         let [mean_interval, median_interval] = bootstrap(&sorted, seed);
         Some(Self {
             count: sorted.len(),
             mean,
             mean_interval,
-            std: if sorted.len() > 1 {
-                (squares / (sorted.len() - 1) as f64).sqrt()
-            } else {
-                0.0
-            },
+            std: standard_deviation(&sorted, mean),
             min: sorted[0],
             p10: quantile(&sorted, 0.10),
             p25: quantile(&sorted, 0.25),
@@ -85,6 +80,19 @@ impl Summary {
             max: sorted[sorted.len() - 1],
         })
     }
+}
+
+/// The standard deviation (n − 1); 0 for a single value, infinite if one of several is.
+fn standard_deviation(values: &[f64], mean: f64) -> f64 {
+    if values.len() < 2 {
+        return 0.0;
+    }
+    // Infinity minus the mean, which is infinite too, would be NaN.
+    if mean.is_infinite() {
+        return f64::INFINITY;
+    }
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (squares / (values.len() - 1) as f64).sqrt()
 }
 
 /// The 95 % percentile bootstrap intervals of mean and median (Efron 1979).
@@ -133,6 +141,7 @@ mod tests {
             (summary.median, summary.max, summary.mean),
             (2.0, f64::INFINITY, f64::INFINITY)
         );
+        assert_eq!(summary.std, f64::INFINITY);
     }
 
     #[test]

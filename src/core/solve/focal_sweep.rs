@@ -17,7 +17,7 @@ use super::observation::Observation;
 use super::one_point::{pan_tilt_from_one_point, pan_tilts_from_directions};
 use super::refine::cost;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{Angle, ImagePoint, Vec3};
+use crate::geometry::{ImagePoint, Vec3};
 
 /// Steps of a sweep over the plausible range of focal lengths.
 const STEPS: usize = 48;
@@ -101,12 +101,7 @@ pub(super) fn sweep_line(
 /// The unit normal, in `cam`, of the plane through the camera and two pixels; none where a pixel
 /// has no ray.
 fn plane_normal(base: &CameraBase, focal_px: f64, pixels: [ImagePoint; 2]) -> Option<Vec3> {
-    let ahead = Ptz {
-        pan: Angle::ZERO,
-        tilt: Angle::ZERO,
-        focal_px,
-    };
-    let lens = PtzCamera::new(*base, ahead);
+    let lens = PtzCamera::new(*base, Ptz::from_degrees(0.0, 0.0, focal_px));
     let [one, two] = pixels.map(|pixel| lens.cam_plane_from_image(pixel));
     Some(one.ok()?.push(1.0).cross(&two.ok()?.push(1.0)).normalize())
 }

@@ -12,7 +12,7 @@ use super::observation::landmark_observations;
 use super::two_point::{OneOrTwo, solve_two_points};
 use crate::camera::{CameraBase, Ptz};
 use crate::field::Curve;
-use crate::geometry::subsample;
+use crate::geometry::{farthest_pairs, subsample};
 
 /// Pairs of crossings that are tried, at most.
 const MAX_PAIRS: usize = 4;
@@ -33,13 +33,7 @@ pub(super) fn find_pairs(lines: &[DrawnLine], crossings: &[Crossing]) -> Vec<[Cr
 /// The pairs of crossings that determine a camera best: far apart for their σ.
 fn best_pairs(crossings: &[Crossing]) -> Vec<[Crossing; 2]> {
     let certain = &crossings[..crossings.len().min(MAX_CROSSINGS)];
-    let mut pairs: Vec<[Crossing; 2]> = Vec::new();
-    for (index, one) in certain.iter().enumerate() {
-        pairs.extend(certain[index + 1..].iter().map(|two| [*one, *two]));
-    }
-    pairs.sort_by(|a, b| separation_in_sigmas(b).total_cmp(&separation_in_sigmas(a)));
-    pairs.truncate(MAX_PAIRS);
-    pairs
+    farthest_pairs(certain, MAX_PAIRS, separation_in_sigmas)
 }
 
 /// The distance of two crossings in the picture, px, over the σ of both together.

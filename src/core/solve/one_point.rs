@@ -38,7 +38,8 @@ pub enum OnePointError {
 /// plane z = 1 of `cam`.
 ///
 /// # Errors
-/// [`OnePointError::OutOfReach`] near the poles of the pan axis, and for a direction that is zero or not finite.
+/// [`OnePointError::OutOfReach`] near the poles of the pan axis, and for a direction that is zero or
+/// not finite.
 pub fn pan_tilt_from_one_ray(
     direction_in_base: Vec3,
     ideal_in_cam: Vec2,
@@ -88,14 +89,7 @@ pub fn pan_tilt_from_one_point(
     point_in_world: Vec3,
     image: ImagePoint,
 ) -> Result<Ptz, OnePointError> {
-    let lens = PtzCamera::new(
-        *base,
-        Ptz {
-            pan: Angle::ZERO,
-            tilt: Angle::ZERO,
-            focal_px,
-        },
-    );
+    let lens = PtzCamera::new(*base, Ptz::from_degrees(0.0, 0.0, focal_px));
     let ideal = lens.cam_plane_from_image(image)?;
     let (pan, tilt) = pan_tilt_from_one_ray(base.base_from_world_point(point_in_world), ideal)?;
     Ok(Ptz {

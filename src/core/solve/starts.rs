@@ -26,7 +26,7 @@ use super::two_point::{
 };
 use super::{Loss, Observation, PtzRanges, SolveContext, SolveError};
 use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
-use crate::geometry::{Angle, keep_distinct};
+use crate::geometry::{Angle, farthest_pairs, keep_distinct};
 
 /// Pairs of landmarks that are solved, at most.
 const MAX_PAIRS: usize = 48;
@@ -170,13 +170,9 @@ pub(super) fn scan_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
 /// # Errors
 /// The error of the farthest pair, if no pair has a solution.
 fn solve_pairs(base: &CameraBase, landmarks: &[LandmarkClick]) -> Result<Vec<Ptz>, SolveError> {
-    let mut pairs: Vec<[LandmarkClick; 2]> = Vec::new();
-    for (index, one) in landmarks.iter().enumerate() {
-        pairs.extend(landmarks[index + 1..].iter().map(|two| [*one, *two]));
-    }
-    let separation_px = |[one, two]: &[LandmarkClick; 2]| one.image.distance_px(two.image);
-    pairs.sort_by(|a, b| separation_px(b).total_cmp(&separation_px(a)));
-    pairs.truncate(MAX_PAIRS);
+    let pairs = farthest_pairs(landmarks, MAX_PAIRS, |[one, two]| {
+        one.image.distance_px(two.image)
+    });
 
     let mut starts = Vec::with_capacity(pairs.len());
     let mut first_error = None;

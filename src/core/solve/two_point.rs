@@ -51,6 +51,7 @@
 
 use super::one_point::pan_tilt_from_one_ray;
 use crate::camera::{CameraBase, FocalCurve, Ptz, undistort};
+use crate::geometry::rotation::angle_between_directions;
 use crate::geometry::{ImagePoint, Vec2, Vec3};
 use thiserror::Error;
 
@@ -298,7 +299,7 @@ impl<'a> PointPair<'a> {
         let [r1, r2] = self.rays_in_base;
         TwoPointError::NoRealRoot {
             separation_px: self.pixels[0].distance_px(self.pixels[1]),
-            angle_deg: angle_between(&r1, &r2).to_degrees(),
+            angle_deg: angle_between_directions(&r1, &r2).degrees(),
         }
     }
 
@@ -345,6 +346,8 @@ impl<'a> PointPair<'a> {
     fn follow_root(&self, pinhole_focal_px: f64) -> Option<FocalRoot> {
         const MAX_ITERATIONS: usize = 30;
         const CONVERGED_LOG_FOCAL: f64 = 1e-13;
+        // Distortion hardly changes from one focal length to the next, so that a few rounds are
+        // enough. Beside a fold of the lens this may fail; then the caller scans.
         let mut focal_px = pinhole_focal_px;
         for _ in 0..MAX_ITERATIONS {
             let ideal_px = self
@@ -390,9 +393,10 @@ impl<'a> PointPair<'a> {
             .ideal_in_cam
             .map(|point| Vec3::new(point.x, point.y, 1.0));
         let [r1, r2] = &self.rays_in_base;
+        let excess = angle_between_directions(&one, &two) - angle_between_directions(r1, r2);
         Some(ExcessSample {
             log_focal,
-            excess_rad: angle_between(&one, &two) - angle_between(r1, r2),
+            excess_rad: excess.radians(),
         })
     }
 
@@ -461,6 +465,8 @@ impl<'a> PointPair<'a> {
         const ITERATIONS: usize = 40;
         /// 1/φ, the golden section.
         const SHARE: f64 = 0.618_033_988_749_895;
+        // Press et al., Numerical Recipes, 3rd ed., section 10.2, but with both inner samples
+        // computed anew in each round: the search runs rarely.
         let (mut low, mut high) = (from.log_focal, upto.log_focal);
         for _ in 0..ITERATIONS {
             let left = self.excess_at(high - SHARE * (high - low))?;
@@ -482,6 +488,8 @@ impl<'a> PointPair<'a> {
     /// The root between two samples of opposite sign.
     fn bisect(&self, from: ExcessSample, upto: ExcessSample) -> Option<FocalRoot> {
         const ITERATIONS: usize = 60;
+        // Bisection, because beside a fold the tangent is vertical, and a secant hardly converges.
+        // 60 halvings reach the resolution of `f64`.
         let (mut low, mut high) = (from.log_focal, upto.log_focal);
         for _ in 0..ITERATIONS {
             let middle = self.excess_at(f64::midpoint(low, high))?;
@@ -493,11 +501,6 @@ impl<'a> PointPair<'a> {
         }
         self.undistort_at(f64::midpoint(low, high).exp())
     }
-}
-
-/// The angle between two directions, rad; exact for small angles, where an arc cosine is not.
-fn angle_between(a: &Vec3, b: &Vec3) -> f64 {
-    a.cross(b).norm().atan2(a.dot(b))
 }
 
 #[cfg(test)]
@@ -551,7 +554,9 @@ mod tests {
         assert!(found.is_two() && focals[0] < focals[1], "{found:?}");
         for focal_px in focals {
             let [one, two] = pixels.map(|pixel| Vec3::new(pixel.x, pixel.y, focal_px));
-            assert!((angle_between(&one, &two) - angle_between(&rays[0], &rays[1])).abs() < 1e-12);
+            let subtended = angle_between_directions(&one, &two);
+            let between_rays = angle_between_directions(&rays[0], &rays[1]);
+            assert!((subtended - between_rays).abs().radians() < 1e-12);
         }
     }
 

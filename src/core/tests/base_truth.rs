@@ -103,7 +103,7 @@ fn frames(
     (frames, truth)
 }
 
-fn prescribed(lens: LensModel, crown: CrownModel) -> BaseOptions {
+fn options_of(lens: LensModel, crown: CrownModel) -> BaseOptions {
     BaseOptions {
         lens: Some(lens),
         crown: Some(crown),
@@ -215,7 +215,7 @@ fn exact_clicks_give_the_exact_base() {
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
     let (frames, truth) = frames(&base, &field, 8, 12, 0.0, &mut rng);
-    let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
+    let options = options_of(LensModel::Pinhole, CrownModel::Fixed(0.0));
     let found = centred_base(&field, &frames, &options).unwrap();
     assert!(
         (found.base.position_m - base.position_m).norm() < 1e-4,
@@ -244,7 +244,7 @@ fn the_position_is_as_good_as_its_sigma_says() {
     let mut rng = seeded::rng("the_position_is_as_good_as_its_sigma_says");
     let field = field(0.12);
     let base = true_base(LENS);
-    let options = prescribed(LensModel::K1Focal, CrownModel::Free);
+    let options = options_of(LensModel::K1Focal, CrownModel::Free);
     for count in [5, 10, 30] {
         let (mut squares, trials) = (0.0, 6);
         for _ in 0..trials {
@@ -299,7 +299,7 @@ fn the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_error
     );
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
-    let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
+    let options = options_of(LensModel::Pinhole, CrownModel::Fixed(0.0));
     for (count, spoiled) in [(5, false), (10, false), (30, false), (10, true), (30, true)] {
         let (mut squares, trials) = (0.0, 4);
         for _ in 0..trials {
@@ -450,7 +450,7 @@ fn landmarks_on_one_line_and_a_single_view_are_reported() {
         "{error}"
     );
 
-    let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
+    let options = options_of(LensModel::Pinhole, CrownModel::Fixed(0.0));
     let estimate = |frames: &[FrameClicks]| centred_base(&field, frames, &options).unwrap();
     assert_eq!(estimate(&many).one_view(), None);
     let same = vec![many[3].clone(); 5];
@@ -467,7 +467,7 @@ fn few_frames_on_one_side_ask_for_one_on_the_other() {
     let field = field(0.0);
     // From left to right.
     let (many, _) = frames(&true_base(FocalCurve::NONE), &field, 8, 4, 2.0, &mut rng);
-    let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
+    let options = options_of(LensModel::Pinhole, CrownModel::Fixed(0.0));
     let estimate = |frames: &[FrameClicks]| centred_base(&field, frames, &options).unwrap();
     for (few, side) in [
         (&many[4..7], BesideFrames::Left),

@@ -107,7 +107,7 @@ fn identify(field: &FieldModel, clicks: &[Observation]) -> Option<IdentityFindin
     check_identity(&nominal_base(), field, clicks, &solution, &context)
 }
 
-fn renamed(click: &Observation, field: &FieldModel, landmark: usize) -> Observation {
+fn renamed_click(click: &Observation, field: &FieldModel, landmark: usize) -> Observation {
     click
         .with_element(field, FieldElement::Landmark(landmark))
         .unwrap()
@@ -165,7 +165,7 @@ fn one_swap_or_one_wrong_landmark_is_found_and_mended() {
                 };
             }
             for (click, landmark) in clicks.iter_mut().zip(&named) {
-                *click = renamed(click, &field, *landmark);
+                *click = renamed_click(click, &field, *landmark);
             }
             let finding = identify(&field, &clicks);
             found += usize::from(finding.is_some());
@@ -187,7 +187,7 @@ fn one_swap_or_one_wrong_landmark_is_found_and_mended() {
     }
 }
 
-fn solved_as_the_program_does(
+fn solve_as_the_program_does(
     clicks: &[Observation],
     field: &FieldModel,
     context: &SolveContext,
@@ -206,7 +206,7 @@ enum PriorKnowledge {
     TheFrameBefore,
 }
 
-fn known(known: PriorKnowledge, truth: Ptz, rng: &mut Pcg64Mcg) -> SolveContext {
+fn context_of(known: PriorKnowledge, truth: Ptz, rng: &mut Pcg64Mcg) -> SolveContext {
     let degrees = |from: f64, upto: f64| Angle::from_degrees(from)..=Angle::from_degrees(upto);
     let plain = SolveContext::new(SIZE);
     let pan = AngleRange::around(Angle::ZERO, Angle::from_degrees(33.0));
@@ -310,8 +310,8 @@ fn two_clicks_say_what_they_can() {
         let (mut alarms, mut doubts, mut caught, mut mended) = (0, 0, [0; 5], [0; 5]);
         for _ in 0..trials {
             let (clicks, truth, ptz) = labels_and_truth(&field, 2, &mut rng);
-            let context = known(what, ptz, &mut rng);
-            let right = solved_as_the_program_does(&clicks, &field, &context);
+            let context = context_of(what, ptz, &mut rng);
+            let right = solve_as_the_program_does(&clicks, &field, &context);
             let evidence = right
                 .as_ref()
                 .and_then(|solved| solved.identity.as_ref())
@@ -347,9 +347,9 @@ fn two_clicks_say_what_they_can() {
                 let wrong: Vec<Observation> = clicks
                     .iter()
                     .zip(named)
-                    .map(|(click, index)| renamed(click, &field, *index))
+                    .map(|(click, index)| renamed_click(click, &field, *index))
                     .collect();
-                let solved = solved_as_the_program_does(&wrong, &field, &context);
+                let solved = solve_as_the_program_does(&wrong, &field, &context);
                 caught[kind] += usize::from(match &solved {
                     None => true,
                     Some(solved) => *named == truth || tells_of_a_mistake(solved),

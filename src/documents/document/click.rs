@@ -103,6 +103,12 @@ impl Click {
         Self::new(Target::Line(id), image)
     }
 
+    /// Whether it is on a line, circle or arc.
+    #[must_use]
+    pub const fn is_on_line(&self) -> bool {
+        matches!(self.target, Some(Target::Line(_)))
+    }
+
     /// A click without a name.
     #[must_use]
     pub fn without_name(image: ImagePoint) -> Self {

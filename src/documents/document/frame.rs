@@ -374,13 +374,17 @@ impl Frame {
         self.image.as_ref().map(|image| folder.join(image))
     }
 
+    /// Its number in its video, counted from 0; none where it has no video.
+    #[must_use]
+    pub fn video_frame_index(&self) -> Option<u64> {
+        self.video.as_ref().map(|video| video.frame_index)
+    }
+
     /// Its number for the user, at a position of the document: that of its video frame, else its
     /// position; both from 0.
     #[must_use]
     pub fn number_at(&self, position: usize) -> u64 {
-        self.video
-            .as_ref()
-            .map_or(position as u64, |video| video.frame_index)
+        self.video_frame_index().unwrap_or(position as u64)
     }
 
     /// The source of its pixels, given the document's folder: its image file, else its video frame.

@@ -143,6 +143,13 @@ impl Frames {
         self.ordered.is_empty()
     }
 
+    /// The path of the first video that a frame is of.
+    #[must_use]
+    pub fn first_video(&self) -> Option<&str> {
+        let video = self.iter().find_map(|frame| frame.video.as_ref());
+        video.map(|video| video.path.as_str())
+    }
+
     /// The frame at a position.
     #[must_use]
     pub fn get(&self, position: usize) -> Option<&Shared<Frame>> {

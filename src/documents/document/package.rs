@@ -40,7 +40,7 @@ fn take_package(document: &Document, ids: &BTreeSet<FrameId>) -> Document {
 /// The shots of a document whose ends still have the same meaning with some of its frames.
 fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
     // A plain number refers to the first video of the document.
-    let keeps_numbers = first_video(frames) == first_video(&document.frames);
+    let keeps_numbers = frames.first_video() == document.frames.first_video();
     document
         .shots
         .iter()
@@ -52,14 +52,6 @@ fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
         })
         .cloned()
         .collect()
-}
-
-/// The path of the first video that a frame is of.
-fn first_video(frames: &Frames) -> Option<&str> {
-    frames
-        .iter()
-        .find_map(|frame| frame.video.as_ref())
-        .map(|video| video.path.as_str())
 }
 
 /// The initial frames of a package; none for a document that is not a package.

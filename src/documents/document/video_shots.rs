@@ -324,13 +324,7 @@ fn first_from(number: u64, numbers: &[(u64, usize)]) -> usize {
 /// refers to the first video.
 fn end(document: &Document, end: &ShotEnd, video: &str) -> Option<u64> {
     match end {
-        ShotEnd::VideoFrame(frame) => {
-            let first = document
-                .frames
-                .iter()
-                .find_map(|frame| frame.video.as_ref())?;
-            (first.path == video).then_some(*frame)
-        }
+        ShotEnd::VideoFrame(frame) => (document.frames.first_video()? == video).then_some(*frame),
         ShotEnd::Frame(id) => number(document.frames.by_id(id)?, video),
     }
 }

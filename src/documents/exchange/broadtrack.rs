@@ -195,12 +195,12 @@ impl CameraFormat for BroadTrack {
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::tests::{awkward, export_as, reference, text_of};
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
         let text = text_of(
-            &exported(&reference(), Format::BroadTrack).files,
+            &export_as(&reference(), Format::BroadTrack).files,
             "broadtrack.json",
         );
         let all: Value = serde_json::from_str(&text).unwrap();
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn an_off_centre_principal_point_is_lost_and_said_so() {
-        let exported = exported(&awkward(), Format::BroadTrack);
+        let exported = export_as(&awkward(), Format::BroadTrack);
         assert!(exported.worst_px < 1e-6);
         let loss = exported.loss.unwrap();
         assert_eq!(
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn damaged_files_are_named_in_one_line() {
         let good = text_of(
-            &exported(&reference(), Format::BroadTrack).files,
+            &export_as(&reference(), Format::BroadTrack).files,
             "broadtrack.json",
         );
         let swap = |from: &str, to: &str| good.replacen(from, to, 1);

@@ -39,6 +39,15 @@ impl WriteContext<'_> {
     pub fn rate_of(&self, frame: &FrameCamera) -> Option<Rate> {
         self.options.rate.or(frame.rate)
     }
+
+    /// The note that lengths are for a nominal sensor, where its width is not known.
+    pub fn sensor_width_note(&self, nominal_mm: f64) -> Option<String> {
+        self.options.sensor_width_mm.is_none().then(|| {
+            format!(
+                "the sensor's width is not known; lengths in mm are for a nominal {nominal_mm} mm (--sensor-mm)"
+            )
+        })
+    }
 }
 
 /// A format that stores a camera or a homography for each frame.

@@ -175,11 +175,11 @@ impl CameraFormat for Chan {
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{SIZE, awkward, exported, reference, text_of};
+    use crate::exchange::tests::{SIZE, awkward, export_as, reference, text_of};
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
-        let exported = exported(&reference(), Format::Chan);
+        let exported = export_as(&reference(), Format::Chan);
         let text = text_of(&exported.files, "camera.chan");
         let found = numbers("the line", &text).unwrap();
         for (found, wanted) in
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn rolled_cameras_come_back_as_far_as_they_are_held() {
-        let exported = exported(&awkward(), Format::Chan);
+        let exported = export_as(&awkward(), Format::Chan);
         assert!(exported.worst_px < 1e-6, "{}", exported.worst_px);
         assert_eq!(
             exported.loss.unwrap().what,

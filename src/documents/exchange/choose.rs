@@ -4,6 +4,7 @@ use super::error::ExchangeError;
 use super::format::Format;
 use super::options::FrameChoice;
 use crate::document::{Frame, FrameStatus};
+use std::collections::BTreeMap;
 
 /// Whether a frame is chosen.
 pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
@@ -38,6 +39,26 @@ pub fn off_paint_note<'a>(frames: impl Iterator<Item = &'a Frame>) -> Option<Str
             "the paint contradicts the cameras of {count} accepted frames, the first {first}: look at them again"
         ),
     })
+}
+
+/// Refuses two frames of one name. Each pair is the name of a frame in the files and its own name.
+///
+/// # Errors
+/// Two frames have the same name in the files; it is named with both frames.
+pub fn refuse_same_names<'a>(
+    names: impl IntoIterator<Item = (&'a str, &'a str)>,
+) -> Result<(), ExchangeError> {
+    let mut seen = BTreeMap::new();
+    for (name, frame) in names {
+        if let Some(first) = seen.insert(name, frame) {
+            return Err(ExchangeError::SameName {
+                name: name.to_owned(),
+                first: first.to_owned(),
+                second: frame.to_owned(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// The error that nothing is left to export, with the reasons.

@@ -249,13 +249,13 @@ impl ClickFormat for Coco {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{clicked, exported, text_of};
+    use crate::exchange::tests::{export_as, text_of, with_clicks};
     use crate::exchange::{ExportOptions, Format, KeypointNames, export};
     use std::path::Path;
 
     #[test]
     fn keypoints_count_from_the_first_pixels_centre() {
-        let exported = exported(&clicked(), Format::Coco);
+        let exported = export_as(&with_clicks(), Format::Coco);
         let all: Value = serde_json::from_str(&text_of(&exported.files, "keypoints.json")).unwrap();
         let names = all["categories"][0]["keypoints"].as_array().unwrap();
         let at = names.iter().position(|name| name == "centre_mark").unwrap();
@@ -288,7 +288,7 @@ mod tests {
             names: KeypointNames::Roboflow32,
             ..ExportOptions::default()
         };
-        let exported = export(clicked().at(Path::new("/")), Format::Coco, &options).unwrap();
+        let exported = export(with_clicks().at(Path::new("/")), Format::Coco, &options).unwrap();
         let all: Value = serde_json::from_str(&text_of(&exported.files, "keypoints.json")).unwrap();
         assert_eq!(
             all["categories"][0]["keypoints"].as_array().unwrap().len(),
@@ -301,7 +301,7 @@ mod tests {
     #[test]
     fn damaged_files_are_named_in_one_line() {
         let good: Value = serde_json::from_str(&text_of(
-            &exported(&clicked(), Format::Coco).files,
+            &export_as(&with_clicks(), Format::Coco).files,
             "keypoints.json",
         ))
         .unwrap();

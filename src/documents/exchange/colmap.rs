@@ -140,8 +140,22 @@ fn read_cameras(bytes: &[u8]) -> Result<BTreeMap<u64, Lens>, Problem> {
     Ok(cameras)
 }
 
+/// The fields of an image's line, between blanks. The last of ten, its name, may hold blanks.
+fn image_fields(line: &str) -> Vec<&str> {
+    let mut fields = Vec::new();
+    let mut rest = line.trim();
+    while fields.len() < 9
+        && let Some((field, behind)) = rest.split_once(char::is_whitespace)
+    {
+        fields.push(field);
+        rest = behind.trim_start();
+    }
+    fields.push(rest);
+    fields
+}
+
 fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, Problem> {
-    let fields: Vec<&str> = line.splitn(10, ' ').collect();
+    let fields = image_fields(line);
     let [_, pose @ .., camera, name] = &fields[..] else {
         return Err(Problem::Count {
             what: "fields of an image".to_owned(),
@@ -179,7 +193,7 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
         principal_point,
         lens,
     };
-    let name = safe_path(name.trim())?;
+    let name = safe_path(name)?;
     let pinhole = pinhole.validate("the camera")?;
     Ok(FrameCamera {
         image: Some(name.clone()),
@@ -384,11 +398,11 @@ fn required_file<'a>(files: &'a Files, name: &str) -> Result<&'a [u8], ExchangeE
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{awkward, clicked, exported, reference, text_of};
+    use crate::exchange::tests::{awkward, export_as, reference, text_of, with_clicks};
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
-        let files = exported(&reference(), Format::Colmap).files;
+        let files = export_as(&reference(), Format::Colmap).files;
         assert!(text_of(&files, CAMERAS).ends_with("\n1 RADIAL 1920 1080 2410 960 540 0.0661 0\n"));
         let images = text_of(&files, IMAGES);
         assert!(
@@ -415,10 +429,10 @@ mod tests {
 
     #[test]
     fn clicked_landmarks_are_points_with_tracks_and_held_out_points_are_not() {
-        let mut document = clicked();
+        let mut document = with_clicks();
         let twice = document.frames[0].clicks[0].clone();
         document.frames[0].clicks.push(twice);
-        let files = exported(&document, Format::Colmap).files;
+        let files = export_as(&document, Format::Colmap).files;
         let points: Vec<String> = text_of(&files, POINTS)
             .lines()
             .skip(1)
@@ -441,7 +455,7 @@ mod tests {
 
     #[test]
     fn awkward_cameras_come_back() {
-        let exported = exported(&awkward(), Format::Colmap);
+        let exported = export_as(&awkward(), Format::Colmap);
         assert!(
             exported.loss.is_none() && exported.worst_px < 1e-6,
             "{exported:?}"
@@ -449,8 +463,24 @@ mod tests {
     }
 
     #[test]
+    fn fields_of_images_are_between_any_blanks_and_names_may_hold_some() {
+        let mut files = export_as(&reference(), Format::Colmap).files;
+        let images = text_of(&files, IMAGES);
+        let read = |files: &Files| Colmap.read(files, &ImportOptions::default()).unwrap();
+        let before = read(&files);
+        let line = images.lines().find(|line| line.contains(".jpg")).unwrap();
+        for blank in ["  ", "\t", " \t "] {
+            let spaced = line.replace(' ', blank).replace("0001.jpg", "00  01.jpg");
+            files.add(IMAGES, images.replace(line, &format!(" {spaced} ")));
+            let again = read(&files);
+            assert_eq!(again[0].name, "images/00  01.jpg");
+            assert_eq!(again[0].shown, before[0].shown);
+        }
+    }
+
+    #[test]
     fn damaged_files_are_named_in_one_line() {
-        let files = exported(&reference(), Format::Colmap).files;
+        let files = export_as(&reference(), Format::Colmap).files;
         let (cameras, images) = (text_of(&files, CAMERAS), text_of(&files, IMAGES));
         let swap = |text: &str, from: &str, to: &str| text.replacen(from, to, 1);
         let cases = [

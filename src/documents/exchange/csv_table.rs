@@ -319,7 +319,7 @@ impl CameraFormat for Csv {
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::tests::{awkward, export_as, reference, text_of};
 
     #[test]
     fn timecodes_of_two_videos_are_by_their_own_rates() {
@@ -337,7 +337,7 @@ mod tests {
                 Some(number as f64 / rate),
             ));
         }
-        let text = text_of(&exported(&document, Format::Csv).files, "cameras.csv");
+        let text = text_of(&export_as(&document, Format::Csv).files, "cameras.csv");
         let table = Table::read(text.as_bytes()).unwrap();
         let codes: Vec<String> = table
             .rows()
@@ -353,7 +353,7 @@ mod tests {
     fn the_homography_takes_pixels_to_the_pitch() {
         let mut document = reference();
         document.cameras[0].distortion = None;
-        let text = text_of(&exported(&document, Format::Csv).files, "cameras.csv");
+        let text = text_of(&export_as(&document, Format::Csv).files, "cameras.csv");
         let table = Table::read(text.as_bytes()).unwrap();
         let row = table.rows().next().unwrap();
         assert_eq!(
@@ -380,7 +380,7 @@ mod tests {
 
     #[test]
     fn every_number_comes_back() {
-        let exported = exported(&awkward(), Format::Csv);
+        let exported = export_as(&awkward(), Format::Csv);
         assert!(
             exported.loss.is_none() && exported.worst_px < 1e-6,
             "{exported:?}"
@@ -389,7 +389,7 @@ mod tests {
         for frame in &mut document.frames {
             frame.image = None;
         }
-        let from_video = super::super::tests::exported(&document, Format::Csv);
+        let from_video = export_as(&document, Format::Csv);
         assert!(
             text_of(&from_video.files, "cameras.csv")
                 .lines()
@@ -401,7 +401,7 @@ mod tests {
 
     #[test]
     fn damaged_tables_are_named_in_one_line() {
-        let good = text_of(&exported(&reference(), Format::Csv).files, "cameras.csv");
+        let good = text_of(&export_as(&reference(), Format::Csv).files, "cameras.csv");
         let swap = |from: &str, to: &str| good.replacen(from, to, 1);
         for (text, wanted) in [
             (String::new(), "the file is empty"),

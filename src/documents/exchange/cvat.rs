@@ -100,8 +100,13 @@ pub(super) fn attribute<'a>(element: Element<'a>, name: &str) -> Result<&'a str,
         .ok_or_else(|| Problem::Missing(format!("{} of <{}>", name, element.tag_name().name())))
 }
 
+/// A required attribute that is a number.
+pub(super) fn number_attribute(element: Element<'_>, name: &str) -> Result<f64, Problem> {
+    number(name, attribute(element, name)?)
+}
+
 fn side(element: Element<'_>, name: &str) -> Result<u32, Problem> {
-    side_px(name, number(name, attribute(element, name)?)?)
+    side_px(name, number_attribute(element, name)?)
 }
 
 /// The points of a shape, all with its label.
@@ -168,7 +173,7 @@ fn tracks(root: Element<'_>, shift: f64) -> Result<BTreeMap<u64, Vec<Mark>>, Pro
         for shape in shapes.filter(|shape| {
             shape.attribute("keyframe") == Some("1") && shape.attribute("outside") != Some("1")
         }) {
-            let frame = frame_number("frame", number("frame", attribute(shape, "frame")?)?)?;
+            let frame = frame_number("frame", number_attribute(shape, "frame")?)?;
             let of_shape = match shape.tag_name().name() {
                 "points" | "polyline" => points(shape, label, shift)?,
                 "skeleton" => marks_within(shape, shift)?,

@@ -2,7 +2,7 @@
 //! memory and reads them back.
 
 use super::camera_format::{CameraFormat, WriteContext};
-use super::choose::{is_chosen, nothing};
+use super::choose::{is_chosen, nothing, refuse_same_names};
 use super::error::ExchangeError;
 use super::exported::Exported;
 use super::files::Files;
@@ -45,7 +45,7 @@ fn frame_camera(
         video: frame.video.as_ref().map(|video| video.path.clone()),
         size: Some(size.unwrap_or(frame.image_size)),
         shown: FrameProjection::Camera(pinhole),
-        frame_index: frame.video.as_ref().map(|video| video.frame_index),
+        frame_index: frame.video_frame_index(),
         pts_s: frame.video.as_ref().and_then(|video| video.pts_s),
         rate: None,
         record: Record {
@@ -205,7 +205,8 @@ pub fn export_cameras(
             why,
         })?);
     }
-    refuse_same_names(&chosen, &held)?;
+    let names = held.iter().zip(&chosen);
+    refuse_same_names(names.map(|(kept, frame)| (kept.name.as_str(), frame.name.as_str())))?;
     let wanted = options
         .stage
         .clone()
@@ -310,21 +311,6 @@ fn interpolation_note(frames: &[FrameCamera]) -> Option<String> {
         "{} frames are interpolated, the first {first}, the last {last}",
         numbers.len()
     ))
-}
-
-fn refuse_same_names(frames: &[FrameCamera], held: &[FrameCamera]) -> Result<(), ExchangeError> {
-    let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
-    for (frame, kept) in frames.iter().zip(held) {
-        if let Some(first) = seen.insert(&kept.name, &frame.name) {
-            let (first, second) = (first.to_owned(), frame.name.clone());
-            return Err(ExchangeError::SameName {
-                name: kept.name.clone(),
-                first,
-                second,
-            });
-        }
-    }
-    Ok(())
 }
 
 /// The verification of an export.

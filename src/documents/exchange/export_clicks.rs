@@ -1,6 +1,6 @@
 //! Export of clicks to a foreign format, verified by reading them back.
 
-use super::choose::{is_chosen, nothing};
+use super::choose::{is_chosen, nothing, refuse_same_names};
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame};
 use super::error::ExchangeError;
 use super::exported::Exported;
@@ -95,17 +95,8 @@ pub fn export_clicks(
     }
 
     // Names must be unique, because the files are verified by name.
-    let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
-    for frame in &chosen {
-        if let Some(first) = seen.insert(&frame.name, &frame.image) {
-            let (first, second) = (first.to_owned(), frame.image.clone());
-            return Err(ExchangeError::SameName {
-                name: frame.name.clone(),
-                first,
-                second,
-            });
-        }
-    }
+    let names = chosen.iter();
+    refuse_same_names(names.map(|frame| (frame.name.as_str(), frame.image.as_str())))?;
     let files = click_format.write(&chosen, &context)?;
     let worst_px = prove(format, click_format, &files, &chosen, &context)?;
     Ok(Exported {

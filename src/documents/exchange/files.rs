@@ -127,6 +127,22 @@ impl Files {
         Ok(reader.files)
     }
 
+    /// Reads as [`Self::read`] does, at least one file. `wanted` describes the files in errors.
+    ///
+    /// # Errors
+    /// Those of [`Self::read`], and that no name is accepted.
+    pub(super) fn read_some(
+        path: &Path,
+        is_wanted: &dyn Fn(&str) -> bool,
+        wanted: &'static str,
+    ) -> Result<Self, ExchangeError> {
+        let files = Self::read(path, is_wanted)?;
+        if files.is_empty() {
+            return Err(no_files(path, wanted));
+        }
+        Ok(files)
+    }
+
     /// Writes the only file to `path`, or all of them into a new folder there. Everything is first
     /// written to a temporary place beside it and then renamed. `force` replaces files of the same
     /// names; a folder with other files is not replaced.
@@ -178,16 +194,24 @@ impl Files {
     }
 }
 
+/// The error that a file or folder holds nothing of what is wanted.
+pub(super) fn no_files(path: &Path, wanted: &'static str) -> ExchangeError {
+    ExchangeError::NoFiles {
+        path: path.to_path_buf(),
+        wanted,
+    }
+}
+
 /// The error that a file or folder cannot be read.
-fn cannot_read(path: &Path, source: io::Error) -> ExchangeError {
+pub(super) fn cannot_read(path: &Path, source: io::Error) -> ExchangeError {
     ExchangeError::Read {
         path: path.to_path_buf(),
         source,
     }
 }
 
-/// The error that an export cannot be written to its path.
-fn cannot_write(path: &Path, source: io::Error) -> ExchangeError {
+/// The error that a file or folder cannot be written.
+pub(super) fn cannot_write(path: &Path, source: io::Error) -> ExchangeError {
     ExchangeError::Write {
         path: path.to_path_buf(),
         source,

@@ -82,15 +82,10 @@ pub fn interpolate_gaps(
 
 /// The number of video frames between two frames.
 fn missing_between(before: &Frame, after: &Frame) -> u64 {
-    let number = video_frame_number(after).unwrap_or(0);
+    let number = after.video_frame_index().unwrap_or(0);
     number
-        .saturating_sub(video_frame_number(before).unwrap_or(0))
+        .saturating_sub(before.video_frame_index().unwrap_or(0))
         .saturating_sub(1)
-}
-
-/// The number of a frame in its video; none where it has no video.
-fn video_frame_number(frame: &Frame) -> Option<u64> {
-    frame.video.as_ref().map(|video| video.frame_index)
 }
 
 /// The chosen, solved frames of each video, camera and clip, by their numbers.
@@ -125,7 +120,7 @@ fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Fra
         .frames
         .iter()
         .filter(|frame| is_within(frame, first, last))
-        .filter_map(|frame| Some((frame.video.as_ref()?.frame_index, &**frame)))
+        .filter_map(|frame| Some((frame.video_frame_index()?, &**frame)))
         .collect();
     if there
         .values()
@@ -248,8 +243,8 @@ pub fn in_takes(
 
 /// Whether a frame is the next one of the video after another.
 fn is_successor(frame: &Frame, before: &Frame) -> bool {
-    let numbers = video_frame_number(before).zip(video_frame_number(frame));
-    numbers.is_some_and(|(before, number)| before + 1 == number)
+    let numbers = before.video_frame_index().zip(frame.video_frame_index());
+    numbers.is_some_and(|(before, number)| before.checked_add(1) == Some(number))
 }
 
 /// The takes so far, joined with one more.
@@ -260,14 +255,10 @@ fn append_take(mut whole: Exported, take: Exported, files: &Files) -> Exported {
     whole.frames += take.frames;
     whole.left_out.extend(take.left_out);
     whole.worst_px = whole.worst_px.max(take.worst_px);
-    if let Some(loss) = take.loss
-        && whole
-            .loss
-            .as_ref()
-            .is_none_or(|known| loss.worst_px > known.worst_px)
-    {
-        whole.loss = Some(loss);
-    }
+    whole.loss = match (whole.loss, take.loss) {
+        (Some(known), Some(loss)) => Some(known.join(loss)),
+        (known, loss) => known.or(loss),
+    };
     for note in take.notes {
         if !whole.notes.contains(&note) {
             whole.notes.push(note);
@@ -280,9 +271,9 @@ fn append_take(mut whole: Exported, take: Exported, files: &Files) -> Exported {
 mod tests {
     use super::*;
     use crate::exchange::tests::{document, text_of};
-    use crate::exchange::{ExportOptions, Format, Gaps, export};
+    use crate::exchange::{ExportOptions, Format, Gaps, Loss, export};
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
 
     /// Frames 412, 413, 416 and 440 of a video, without images.
@@ -322,7 +313,7 @@ mod tests {
         let numbers: Vec<u64> = filled
             .frames
             .iter()
-            .map(|frame| frame.video.as_ref().unwrap().frame_index)
+            .filter_map(|frame| frame.video_frame_index())
             .collect();
         assert_eq!(
             numbers,
@@ -444,5 +435,37 @@ mod tests {
         );
         assert!(takes.is_folder() && takes.frames == 4);
         assert_eq!(export(Gaps::Keep).frames, 4);
+    }
+
+    #[test]
+    fn the_loss_of_takes_is_that_of_all_of_them() {
+        let mut document = gappy();
+        let camera: &mut Camera = &mut document.cameras[0];
+        let base = CameraBase {
+            distortion: FocalCurve::constant(0.0661),
+            ..camera.base().unwrap()
+        };
+        camera.set_base(&base);
+        let loss = |gaps| {
+            let options = ExportOptions {
+                gaps,
+                ..ExportOptions::default()
+            };
+            let at = document.at(Path::new("/"));
+            export(at, Format::Usda, &options).unwrap().loss.unwrap()
+        };
+        let [whole, takes] = [Gaps::Keep, Gaps::Takes].map(loss);
+        assert_eq!(
+            (takes.frames, &takes.what[..]),
+            (4, &["lens distortion"][..])
+        );
+        assert!((takes.rms_px - whole.rms_px).abs() < 1e-9 * whole.rms_px);
+        assert_eq!(
+            Loss {
+                rms_px: whole.rms_px,
+                ..takes
+            },
+            whole
+        );
     }
 }

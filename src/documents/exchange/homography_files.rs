@@ -466,7 +466,7 @@ impl CameraFormat for HomographyLines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::tests::{awkward, export_as, reference, text_of};
     use crate::exchange::{ExportOptions, Format, export};
     use std::path::Path;
     use touchline_core::geometry::Vec2;
@@ -480,7 +480,7 @@ mod tests {
     #[test]
     fn the_centre_mark_is_in_the_middle_of_the_template() {
         let text = text_of(
-            &exported(&pinhole_reference(), Format::Wc14).files,
+            &export_as(&pinhole_reference(), Format::Wc14).files,
             "0001.homographyMatrix",
         );
         let h = matrix(&numbers("h", &text).unwrap()).unwrap();
@@ -496,7 +496,7 @@ mod tests {
 
     #[test]
     fn a_distorted_picture_gives_the_nearest_homography_and_its_distance() {
-        let distorted = exported(&reference(), Format::Wc14);
+        let distorted = export_as(&reference(), Format::Wc14);
         let loss = distorted.loss.unwrap();
         assert_eq!(loss.what, ["lens distortion", "points off the ground"]);
         assert!(
@@ -508,7 +508,7 @@ mod tests {
             ..ExportOptions::default()
         };
         let flat = export(reference().at(Path::new("/")), Format::Wc14, &options).unwrap();
-        let straight = exported(&pinhole_reference(), Format::Wc14);
+        let straight = export_as(&pinhole_reference(), Format::Wc14);
         assert_eq!(
             flat.files, straight.files,
             "of the picture without distortion"
@@ -525,7 +525,7 @@ mod tests {
     #[test]
     fn awkward_homographies_come_back() {
         for format in [Format::Wc14, Format::TsWorldCup, Format::Homography] {
-            let exported = exported(&awkward(), format);
+            let exported = export_as(&awkward(), format);
             assert!(exported.worst_px < 1e-6, "{format}: {}", exported.worst_px);
         }
     }
@@ -533,7 +533,7 @@ mod tests {
     #[test]
     fn the_other_direction_and_unit_mean_the_same() {
         let text = text_of(
-            &exported(&pinhole_reference(), Format::Homography).files,
+            &export_as(&pinhole_reference(), Format::Homography).files,
             "homographies.jsonl",
         );
         let one = read_line(text.trim()).unwrap();

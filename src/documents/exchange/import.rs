@@ -2,7 +2,7 @@
 
 use super::authors_mat::read_authors_folder;
 use super::error::ExchangeError;
-use super::files::Files;
+use super::files::{Files, no_files};
 use super::format::Format;
 use super::import_cameras::import_cameras;
 use super::import_clicks::import_clicks;
@@ -54,10 +54,7 @@ pub fn import(
     }
     let files = Files::read(path, &|_| false)?;
     let Some((name, bytes)) = files.sorted_entries().into_iter().next() else {
-        return Err(ExchangeError::NoFiles {
-            path: path.to_path_buf(),
-            wanted: "document; name the file itself",
-        });
+        return Err(no_files(path, "document; name the file itself"));
     };
     let read = document_from_bytes(bytes);
     let document = read.map_err(|source| ExchangeError::NoDocument {

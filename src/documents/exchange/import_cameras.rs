@@ -2,7 +2,7 @@
 
 use super::camera_format::CameraFormat;
 use super::error::ExchangeError;
-use super::files::Files;
+use super::files::{Files, no_files};
 use super::format::Format;
 use super::frame_camera::{FrameCamera, FrameProjection, Unreadable};
 use super::imported::Imported;
@@ -12,7 +12,7 @@ use super::picture_size::{FittedSizes, SizeSource, fit_to_picture};
 use super::pictures::image_of;
 use super::unreadable::{add_unsolved, note_unreadable};
 use super::values::shorten;
-use crate::document::{path_between, resolve_path};
+use crate::document::path_between;
 use std::collections::BTreeSet;
 use std::path::Path;
 use touchline_core::geometry::ImageSize;
@@ -29,25 +29,17 @@ pub fn import_cameras(
     camera_format: &dyn CameraFormat,
     options: &ImportOptions,
 ) -> Result<Imported, ExchangeError> {
-    let files = Files::read(path, &|name| camera_format.is_wanted(name))?;
-    if files.is_empty() {
-        return Err(ExchangeError::NoFiles {
-            path: path.to_path_buf(),
-            wanted: camera_format.file_description(),
-        });
-    }
+    let files = Files::read_some(
+        path,
+        &|name| camera_format.is_wanted(name),
+        camera_format.file_description(),
+    )?;
     let mut frames = camera_format.read(&files, &options.with_any_size())?;
     if frames.is_empty() {
-        return Err(ExchangeError::NoFiles {
-            path: path.to_path_buf(),
-            wanted: "frame",
-        });
+        return Err(no_files(path, "frame"));
     }
     refuse_repeated(&frames, path)?;
-    let images = options
-        .images
-        .as_ref()
-        .map_or_else(|| folder.to_path_buf(), |images| resolve_path(images));
+    let images = options.images_folder(folder);
     let mut reader = ViewReader {
         path,
         format,

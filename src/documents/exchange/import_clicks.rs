@@ -2,7 +2,7 @@
 
 use super::clicked_frame::{ClickFormat, LabelledFrame, Mark};
 use super::error::ExchangeError;
-use super::files::Files;
+use super::files::{Files, no_files};
 use super::format::Format;
 use super::imported::Imported;
 use super::labels::{Meaning, describe_counts};
@@ -11,7 +11,6 @@ use super::pictures::image_of;
 use super::values::shorten;
 use crate::document::{
     Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between,
-    resolve_path,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -32,26 +31,18 @@ pub fn import_clicks(
     click_format: &dyn ClickFormat,
     options: &ImportOptions,
 ) -> Result<Imported, ExchangeError> {
-    let files = Files::read(path, &|name| click_format.is_wanted(name))?;
-    if files.is_empty() {
-        return Err(ExchangeError::NoFiles {
-            path: path.to_path_buf(),
-            wanted: click_format.file_description(),
-        });
-    }
-    let images = options
-        .images
-        .as_ref()
-        .map_or_else(|| folder.to_path_buf(), |images| resolve_path(images));
+    let files = Files::read_some(
+        path,
+        &|name| click_format.is_wanted(name),
+        click_format.file_description(),
+    )?;
+    let images = options.images_folder(folder);
     let options = &options.with_any_size();
     let frames = click_format.read(&files, options, &|name| {
         image_of(name, &images).1.or(options.size)
     })?;
     if frames.is_empty() {
-        return Err(ExchangeError::NoFiles {
-            path: path.to_path_buf(),
-            wanted: "frame",
-        });
+        return Err(no_files(path, "frame"));
     }
     refuse_damaged(&frames, path)?;
     let field = options.field.model(folder)?;

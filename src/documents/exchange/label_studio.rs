@@ -234,7 +234,7 @@ impl ClickFormat for LabelStudio {
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{clicked, exported, text_of};
+    use crate::exchange::tests::{export_as, text_of, with_clicks};
 
     fn read(text: &str) -> Result<Vec<LabelledFrame>, String> {
         let files = Files::one("a.json", text.as_bytes().to_vec());
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn points_are_percent_of_the_picture() {
-        let exported = exported(&clicked(), Format::LabelStudio);
+        let exported = export_as(&with_clicks(), Format::LabelStudio);
         let tasks: Value = serde_json::from_str(&text_of(&exported.files, "tasks.json")).unwrap();
         let x = tasks[0]["annotations"][0]["result"][0]["value"]["x"]
             .as_f64()

@@ -126,11 +126,11 @@ impl ClickFormat for Labelme {
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{SIZE, clicked, exported, text_of};
+    use crate::exchange::tests::{SIZE, export_as, text_of, with_clicks};
 
     #[test]
     fn landmarks_and_lines_come_back_in_corner_pixels() {
-        let exported = exported(&clicked(), Format::Labelme);
+        let exported = export_as(&with_clicks(), Format::Labelme);
         let file: Value = serde_json::from_str(&text_of(&exported.files, "0001.json")).unwrap();
         assert_eq!(file["shapes"][0]["points"], json!([[444.681, 789.175]]));
         assert_eq!(exported.worst_px, 0.0);
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn damaged_files_are_named_in_one_line() {
         let good: Value = serde_json::from_str(&text_of(
-            &exported(&clicked(), Format::Labelme).files,
+            &export_as(&with_clicks(), Format::Labelme).files,
             "0001.json",
         ))
         .unwrap();

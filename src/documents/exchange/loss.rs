@@ -26,6 +26,36 @@ pub struct Loss {
     pub worst_frame: String,
     /// The number of visible points off the ground, which a homography cannot project.
     pub off_ground: usize,
+    /// The number of distances that the root mean square is of.
+    pub(super) distances: usize,
+}
+
+impl Loss {
+    /// The loss of these frames and of others together.
+    pub(super) fn join(mut self, other: Self) -> Self {
+        let [sum, other_sum] =
+            [&self, &other].map(|loss| loss.rms_px.powi(2) * loss.distances as f64);
+        self.distances += other.distances;
+        self.rms_px = rms(sum + other_sum, self.distances);
+        if other.worst_px > self.worst_px {
+            (self.worst_px, self.worst_frame) = (other.worst_px, other.worst_frame);
+        }
+        self.what.extend(other.what);
+        self.what.sort_unstable();
+        self.what.dedup();
+        self.frames += other.frames;
+        self.off_ground += other.off_ground;
+        self
+    }
+}
+
+/// The root mean square of `count` numbers with this sum of squares; 0 of none.
+fn rms(sum: f64, count: usize) -> f64 {
+    if count > 0 {
+        (sum / count as f64).sqrt()
+    } else {
+        0.0
+    }
 }
 
 impl fmt::Display for Loss {
@@ -37,6 +67,7 @@ impl fmt::Display for Loss {
             worst_px,
             worst_frame,
             off_ground,
+            distances: _,
         } = self;
         write!(
             f,
@@ -123,11 +154,12 @@ pub fn loss_between(
         worst_px: 0.0,
         worst_frame: String::new(),
         off_ground: 0,
+        distances: 0,
     };
 
     // Compare the visible points of each frame under the frame's camera and under what is kept of
     // it.
-    let (mut sum, mut count) = (0.0, 0_usize);
+    let mut sum = 0.0;
     for (frame, kept) in frames.iter().zip(held) {
         let what = differences(frame, kept);
         let is_ground = matches!(kept.shown, FrameProjection::Ground(_));
@@ -141,7 +173,8 @@ pub fn loss_between(
                 continue;
             };
             let off_px = there.distance_px(image);
-            (sum, count) = (sum + off_px * off_px, count + 1);
+            sum += off_px * off_px;
+            loss.distances += 1;
             moved = moved.max(off_px);
         }
         if moved > loss.worst_px {
@@ -154,11 +187,7 @@ pub fn loss_between(
     }
     loss.what.sort_unstable();
     loss.what.dedup();
-    loss.rms_px = if count > 0 {
-        (sum / count as f64).sqrt()
-    } else {
-        0.0
-    };
+    loss.rms_px = rms(sum, loss.distances);
     (loss.worst_px > ROUNDING_PX || loss.off_ground > 0).then_some(loss)
 }
 
@@ -245,4 +274,29 @@ fn is_near(image: ImagePoint, size: Option<ImageSize>) -> bool {
         let (width, height) = (f64::from(size.width), f64::from(size.height));
         (-width..=2.0 * width).contains(&image.x) && (-height..=2.0 * height).contains(&image.y)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn losses_of_other_frames_are_joined() {
+        let loss = |what, worst_px: f64, distances| Loss {
+            what: vec![what],
+            frames: 2,
+            rms_px: 0.5 * worst_px,
+            worst_px,
+            worst_frame: format!("{worst_px}"),
+            off_ground: 3,
+            distances,
+        };
+        let joined = loss("lens distortion", 2.0, 30).join(loss("points off the ground", 6.0, 10));
+        assert_eq!(
+            joined.to_string(),
+            "not held: lens distortion, points off the ground (4 frames); \
+             points of the field move by 1.73 px rms, at most 6.00 px in 6; \
+             6 landmarks off the ground are left out"
+        );
+    }
 }

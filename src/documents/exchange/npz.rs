@@ -69,7 +69,7 @@ fn damaged_table() -> Problem {
 }
 
 /// The error of an array that cannot be unpacked.
-fn damaged(found: &str, array: &str) -> Problem {
+fn damage_in(found: &str, array: &str) -> Problem {
     wrong(format!("{found} in the array {array}; copy the file again"))
 }
 
@@ -167,7 +167,8 @@ impl<'a> Npz<'a> {
             };
             return Err(too_large.at_array(name));
         }
-        let data = data_of(self.bytes, entry).ok_or_else(|| damaged("bytes are missing", name))?;
+        let data =
+            data_of(self.bytes, entry).ok_or_else(|| damage_in("bytes are missing", name))?;
         let unpacked = match entry.method {
             STORED => data.to_vec(),
             DEFLATED => {
@@ -176,7 +177,7 @@ impl<'a> Npz<'a> {
                 let read = DeflateDecoder::new(data)
                     .take(limit)
                     .read_to_end(&mut unpacked);
-                read.map_err(|_| damaged("the packed bytes are damaged", name))?;
+                read.map_err(|_| damage_in("the packed bytes are damaged", name))?;
                 unpacked
             }
             other => {
@@ -188,7 +189,7 @@ impl<'a> Npz<'a> {
             }
         };
         if unpacked.len() != entry.unpacked || crc32fast::hash(&unpacked) != entry.crc {
-            return Err(damaged("the check sum is wrong", name));
+            return Err(damage_in("the check sum is wrong", name));
         }
         Ok(unpacked)
     }

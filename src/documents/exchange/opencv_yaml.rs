@@ -247,11 +247,11 @@ impl CameraFormat for OpenCvYaml {
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::tests::{awkward, export_as, reference, text_of};
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
-        let text = text_of(&exported(&reference(), Format::OpenCv).files, "0001.yml");
+        let text = text_of(&export_as(&reference(), Format::OpenCv).files, "0001.yml");
         let entries = entries(&text).unwrap();
         assert_eq!(
             entries["camera_matrix"],
@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn awkward_cameras_come_back() {
-        let exported = exported(&awkward(), Format::OpenCv);
+        let exported = export_as(&awkward(), Format::OpenCv);
         assert!(
             exported.loss.is_none() && exported.worst_px < 1e-6,
             "{exported:?}"
@@ -284,7 +284,7 @@ mod tests {
 
     #[test]
     fn lists_may_go_over_lines_as_opencv_breaks_them() {
-        let one = text_of(&exported(&reference(), Format::OpenCv).files, "0001.yml");
+        let one = text_of(&export_as(&reference(), Format::OpenCv).files, "0001.yml");
         let broken = one.replace("959.5, ", "959.5,\n       ");
         assert_ne!(one, broken);
         assert_eq!(camera(one.as_bytes()), camera(broken.as_bytes()));
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn damaged_files_are_named_in_one_line() {
-        let good = text_of(&exported(&reference(), Format::OpenCv).files, "0001.yml");
+        let good = text_of(&export_as(&reference(), Format::OpenCv).files, "0001.yml");
         let swap = |from: &str, to: &str| good.replacen(from, to, 1);
         for (text, wanted) in [
             (String::new(), "the file is empty"),

@@ -31,6 +31,14 @@ const NOMINAL_MM: f64 = 9.6;
 const REPEAT_SECONDS: f64 = 2.0;
 /// The name of the distortion model that equals ours.
 const MODEL: &str = "Brown-Conrady U-D";
+/// What the notes of a sample begin with.
+const OWN_NOTES: &str = "touchline";
+/// What follows in the notes where the sensor's width is not known.
+const NOMINAL_NOTE: &str = "; sensor size nominal";
+/// The maximum length of the notes, letters; the schema allows 1023.
+const MAX_NOTES: usize = 1000;
+/// The key in `custom` of the name of a frame that its notes do not hold.
+const NAME_KEY: &str = "touchlineFrame";
 
 /// A reproducible id, from a hash of what it identifies.
 fn urn(of: &str) -> String {
@@ -112,15 +120,11 @@ fn sample(
     let sensor_mm = given.unwrap_or(NOMINAL_MM);
     let [pan, tilt, roll] = angles_deg(&pinhole.cam_from_world);
     let at = pinhole.position_m;
-    let nominal = if given.is_some() {
-        ""
-    } else {
-        "; sensor size nominal"
-    };
+    let nominal = if given.is_some() { "" } else { NOMINAL_NOTE };
     let camera = frame.camera.as_deref().unwrap_or_default();
-    let notes = format!("touchline{nominal}; {}", frame.name)
+    let notes = format!("{OWN_NOTES}{nominal}; {}", frame.name)
         .chars()
-        .take(1000)
+        .take(MAX_NOTES)
         .collect::<String>();
     let is_interpolated = frame.record.source == Some(SolutionSource::Interpolated);
     let status = if is_interpolated {
@@ -135,6 +139,9 @@ fn sample(
         "sourceNumber": 1,
         "tracker": { "status": status, "recording": false, "notes": notes },
     });
+    if name_in_notes(&notes) != Some(frame.name.as_str()) {
+        sample["custom"] = json!({ NAME_KEY: frame.name });
+    }
     if let Some(timing) = timing(frame, context) {
         sample["timing"] = timing;
     }
@@ -145,6 +152,20 @@ fn sample(
         "rotation": { "pan": pan, "tilt": tilt, "roll": roll },
     }]);
     sample
+}
+
+/// The name of a frame in the notes of its sample; none in those of other programs.
+fn name_in_notes(notes: &str) -> Option<&str> {
+    let rest = notes.strip_prefix(OWN_NOTES)?;
+    let rest = rest.strip_prefix(NOMINAL_NOTE).unwrap_or(rest);
+    rest.strip_prefix("; ")
+}
+
+/// The name of a frame in its sample; none in samples of other programs.
+fn name_in_sample<'a>(root: &Node<'a>) -> Option<&'a str> {
+    let text_at = |path: &[&str]| find_path(root, path)?.value().as_str();
+    text_at(&["custom", NAME_KEY])
+        .or_else(|| text_at(&["tracker", "notes"]).and_then(name_in_notes))
 }
 
 /// The sensor's width (mm) and the size of the picture, which only some samples contain; the last
@@ -350,14 +371,7 @@ fn read_line(
         .and_then(|timing| timing.find("sequenceNumber"))
         .map(|node| node.number())
         .transpose()?;
-    let notes = root
-        .find("tracker")
-        .and_then(|tracker| tracker.find("notes"));
-    let notes = notes
-        .and_then(|notes| notes.value().as_str())
-        .filter(|notes| notes.starts_with("touchline"));
-    let own = notes.and_then(|notes| notes.rsplit("; ").next());
-    let name = own.map_or_else(
+    let name = name_in_sample(&root).map_or_else(
         || number.map_or_else(|| format!("{index:06}"), |number| format!("{number:06}")),
         ToOwned::to_owned,
     );
@@ -370,12 +384,8 @@ fn read_line(
 
 impl CameraFormat for OpenTrackIo {
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
-        let mut notes = Vec::new();
-        if context.options.sensor_width_mm.is_none() {
-            notes.push(format!(
-                "the sensor's width is not known; lengths in mm are for a nominal {NOMINAL_MM} mm (--sensor-mm)"
-            ));
-        }
+        let note = context.sensor_width_note(NOMINAL_MM);
+        let mut notes: Vec<String> = note.into_iter().collect();
         if frames.iter().any(|frame| context.rate_of(frame).is_none()) {
             notes
                 .push("the frame rate is not known, so samples carry no timing (--fps)".to_owned());
@@ -461,13 +471,14 @@ impl CameraFormat for OpenTrackIo {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{awkward, exported, reference, text_of};
-    use crate::exchange::{Files, Format};
+    use crate::exchange::tests::{awkward, export_as, reference, text_of};
+    use crate::exchange::{ExportOptions, Files, Format, export};
+    use std::path::Path;
 
     #[test]
     fn what_changes_the_picture_and_is_not_read_is_named() {
         let text = text_of(
-            &exported(&reference(), Format::OpenTrackIo).files,
+            &export_as(&reference(), Format::OpenTrackIo).files,
             "camera.jsonl",
         );
         let unread = |sample: &Value| {
@@ -500,7 +511,7 @@ mod tests {
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
         let text = text_of(
-            &exported(&reference(), Format::OpenTrackIo).files,
+            &export_as(&reference(), Format::OpenTrackIo).files,
             "camera.jsonl",
         );
         let sample: Value = serde_json::from_str(text.trim()).unwrap();
@@ -524,7 +535,7 @@ mod tests {
 
     #[test]
     fn awkward_cameras_come_back() {
-        let exported = exported(&awkward(), Format::OpenTrackIo);
+        let exported = export_as(&awkward(), Format::OpenTrackIo);
         assert!(
             exported.loss.is_none() && exported.worst_px < 1e-6,
             "{exported:?}"
@@ -542,7 +553,7 @@ mod tests {
     #[test]
     fn the_pinhole_is_before_the_sensor_by_its_offset() {
         let text = text_of(
-            &exported(&reference(), Format::OpenTrackIo).files,
+            &export_as(&reference(), Format::OpenTrackIo).files,
             "camera.jsonl",
         );
         let moved = text.replace("\"entrancePupilOffset\":0.0", "\"entrancePupilOffset\":0.5");
@@ -559,9 +570,40 @@ mod tests {
     }
 
     #[test]
+    fn names_of_frames_come_back_whole() {
+        let long = "a".repeat(2000);
+        for (name, is_in_notes) in [
+            ("left; high; 17", true),
+            ("sensor size nominal; 17", true),
+            (long.as_str(), false),
+        ] {
+            let mut document = reference();
+            document.frames[0].labels_name = Some(name.to_owned());
+            let files = export_as(&document, Format::OpenTrackIo).files;
+            let read = OpenTrackIo.read(&files, &ImportOptions::default()).unwrap();
+            assert_eq!(read[0].name, name);
+            let text = text_of(&files, "camera.jsonl");
+            assert_eq!(!text.contains(NAME_KEY), is_in_notes, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_name_like_a_note_comes_back_with_a_known_sensor() {
+        let mut document = reference();
+        document.frames[0].labels_name = Some("sensor size nominal; 17".to_owned());
+        let options = ExportOptions {
+            sensor_width_mm: Some(9.6),
+            ..ExportOptions::default()
+        };
+        let exported = export(document.at(Path::new("/")), Format::OpenTrackIo, &options).unwrap();
+        let read = OpenTrackIo.read(&exported.files, &ImportOptions::default());
+        assert_eq!(read.unwrap()[0].name, "sensor size nominal; 17");
+    }
+
+    #[test]
     fn damaged_samples_are_named_in_one_line() {
         let good = text_of(
-            &exported(&reference(), Format::OpenTrackIo).files,
+            &export_as(&reference(), Format::OpenTrackIo).files,
             "camera.jsonl",
         );
         let swap = |from: &str, to: &str| {

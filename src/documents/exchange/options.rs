@@ -2,9 +2,9 @@
 
 use super::rate::Rate;
 use super::timecode::Timecode;
-use crate::document::{CameraId, FieldSpec, FrameStatus, Stage};
+use crate::document::{CameraId, FieldSpec, FrameStatus, Stage, resolve_path};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use touchline_core::geometry::ImageSize;
 
 /// The choice of frames to export.
@@ -186,6 +186,13 @@ impl ImportOptions {
             size: self.size.or(self.video_size),
             ..self.clone()
         }
+    }
+
+    /// The folder of the pictures: the given one, else that of the files.
+    pub(super) fn images_folder(&self, folder: &Path) -> PathBuf {
+        self.images
+            .as_ref()
+            .map_or_else(|| folder.to_path_buf(), |images| resolve_path(images))
     }
 }
 

@@ -8,9 +8,9 @@
 //!
 //! Pixels count from the picture's corner.
 
-use super::cvat::{Element, attribute, parse_annotations};
+use super::cvat::{Element, attribute, number_attribute, parse_annotations};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, base_name, text, without_ending};
+use super::files::{Files, base_name, no_files, text, without_ending};
 use super::table::{Table, TableRow, number};
 use super::values::frame_number;
 use crate::document::Frame;
@@ -78,10 +78,7 @@ fn picture_name(path: &str) -> &str {
 pub fn read_picture_points(path: &Path) -> Result<PicturePoints, ExchangeError> {
     let files = Files::read(path, &|_| false)?;
     let Some((name, bytes)) = files.sorted_entries().into_iter().next() else {
-        return Err(ExchangeError::NoFiles {
-            path: path.to_path_buf(),
-            wanted: "points; name the file itself",
-        });
+        return Err(no_files(path, "points; name the file itself"));
     };
     let points = points_of(bytes).map_err(|problem| problem.within(name))?;
     if points.count() == 0 {
@@ -179,7 +176,7 @@ fn points_of_cvat(text: &str) -> Result<PicturePoints, Problem> {
             }
             "track" => {
                 for of_track in boxes(element) {
-                    let frame = number_of(of_track, "frame")?;
+                    let frame = number_attribute(of_track, "frame")?;
                     let frame = FrameName::Number(frame_number("frame", frame)?);
                     points.add(frame, foot_of(of_track)?);
                 }
@@ -199,16 +196,14 @@ fn boxes(parent: Element<'_>) -> impl Iterator<Item = Element<'_>> {
 
 /// The middle of the lower side of CVAT's box.
 fn foot_of(element: Element<'_>) -> Result<ImagePoint, Problem> {
-    let (left, right) = (number_of(element, "xtl")?, number_of(element, "xbr")?);
+    let [left, right] = [
+        number_attribute(element, "xtl")?,
+        number_attribute(element, "xbr")?,
+    ];
     Ok(ImagePoint::new(
         0.5 * (left + right),
-        number_of(element, "ybr")?,
+        number_attribute(element, "ybr")?,
     ))
-}
-
-/// A number that an element must have as an attribute.
-fn number_of(element: Element<'_>, name: &str) -> Result<f64, Problem> {
-    number(name, attribute(element, name)?)
 }
 
 #[cfg(test)]

@@ -238,7 +238,7 @@ fn format_by_values(value: &Value) -> Option<Format> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{awkward, clicked, exported};
+    use crate::exchange::tests::{awkward, export_as, with_clicks};
     use std::fs;
 
     #[test]
@@ -248,12 +248,12 @@ mod tests {
                 continue;
             }
             let document = if format.is_of_points() {
-                clicked()
+                with_clicks()
             } else {
                 awkward()
             };
             let folder = tempfile::tempdir().unwrap();
-            let files = exported(&document, format).files;
+            let files = export_as(&document, format).files;
             let names = files.sorted_entries();
             let path = if format.is_folder() {
                 folder.path().join("files")

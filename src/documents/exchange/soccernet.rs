@@ -370,13 +370,13 @@ impl CameraFormat for PnlCalib {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::tests::{awkward, export_as, reference, text_of};
     use crate::exchange::{ExportOptions, Format, export};
     use std::path::Path;
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
-        let files = exported(&reference(), Format::SoccerNet).files;
+        let files = export_as(&reference(), Format::SoccerNet).files;
         let camera: Value = serde_json::from_str(&text_of(&files, "camera_0001.json")).unwrap();
         let number = |key: &str| camera[key].as_f64().unwrap();
         assert!((number("pan_degrees") - 12.5).abs() < 1e-12);
@@ -392,7 +392,7 @@ mod tests {
 
     #[test]
     fn awkward_cameras_come_back_and_what_others_assume_is_said() {
-        let exported = exported(&awkward(), Format::SoccerNet);
+        let exported = export_as(&awkward(), Format::SoccerNet);
         assert!(
             exported.worst_px < 1e-6 && exported.loss.is_none(),
             "{exported:?}"

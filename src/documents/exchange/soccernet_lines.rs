@@ -161,13 +161,13 @@ impl ClickFormat for SoccerNetLines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{SIZE, clicked, exported, reference, text_of};
+    use crate::exchange::tests::{SIZE, export_as, reference, text_of, with_clicks};
     use crate::exchange::{ExportOptions, Format, PointSource, export};
     use std::path::Path;
 
     #[test]
     fn clicks_on_lines_are_shares_of_the_picture() {
-        let exported = exported(&clicked(), Format::SoccerNetLines);
+        let exported = export_as(&with_clicks(), Format::SoccerNetLines);
         let lines: Value = serde_json::from_str(&text_of(&exported.files, "0001.json")).unwrap();
         assert_eq!(
             lines,

@@ -79,7 +79,7 @@ pub fn awkward() -> Document {
 }
 
 /// A document as a format, with the defaults.
-pub fn exported(document: &Document, format: Format) -> Exported {
+pub fn export_as(document: &Document, format: Format) -> Exported {
     export(
         document.at(Path::new("/")),
         format,
@@ -100,7 +100,7 @@ pub fn text_of(files: &Files, name: &str) -> String {
 }
 
 /// The reference camera with two landmarks (the second a check) and a point on a line clicked.
-pub fn clicked() -> Document {
+pub fn with_clicks() -> Document {
     let mut document = reference();
     let landmark = |name: &str, x, y| Click::landmark(name.into(), ImagePoint::new(x, y));
     document.frames[0].clicks = vec![

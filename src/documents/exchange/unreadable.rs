@@ -111,7 +111,7 @@ pub fn add_unsolved(document: &mut Document, frames: &[FrameCamera], sizes: &[Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{SIZE, awkward, exported};
+    use crate::exchange::tests::{SIZE, awkward, export_as};
     use crate::exchange::{Format, ImportOptions, Imported, import};
     use std::fs;
 
@@ -123,7 +123,7 @@ mod tests {
     ) -> Result<Imported, ExchangeError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("cameras");
-        let exported = exported(&awkward(), exporter);
+        let exported = export_as(&awkward(), exporter);
         exported.files.write(&path, true, false).unwrap();
         for (file, text) in damage {
             assert!(path.join(file).is_file(), "{file} is replaced");

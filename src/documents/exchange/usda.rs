@@ -42,7 +42,8 @@ impl Take<'_> {
     /// same principal point.
     fn is_continued_by(&self, time: u64, pinhole: &Pinhole, size: ImageSize, camera: &str) -> bool {
         let follows = self.samples.last().is_some_and(|(last_time, last)| {
-            last_time + 1 == time && last.principal_point == pinhole.principal_point
+            last_time.checked_add(1) == Some(time)
+                && last.principal_point == pinhole.principal_point
         });
         follows && self.size == size && self.camera == camera
     }
@@ -284,11 +285,7 @@ impl CameraFormat for Usda {
                     .to_owned(),
             );
         }
-        if context.options.sensor_width_mm.is_none() {
-            notes.push(format!(
-                "the sensor's width is not known; lengths in mm are for a nominal {NOMINAL_MM} mm (--sensor-mm)"
-            ));
-        }
+        notes.extend(context.sensor_width_note(NOMINAL_MM));
         notes
     }
 
@@ -362,11 +359,11 @@ impl CameraFormat for Usda {
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::tests::{awkward, export_as, reference, text_of};
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
-        let exported = exported(&reference(), Format::Usda);
+        let exported = export_as(&reference(), Format::Usda);
         let text = text_of(&exported.files, "camera.usda");
         for line in [
             "float focalLength.timeSamples = { 412: 45.1875 }",
@@ -382,7 +379,7 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again_as_32_bit_floats() {
-        let exported = exported(&awkward(), Format::Usda);
+        let exported = export_as(&awkward(), Format::Usda);
         assert!(
             exported.worst_px > 0.0 && exported.worst_px < 5e-4,
             "{}",
@@ -397,7 +394,7 @@ mod tests {
         other.id = "main2".into();
         document.cameras.push(other.into());
         document.frames[0].camera = "main2".into();
-        let text = text_of(&exported(&document, Format::Usda).files, "camera.usda");
+        let text = text_of(&export_as(&document, Format::Usda).files, "camera.usda");
         assert!(
             text.contains("def Camera \"main2\"") && text.contains("def Camera \"main\""),
             "{text}"
@@ -411,13 +408,33 @@ mod tests {
             frame.video.as_mut().unwrap().frame_index =
                 if index < 5 { 100 } else { 200 } + index as u64;
         }
-        let text = text_of(&exported(&document, Format::Usda).files, "camera.usda");
+        let text = text_of(&export_as(&document, Format::Usda).files, "camera.usda");
         assert_eq!(text.matches("def Camera").count(), 2, "{text}");
         assert!(text.contains("def Camera \"main_take2\""), "{text}");
         assert!(
             text.contains("startTimeCode = 100\n    endTimeCode = 211\n"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn no_frame_is_the_next_one_after_the_largest_number() {
+        let pinhole = Pinhole {
+            cam_from_world: Mat3::identity(),
+            position_m: Vec3::zeros(),
+            focal_px: 2000.0,
+            principal_point: ImagePoint::new(960.0, 540.0),
+            lens: Radial::default(),
+        };
+        let size = ImageSize::new(1920, 1080);
+        let take = |time| Take {
+            name: String::new(),
+            camera: "main",
+            size,
+            samples: vec![(time, &pinhole)],
+        };
+        assert!(take(7).is_continued_by(8, &pinhole, size, "main"));
+        assert!(!take(u64::MAX).is_continued_by(0, &pinhole, size, "main"));
     }
 
     #[test]

@@ -10,6 +10,7 @@
 
 use super::dataset::{OwnPlaces, with_templates};
 use super::error::ExchangeError;
+use super::files::{cannot_read, cannot_write};
 use crate::document::{
     CameraId, Document, DocumentAt, FieldSpec, Frame, document_to_string, restore_package,
     split_into_packages,
@@ -41,10 +42,7 @@ pub fn write_packages(
     if !outside {
         refuse_outside(at)?;
     }
-    let failed = |source| ExchangeError::Write {
-        path: folder.to_path_buf(),
-        source,
-    };
+    let failed = |source| cannot_write(folder, source);
     let (document, templates) = with_templates(at)?;
     let temporary = temporary_folder_in(folder_of(folder)).map_err(failed)?;
     let packages = split_into_packages(&document, count);
@@ -147,10 +145,7 @@ fn copy_pictures(
 }
 
 fn copy(from: &Path, to: &Path, as_link: bool) -> Result<(), ExchangeError> {
-    copy_or_link(from, to, as_link).map_err(|source| ExchangeError::Read {
-        path: from.to_path_buf(),
-        source,
-    })
+    copy_or_link(from, to, as_link).map_err(|source| cannot_read(from, source))
 }
 
 /// Copies a file; with `as_link`, gives it a second name where the system can.

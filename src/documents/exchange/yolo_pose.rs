@@ -255,13 +255,13 @@ impl ClickFormat for YoloPose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{SIZE, clicked, exported, text_of};
+    use crate::exchange::tests::{SIZE, export_as, text_of, with_clicks};
     use crate::exchange::{ExportOptions, KeypointNames, export};
     use std::path::Path;
 
     #[test]
     fn points_are_shares_of_the_picture_from_its_corner() {
-        let exported = exported(&clicked(), Format::YoloPose);
+        let exported = export_as(&with_clicks(), Format::YoloPose);
         let line = text_of(&exported.files, "labels/train/0001.txt");
         let values = numbers("the label", &line).unwrap();
         assert_eq!(&values[5..8], [444.681 / 1920.0, 789.175 / 1080.0, 2.0]);
@@ -275,7 +275,8 @@ mod tests {
             names: KeypointNames::Roboflow32,
             ..ExportOptions::default()
         };
-        let exported = export(clicked().at(Path::new("/")), Format::YoloPose, &options).unwrap();
+        let exported =
+            export(with_clicks().at(Path::new("/")), Format::YoloPose, &options).unwrap();
         let yaml = text_of(&exported.files, DATA);
         let published = "flip_idx: [24, 25, 26, 27, 28, 29, 22, 23, 21, 17, 18, 19, 20, 13, 14, 15, 16, 9, 10, 11, 12, 8, 6, 7, 0, \
                          1, 2, 3, 4, 5, 31, 30]";

@@ -121,6 +121,14 @@ impl StoreError {
             },
         }
     }
+
+    /// Converts the error that a document cannot be serialised for a file.
+    pub(super) fn from_write(path: &Path, source: WriteError) -> Self {
+        Self::Write {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
 }
 
 fn backup_hint(backup: Option<&Path>) -> String {

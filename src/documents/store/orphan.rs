@@ -98,10 +98,8 @@ pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreE
         None => graft(&edits.edits, &super::read(location.file())?.1).document,
     };
     let file = location.file();
-    let text = document_to_string(&document).map_err(|source| StoreError::Write {
-        path: file.to_path_buf(),
-        source,
-    })?;
+    let text =
+        document_to_string(&document).map_err(|source| StoreError::from_write(file, source))?;
     write_new_as(file, "recovered", ".json", text.as_bytes())
         .map_err(|source| StoreError::from_io("write", file, source))
 }

@@ -44,10 +44,8 @@ impl OwnVersion {
             .map(|earlier| earlier.orphan.path)
             .filter(|path| path.exists());
         let texts = document_to_string(own).and_then(|text| Ok((text, document_to_string(base)?)));
-        let (text, base_text) = texts.map_err(|source| StoreError::Write {
-            path: location.file().to_path_buf(),
-            source,
-        })?;
+        let (text, base_text) =
+            texts.map_err(|source| StoreError::from_write(location.file(), source))?;
         let io = |source| StoreError::from_io("write", location.file(), source);
         let path = match path {
             Some(path) => {

@@ -160,7 +160,7 @@ fn obey(mut editor: Editor, path: &Path, doing: EditorEvent) -> Editor {
             editor.step("Comment", |document| set_comment(document, frame, text));
         }
         EditorEvent::GoOn(frame, text) => {
-            editor.go_on(|document| set_comment(document, frame, text))
+            editor.go_on(|document| set_comment(document, frame, text));
         }
         EditorEvent::Reorder => editor.step("Reorder", |document| {
             document.frames = document.frames.iter().rev().cloned().collect();

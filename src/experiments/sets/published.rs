@@ -168,7 +168,7 @@ mod tests {
     use touchline_documents::exchange::mat_writer::{CAMERA, frame, sequence};
 
     /// Two sequences of three frames each, with their images.
-    fn annotated(folder: &Path) {
+    fn write_sequences(folder: &Path) {
         for name in ["seq1", "seq2"] {
             fs::create_dir_all(folder.join(name)).unwrap();
             for image in ["1.png", "2.png", "3.png"] {
@@ -191,7 +191,7 @@ mod tests {
     fn folders_are_found_by_name_and_sequences_are_split() {
         let root = tempfile::tempdir().unwrap();
         let (data, highlights) = (root.path(), root.path().join("highlights"));
-        annotated(&highlights);
+        write_sequences(&highlights);
         let found = |data: &Path, kind| published_folder(data, kind);
         assert_eq!(
             found(data, PublishedKind::Highlights),

@@ -10,6 +10,7 @@ use touchline_application::app::operations::base_estimate::EstimateProgress;
 use touchline_application::app::{Action, Command};
 use touchline_calibration::calibrate::BaseReadiness;
 use touchline_calibration::calibrate::EstimatedBase;
+use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::Camera;
 
 /// Shows the state of the estimation: running, proposed, applied, or what is missing.
@@ -52,8 +53,8 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     if camera.base().is_none() {
         let text = if ready.is_enough() {
             format!(
-                "{} frames are enough to estimate the base. More frames improve it.",
-                ready.wide
+                "{} are enough to estimate the base. More frames improve it.",
+                pluralise(ready.wide, "frame")
             )
         } else {
             ready.describe()
@@ -97,17 +98,15 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 
 /// The number of frames and points that an estimate would use.
 fn describe_readiness(ready: &BaseReadiness) -> String {
-    let plural =
-        |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let left_out = if ready.left_out > 0 {
-        format!(", {} left out", ready.left_out)
+        format!(", {} left out", thousands(ready.left_out))
     } else {
         String::new()
     };
     format!(
         "{}, {}{left_out}",
-        plural(ready.frames, "frame"),
-        plural(ready.clicks, "point")
+        pluralise(ready.frames, "frame"),
+        pluralise(ready.clicks, "point")
     )
 }
 
@@ -186,4 +185,23 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
             "How much higher the middle of the field is than the touchlines.",
         );
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_frames_and_points_have_thousands_separators() {
+        let ready = BaseReadiness {
+            frames: 1,
+            clicks: 12345,
+            left_out: 1000,
+            ..BaseReadiness::default()
+        };
+        assert_eq!(
+            describe_readiness(&ready),
+            "1 frame, 12,345 points, 1,000 left out"
+        );
+    }
 }

@@ -6,7 +6,7 @@
 
 mod pick;
 
-use super::labels::{self, PlateStyle, plate};
+use super::labels::{self, PlateStyle, plate, text_width};
 use super::placement::Placement;
 use super::viewport::Gesture;
 use super::{Panel, canvas, menu};
@@ -357,10 +357,7 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
     ));
     let font = FontId::proportional(12.5);
     let window = ui.ctx().content_rect();
-    let width = painter
-        .layout_no_wrap(text.to_owned(), font.clone(), Color32::WHITE)
-        .size()
-        .x;
+    let width = text_width(&painter, text, font.clone());
     let middle = at.x.clamp(
         window.left() + width / 2.0 + 8.0,
         (window.right() - width / 2.0 - 8.0).max(window.left()),

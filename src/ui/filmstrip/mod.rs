@@ -130,7 +130,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
         let origin = ui.max_rect().min;
         let (whole, _) = ui.allocate_exact_size(vec2(strip.width(), height - 2.0), Sense::hover());
         ui.set_clip_rect(ui.clip_rect().intersect(whole));
-        let place = |at: usize| Rect::from_min_size(origin + vec2(strip.left(at), 4.0), item);
+        let place = |at: usize| Rect::from_min_size(origin + vec2(strip.left_end(at), 4.0), item);
         for at in strip.within(viewport.left(), viewport.right()) {
             if let Some(shot) = strip.shot_beginning_at(at) {
                 item::separator(ui, place(at), shot);
@@ -153,7 +153,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
         anchor: strip
             .cells
             .get(anchor)
-            .map(|cell| (cell.first(), strip.left(anchor))),
+            .map(|cell| (cell.first(), strip.left_end(anchor))),
     };
     ui.data_mut(|data| data.insert_temp(memory, shown));
 }
@@ -186,7 +186,7 @@ fn offset(
     // The offset at which the anchor keeps its place on the screen.
     let kept = before.and_then(|before| {
         let (anchor, left) = before.anchor?;
-        Some(before.offset + strip.left(strip.place_of(anchor)?) - left)
+        Some(before.offset + strip.left_end(strip.place_of(anchor)?) - left)
     });
     if before.is_some_and(|before| before.frame == frame) {
         return kept.filter(|kept| before.is_some_and(|before| before.offset != *kept));

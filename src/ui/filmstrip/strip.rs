@@ -209,11 +209,11 @@ impl Strip {
         self.cells
             .len()
             .checked_sub(1)
-            .map_or(0.0, |last| self.left(last) + self.item + GAP)
+            .map_or(0.0, |last| self.left_end(last) + self.item + GAP)
     }
 
     /// Left end of a cell, points from the strip's start.
-    pub fn left(&self, at: usize) -> f32 {
+    pub fn left_end(&self, at: usize) -> f32 {
         let shot = self.shots.partition_point(|(begin, _)| *begin <= at);
         at as f32 * (self.item + GAP) + shot as f32 * SHOT_GAP
     }
@@ -231,14 +231,14 @@ impl Strip {
     /// The cells between two positions of the strip in points, and one more on each side.
     pub fn within(&self, left: f32, right: f32) -> Range<usize> {
         let count = self.cells.len();
-        let first = partition(count, |at| self.left(at) + self.item < left);
-        let last = partition(count, |at| self.left(at) <= right);
+        let first = partition(count, |at| self.left_end(at) + self.item < left);
+        let last = partition(count, |at| self.left_end(at) <= right);
         first.saturating_sub(1)..(last + 1).min(count)
     }
 
     /// The first cell that begins at or after a position of the strip, points.
     pub fn first_from(&self, left: f32) -> usize {
-        partition(self.cells.len(), |at| self.left(at) < left)
+        partition(self.cells.len(), |at| self.left_end(at) < left)
     }
 
     /// How far a window of `width` points that is scrolled to `offset` must be scrolled to show a
@@ -246,7 +246,10 @@ impl Strip {
     pub fn offset_showing(&self, at: usize, offset: f32, width: f32) -> f32 {
         // One and a half neighbours on each side, if they fit.
         let margin = (1.5 * self.item).min((width - self.item) / 2.0).max(0.0);
-        let (first, last) = (self.left(at) - margin, self.left(at) + self.item + margin);
+        let (first, last) = (
+            self.left_end(at) - margin,
+            self.left_end(at) + self.item + margin,
+        );
         let needed = offset.max((last - width).min(first)).min(first);
         needed.clamp(0.0, (self.width() - width).max(0.0))
     }
@@ -343,8 +346,8 @@ mod tests {
         let open = open(&[1, 1, 1, 2, 2, 3]);
         let strip = laid_out(&open, Filter::All, 0);
         assert_eq!(strip.cells, [0, 1, 2, 3, 4, 5].map(StripCell::Frame));
-        assert!((strip.left(1) - strip.left(0) - 104.0).abs() < 1e-3);
-        assert!((strip.left(3) - strip.left(2) - 104.0 - SHOT_GAP).abs() < 1e-3);
+        assert!((strip.left_end(1) - strip.left_end(0) - 104.0).abs() < 1e-3);
+        assert!((strip.left_end(3) - strip.left_end(2) - 104.0 - SHOT_GAP).abs() < 1e-3);
         assert_eq!(strip.shot_beginning_at(3).as_deref(), Some("shot 2"));
         assert_eq!(strip.shot_beginning_at(4), None);
         assert_eq!(strip.within(0.0, 90.0), 0..2);
@@ -359,11 +362,11 @@ mod tests {
         assert_eq!(strip.offset_showing(1, 0.0, 500.0), 0.0, "it is in view");
         let far = strip.offset_showing(50, 0.0, 500.0);
         assert!(
-            (far + 500.0 - (strip.left(50) + 250.0)).abs() < 1e-3,
+            (far + 500.0 - (strip.left_end(50) + 250.0)).abs() < 1e-3,
             "two more than the frame on its right"
         );
         assert_eq!(strip.offset_showing(50, far, 500.0), far, "it stays");
-        assert!((strip.offset_showing(20, far, 500.0) - (strip.left(20) - 150.0)).abs() < 1e-3);
+        assert!((strip.offset_showing(20, far, 500.0) - (strip.left_end(20) - 150.0)).abs() < 1e-3);
         assert_eq!(
             strip.offset_showing(99, 0.0, 500.0),
             strip.width() - 500.0,
@@ -372,7 +375,7 @@ mod tests {
         assert_eq!(strip.offset_showing(0, far, 500.0), 0.0);
         let narrow = strip.offset_showing(50, 0.0, 40.0);
         assert!(
-            narrow <= strip.left(50) && strip.left(50) < narrow + 100.0,
+            narrow <= strip.left_end(50) && strip.left_end(50) < narrow + 100.0,
             "no room for it, but it is what is seen"
         );
     }

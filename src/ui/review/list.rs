@@ -7,10 +7,11 @@
 
 use crate::ui::menu::{self, file_name};
 use crate::ui::{
-    Panel, miniature,
+    Panel,
+    labels::lay_out_within,
+    miniature,
     theme::{self, Themed as _},
 };
-use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui,
     WidgetInfo, pos2, vec2,
@@ -365,9 +366,8 @@ fn text_within(
     text: String,
     colour: Color32,
 ) {
-    let mut job = LayoutJob::simple_singleline(text, FontId::proportional(12.0), colour);
-    job.wrap = TextWrapping::truncate_at_width(width.max(8.0));
-    let galley = painter.layout_job(job);
+    let font = FontId::proportional(12.0);
+    let galley = lay_out_within(painter, text, font, colour, width.max(8.0));
     painter.galley(
         left_centre - vec2(0.0, galley.size().y / 2.0),
         galley,

@@ -2,14 +2,11 @@
 
 use crate::ui::{
     Panel,
+    labels::lay_out_within,
     menu::document_name,
     theme::{self, Themed as _},
 };
-use egui::{
-    Color32, CornerRadius, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2,
-    text::{LayoutJob, TextWrapping},
-    vec2,
-};
+use egui::{Color32, CornerRadius, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::{Action, settings::RecentDocument};
 
 /// Maximum number of documents in the list.
@@ -71,10 +68,9 @@ fn row(ui: &mut Ui, document: &RecentDocument, picture: Option<egui::TextureHand
         (name, 13.0, ui.palette().strong, -17.0),
         (folder.unwrap_or_default(), 11.0, ui.palette().weak, 2.0),
     ] {
-        let mut line = LayoutJob::simple_singleline(text, FontId::proportional(size), colour);
-        line.wrap = TextWrapping::truncate_at_width(width);
+        let galley = lay_out_within(painter, text, FontId::proportional(size), colour, width);
         let at = pos2(place.right() + 2.0 * theme::SPACE, rect.center().y + y);
-        painter.galley(at, painter.layout_job(line), colour);
+        painter.galley(at, galley, colour);
     }
     response
         .on_hover_text(document.file.display().to_string())

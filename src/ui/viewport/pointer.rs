@@ -191,7 +191,7 @@ impl Reading<'_> {
             }
             // A drag continues when the pointer comes back, so its position is kept.
             Event::PointerGone if self.pointer.hold == DragTarget::Nothing => {
-                self.pointer.at = None
+                self.pointer.at = None;
             }
             // If the button goes up over another window, no event arrives. So the loss of the focus
             // ends a drag.

@@ -30,6 +30,7 @@
 //! moved; otherwise nothing is reported.
 
 use super::Features;
+use super::grid::join_touching_cells;
 use super::standing::{FeatureGrid, standing_pair};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -208,23 +209,7 @@ fn group_points(
         let pictures: BTreeSet<usize> = members.iter().map(|&member| points[member].1).collect();
         pictures.len() >= least_pictures
     });
-    // Flood fill over the cells.
-    let mut groups = Vec::new();
-    while let Some((first, members)) = cells.pop_first() {
-        let (mut group, mut open) = (members, vec![first]);
-        while let Some((row, column)) = open.pop() {
-            for neighbour in (row - 1..=row + 1)
-                .flat_map(|row| (column - 1..=column + 1).map(move |column| (row, column)))
-            {
-                if let Some(members) = cells.remove(&neighbour) {
-                    group.extend(members);
-                    open.push(neighbour);
-                }
-            }
-        }
-        groups.push(group);
-    }
-    groups
+    join_touching_cells(cells)
 }
 
 /// The box of some points, with a margin, clipped to the picture, and the pictures that they span.

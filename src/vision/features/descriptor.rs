@@ -11,6 +11,9 @@ pub const DESCRIPTOR_NORM: f32 = 512.0;
 /// non-zero element.
 pub const MAX_SQUARED_DISTANCE: f32 = 2.0;
 
+/// Maximum squared distance of two descriptors of the same thing, both of unit norm.
+pub const MAX_MATCH_SQUARED_DISTANCE: f32 = 0.2;
+
 /// A SIFT descriptor, as bytes, of norm [`DESCRIPTOR_NORM`]. Aligned to cache lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(align(64))]

@@ -1,5 +1,6 @@
 //! Groups of static edges that lie together on the screen, and whether such a group is a graphic.
 
+use super::grid::join_touching_cells;
 use super::reduced::EdgeKind;
 use super::standing_graphic::StaticEdge;
 use std::collections::{BTreeMap, BTreeSet};
@@ -139,29 +140,14 @@ fn gap([from, to]: [usize; 2], [other_from, other_to]: [usize; 2]) -> usize {
 /// Groups of edges whose cells touch, diagonals included, topmost first. The rims of a box are one
 /// group.
 pub(super) fn group_edges(edges: &[StaticEdge]) -> Vec<EdgeGroup> {
-    let mut cells = BTreeMap::<(usize, usize), Vec<StaticEdge>>::new();
+    let mut cells = BTreeMap::<(i64, i64), Vec<StaticEdge>>::new();
     for &edge in edges {
-        cells
-            .entry((edge.row / CELL + 1, edge.column / CELL + 1))
-            .or_default()
-            .push(edge);
+        let cell = ((edge.row / CELL) as i64, (edge.column / CELL) as i64);
+        cells.entry(cell).or_default().push(edge);
     }
-    // Cells are numbered from 1, so that the neighbours of a cell never have negative numbers.
     cells.retain(|_, edges| edges.len() >= IN_CELL);
     let mut found: Vec<EdgeGroup> = Vec::new();
-    while let Some((first, mut edges)) = cells.pop_first() {
-        // Flood fill over the cells.
-        let mut open = vec![first];
-        while let Some((row, column)) = open.pop() {
-            for near in (row - 1..=row + 1)
-                .flat_map(|row| (column - 1..=column + 1).map(move |column| (row, column)))
-            {
-                if let Some(more) = cells.remove(&near) {
-                    edges.extend(more);
-                    open.push(near);
-                }
-            }
-        }
+    for edges in join_touching_cells(cells) {
         let mut group = EdgeGroup::from_edges(edges);
         // A merged group may be a rim of yet another one, so this repeats until nothing merges.
         while let Some(rim) = found.iter().position(|known| known.is_rim_beside(&group)) {

@@ -6,6 +6,7 @@
 //! did not move, the pair is not used, because a still camera looks the same.
 
 use super::Features;
+use super::descriptor::MAX_MATCH_SQUARED_DISTANCE;
 use super::grid::cell_in_grid;
 use std::ops::Range;
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -16,9 +17,6 @@ pub const STANDING_PX: f64 = 1.5;
 /// Radius in which the match of a feature is sought, px at 1920 px width. A picture with many
 /// matches this near hardly moved.
 pub(super) const NEAR_PX: f64 = 12.0;
-
-/// Maximum squared distance of two descriptors of the same thing, both of unit norm.
-const MAX_SQUARED_DISTANCE: f32 = 0.2;
 
 /// Maximum ratio of the sizes of two keypoints of the same graphic.
 const MAX_SIZE_RATIO: f32 = 1.25;
@@ -114,7 +112,7 @@ impl<'a> FeatureGrid<'a> {
             }
             let unlike =
                 self.features.descriptors[near].squared_distance(&other.descriptors[feature]);
-            (unlike <= MAX_SQUARED_DISTANCE).then_some((unlike, near, distance_px))
+            (unlike <= MAX_MATCH_SQUARED_DISTANCE).then_some((unlike, near, distance_px))
         });
         // Equal ones are ordered by index, so that the result is the same in every run.
         let best = alike.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;

@@ -1,7 +1,7 @@
 //! Pairs of references with overlapping views, and the pose of one relative to the other.
 
 use super::{CERTAIN, Pose, PoseOptions, RayCandidate, RayMatches, pose_of_moving};
-use crate::features::{DESCRIPTOR_NORM, Descriptor, Features};
+use crate::features::{DESCRIPTOR_NORM, Descriptor, Features, MAX_MATCH_SQUARED_DISTANCE};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::Angle;
 use touchline_core::geometry::rotation::angle_between;
@@ -14,9 +14,6 @@ pub struct Reference<'a> {
     /// Its camera according to the label.
     pub camera: PtzCamera,
 }
-
-/// Maximum squared distance of matching descriptors, of unit length.
-const MAX_SQUARED_DISTANCE: f32 = 0.2;
 
 impl Reference<'_> {
     /// The distance between this camera's overlay and that of another camera on the same base, at
@@ -168,6 +165,6 @@ fn mutual(one: &Features, other: &Features, limit: usize) -> Vec<(usize, usize, 
                 distance as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM),
             )
         })
-        .filter(|(.., squared_distance)| *squared_distance <= MAX_SQUARED_DISTANCE)
+        .filter(|(.., squared_distance)| *squared_distance <= MAX_MATCH_SQUARED_DISTANCE)
         .collect()
 }

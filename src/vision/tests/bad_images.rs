@@ -1,6 +1,6 @@
 //! Broken image files: each gets one clear line, none brings the program down.
 
-use crate::files::{behind_path, cut, written};
+use crate::files::{behind_path, cut, new_file};
 use image::{ImageFormat, RgbImage};
 use std::path::Path;
 use touchline_core::geometry::ImageSize;
@@ -16,14 +16,14 @@ fn card(width: u32, height: u32) -> RgbImage {
     })
 }
 
-fn encoded(picture: &RgbImage, format: ImageFormat) -> Vec<u8> {
+fn encode(picture: &RgbImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut bytes, format).unwrap();
     bytes.into_inner()
 }
 
 fn png() -> Vec<u8> {
-    encoded(&card(64, 48), ImageFormat::Png)
+    encode(&card(64, 48), ImageFormat::Png)
 }
 
 /// A PNG chunk with its checksum.
@@ -74,7 +74,7 @@ fn with_byte_flipped(mut bytes: Vec<u8>, at: usize) -> Vec<u8> {
 }
 
 /// What a loader says behind the file's path; what a success is called otherwise.
-fn said(folder: &Path, name: &str, result: Result<Picture, MediaError>) -> String {
+fn outcome_of(folder: &Path, name: &str, result: Result<Picture, MediaError>) -> String {
     match result {
         Ok(picture) => format!(
             "read, {} × {} px",
@@ -90,7 +90,7 @@ fn each_broken_image_has_its_message() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     std::fs::create_dir(folder.join("folder.png")).unwrap();
-    let jpeg = encoded(&card(64, 48), ImageFormat::Jpeg);
+    let jpeg = encode(&card(64, 48), ImageFormat::Jpeg);
     let damaged =
         |reason: &str| format!("the image is damaged ({reason}); copy it again from where it came");
     let missing = "there is no such file; check whether it was moved or renamed";
@@ -155,20 +155,24 @@ fn each_broken_image_has_its_message() {
             Some([&[0xff, 0xd8, 0xff, 0xd9], [0; 64].as_slice()].concat()),
             damaged("Premature End of image"),
         ),
-        ("half.tif", Some(half(&encoded(&card(64, 48), ImageFormat::Tiff))), damaged("the file ends too early")),
+        ("half.tif", Some(half(&encode(&card(64, 48), ImageFormat::Tiff))), damaged("the file ends too early")),
         (
             "loop.tif",
             Some(b"II*\0\x08\0\0\0\0\0\x08\0\0\0".to_vec()),
             damaged("file contained a cycle in the list of IFDs"),
         ),
-        ("half.webp", Some(half(&encoded(&card(64, 48), ImageFormat::WebP))), damaged("Corrupt bitstream")),
+        ("half.webp", Some(half(&encode(&card(64, 48), ImageFormat::WebP))), damaged("Corrupt bitstream")),
         ("riff-only.webp", Some(b"RIFF\x04\0\0\0WEBP".to_vec()), damaged("the file ends too early")),
         ("other-name.jpg", Some(png()), whole.to_owned()),
         ("no-ending", Some(jpeg.clone()), whole.to_owned()),
         ("trailing.png", Some([png(), vec![7; 100]].concat()), whole.to_owned()),
     ] {
-        let path = bytes.map_or_else(|| folder.join(name), |bytes| written(folder, name, &bytes));
-        assert_eq!(said(folder, name, load_image(&path)), expected, "{name}");
+        let path = bytes.map_or_else(|| folder.join(name), |bytes| new_file(folder, name, &bytes));
+        assert_eq!(
+            outcome_of(folder, name, load_image(&path)),
+            expected,
+            "{name}"
+        );
         // The size alone may be had of a file whose pixels are broken, but never by a panic.
         if let Ok(size) = image_size(&path) {
             assert_eq!(size, ImageSize::new(64, 48), "{name}");
@@ -191,16 +195,16 @@ fn odd_names_and_odd_files() {
     );
     std::os::unix::fs::symlink(folder.join("nowhere"), folder.join("link.png")).unwrap();
     assert_eq!(
-        said(folder, "link.png", load_image(&folder.join("link.png"))),
+        outcome_of(folder, "link.png", load_image(&folder.join("link.png"))),
         "there is no such file; check whether it was moved or renamed"
     );
     std::os::unix::fs::symlink("loop.png", folder.join("loop.png")).unwrap();
     assert!(
-        said(folder, "loop.png", load_image(&folder.join("loop.png")))
+        outcome_of(folder, "loop.png", load_image(&folder.join("loop.png")))
             .starts_with("could not be read (")
     );
     assert_eq!(
-        said(folder, "/dev/null", load_image(Path::new("/dev/null"))),
+        outcome_of(folder, "/dev/null", load_image(Path::new("/dev/null"))),
         "this is not a file; give the path of an image or a video"
     );
     assert!(matches!(
@@ -231,7 +235,7 @@ fn no_bytes_bring_it_down() {
         ImageFormat::Bmp,
         ImageFormat::WebP,
     ] {
-        let whole = encoded(&card(8, 6), format);
+        let whole = encode(&card(8, 6), format);
         for at in (0..whole.len()).step_by(3) {
             for bytes in [cut(&whole, at), with_byte_flipped(whole.clone(), at)] {
                 std::fs::write(&path, bytes).unwrap();

@@ -9,7 +9,7 @@ use touchline_vision::relocalize::{
 };
 
 /// Six references from left to right, labelled as they look, but for what `mislabel` does.
-fn found(name: &str, mislabel: impl Fn(usize, Ptz) -> Ptz) -> Vec<Contradiction> {
+fn contradictions_of(name: &str, mislabel: impl Fn(usize, Ptz) -> Ptz) -> Vec<Contradiction> {
     let mut rng = rng(name);
     let scene = scene(&mut rng);
     let looks = |i: usize| {
@@ -35,7 +35,7 @@ fn found(name: &str, mislabel: impl Fn(usize, Ptz) -> Ptz) -> Vec<Contradiction>
 
 #[test]
 fn right_labels_agree() {
-    assert_eq!(found("right_labels_agree", |_, ptz| ptz), []);
+    assert_eq!(contradictions_of("right_labels_agree", |_, ptz| ptz), []);
 }
 
 #[test]
@@ -47,7 +47,7 @@ fn a_wrong_pan_is_found_with_its_size_and_named() {
             ptz
         }
     };
-    let found = found("a_wrong_pan_is_found_with_its_size_and_named", two_degrees);
+    let found = contradictions_of("a_wrong_pan_is_found_with_its_size_and_named", two_degrees);
     assert!(
         found.len() >= 2 && found.iter().all(|pair| pair.references.contains(&2)),
         "{found:?}"
@@ -73,7 +73,7 @@ fn a_label_that_looks_the_other_way_is_found_though_nothing_there_contradicts_it
             ptz
         }
     };
-    let found = found("a_label_that_looks_the_other_way_is_found", other_way);
+    let found = contradictions_of("a_label_that_looks_the_other_way_is_found", other_way);
     assert!(found.len() >= 2 && suspects(&found) == [1], "{found:?}");
     assert!(found[0].disagreement_px > 2000.0, "{found:?}");
     let exchanged = |i: usize, ptz: Ptz| match i {
@@ -81,7 +81,7 @@ fn a_label_that_looks_the_other_way_is_found_though_nothing_there_contradicts_it
         5 => Ptz::from_degrees(-15.0, -10.0, ptz.focal_px),
         _ => ptz,
     };
-    let found = self::found("two_labels_are_exchanged", exchanged);
+    let found = contradictions_of("two_labels_are_exchanged", exchanged);
     let mut named = suspects(&found);
     named.sort_unstable();
     assert_eq!(named, [0, 5], "{found:?}");
@@ -93,7 +93,7 @@ fn a_wrong_focal_length_is_found_and_nothing_is_said_without_common_views() {
         focal_px: ptz.focal_px * if i == 4 { 1.1 } else { 1.0 },
         ..ptz
     };
-    let found = found("a_wrong_focal_length_is_found", longer);
+    let found = contradictions_of("a_wrong_focal_length_is_found", longer);
     assert!(!found.is_empty() && suspects(&found) == [4], "{found:?}");
     assert_eq!(contradictions(&[], &ContradictionOptions::default()), []);
     let nothing = Features {

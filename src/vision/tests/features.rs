@@ -10,7 +10,7 @@ use touchline_vision::features::{Detector, FeatureOptions, extract, opencv_versi
 use touchline_vision::media::{Picture, load_image};
 
 /// A picture of blurred random blobs, and the same mirrored left to right.
-fn textured(width: u32, height: u32) -> (Picture, Picture) {
+fn blob_pictures(width: u32, height: u32) -> (Picture, Picture) {
     let mut rng = rng("features");
     let blobs: Vec<[f32; 4]> = (0..260)
         .map(|_| {
@@ -45,7 +45,7 @@ fn textured(width: u32, height: u32) -> (Picture, Picture) {
 /// The median of x + x′ − width over keypoints of a picture and their mirror images: twice the bias
 /// to the right.
 fn mirror_bias(options: &FeatureOptions) -> f64 {
-    let (picture, mirrored) = textured(320, 240);
+    let (picture, mirrored) = blob_pictures(320, 240);
     let one = extract(&picture, &[], options).unwrap();
     let other = extract(&mirrored, &[], options).unwrap();
     let mut sums: Vec<f64> = one
@@ -86,7 +86,7 @@ fn other_detectors_are_as_unbiased_and_find_their_features_again() {
         };
         let bias = mirror_bias(&options);
         assert!(bias.abs() < limit_px, "{detector:?}: {bias} px");
-        let (picture, _) = textured(320, 240);
+        let (picture, _) = blob_pictures(320, 240);
         let darker = picture
             .rgba()
             .iter()
@@ -121,7 +121,7 @@ fn other_detectors_are_as_unbiased_and_find_their_features_again() {
 
 #[test]
 fn masks_and_the_cap_are_kept() {
-    let (picture, _) = textured(320, 240);
+    let (picture, _) = blob_pictures(320, 240);
     let mask = PixelBox {
         x: 0.0,
         y: 0.0,

@@ -26,7 +26,7 @@ fn descriptor(rng: &mut Pcg64Mcg) -> Descriptor {
     Descriptor(bytes)
 }
 
-fn disturbed(descriptor: &Descriptor, by: i16, rng: &mut Pcg64Mcg) -> Descriptor {
+fn disturb(descriptor: &Descriptor, by: i16, rng: &mut Pcg64Mcg) -> Descriptor {
     Descriptor(
         descriptor
             .0
@@ -52,13 +52,13 @@ fn samples(scene: &[(Descriptor, PanTilt)], frames: usize, rng: &mut Pcg64Mcg) -
         samples.add_frame(
             scene
                 .iter()
-                .map(|(descriptor, ray)| (disturbed(descriptor, 5, rng), *ray)),
+                .map(|(descriptor, ray)| (disturb(descriptor, 5, rng), *ray)),
         );
     }
     samples
 }
 
-fn trained(samples: &Samples, options: &TrainOptions) -> Forest {
+fn train_on(samples: &Samples, options: &TrainOptions) -> Forest {
     train(samples, options, &Progress::default()).unwrap()
 }
 
@@ -96,7 +96,7 @@ fn model(forest: Forest) -> ForestModel {
 fn a_disturbed_descriptor_finds_its_ray() {
     let mut rng = rng("a_disturbed_descriptor_finds_its_ray");
     let scene = scene(2000, &mut rng);
-    let forest = trained(&samples(&scene, 3, &mut rng), &TrainOptions::default());
+    let forest = train_on(&samples(&scene, 3, &mut rng), &TrainOptions::default());
     assert_eq!(forest.trees(), 3);
     let (mut search, mut candidates) = (Search::default(), Vec::new());
     for (leaves_per_tree, share) in [(1, 0.9), (4, 0.98)] {
@@ -107,7 +107,7 @@ fn a_disturbed_descriptor_finds_its_ray() {
         let mut found = 0;
         for (descriptor, ray) in &scene {
             forest.predict(
-                &disturbed(descriptor, 5, &mut rng),
+                &disturb(descriptor, 5, &mut rng),
                 &options,
                 &mut search,
                 &mut candidates,
@@ -138,7 +138,7 @@ fn a_disturbed_descriptor_finds_its_ray() {
 fn descriptors_predicted_together_get_what_each_gets_alone() {
     let mut rng = rng("descriptors_predicted_together_get_what_each_gets_alone");
     let scene = scene(500, &mut rng);
-    let forest = trained(
+    let forest = train_on(
         &samples(&scene, 2, &mut rng),
         &TrainOptions {
             leaf_samples: 8,
@@ -149,7 +149,7 @@ fn descriptors_predicted_together_get_what_each_gets_alone() {
     let mut descriptors: Vec<Descriptor> = scene
         .iter()
         .take(67)
-        .map(|(known, _)| disturbed(known, 20, &mut rng))
+        .map(|(known, _)| disturb(known, 20, &mut rng))
         .collect();
     descriptors.insert(5, Descriptor([0; DESCRIPTOR_BYTES]));
     let (mut search, mut alone) = (Search::default(), Vec::new());
@@ -189,7 +189,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
             .num_threads(threads)
             .build()
             .unwrap();
-        model(pool.install(|| trained(&samples, options))).to_bytes()
+        model(pool.install(|| train_on(&samples, options))).to_bytes()
     };
     let one = bytes(1, &options);
     assert!(one == bytes(4, &options), "four threads");
@@ -207,7 +207,7 @@ fn without_some_frames_it_is_the_forest_of_the_others() {
         .map(|_| {
             scene
                 .iter()
-                .map(|(descriptor, ray)| (disturbed(descriptor, 5, &mut rng), *ray))
+                .map(|(descriptor, ray)| (disturb(descriptor, 5, &mut rng), *ray))
                 .collect()
         })
         .collect();
@@ -230,7 +230,7 @@ fn without_some_frames_it_is_the_forest_of_the_others() {
             &Progress::default(),
         )
         .unwrap();
-        assert!(model(without).to_bytes() == model(trained(&of(&[0, 2, 4]), &options)).to_bytes());
+        assert!(model(without).to_bytes() == model(train_on(&of(&[0, 2, 4]), &options)).to_bytes());
     }
     let none = train_without(
         &of(&[0, 1]),
@@ -252,7 +252,7 @@ fn options_shape_the_forest() {
         ..TrainOptions::default()
     };
     for leaf_samples in [1, 8, 100] {
-        let forest = trained(
+        let forest = train_on(
             &samples,
             &TrainOptions {
                 leaf_samples,
@@ -271,7 +271,7 @@ fn options_shape_the_forest() {
         ..apart
     };
     assert_eq!(
-        trained(&samples, &frames).means(),
+        train_on(&samples, &frames).means(),
         3 * 300,
         "those of one frame"
     );
@@ -279,13 +279,13 @@ fn options_shape_the_forest() {
         max_depth: 0,
         ..TrainOptions::default()
     };
-    let forest = trained(&samples, &one_leaf);
+    let forest = train_on(&samples, &one_leaf);
     assert_eq!(
         (forest.leaves(), forest.means()),
         (3, 3 * 300),
         "each place once"
     );
-    let mean = trained(
+    let mean = train_on(
         &samples,
         &TrainOptions {
             merge_within: Angle::from_degrees(180.0),
@@ -296,7 +296,7 @@ fn options_shape_the_forest() {
 
     // Splits that leave each side three tenths: after three of them a leaf holds 32 samples of 8
     // places at least.
-    let shallow = trained(
+    let shallow = train_on(
         &samples,
         &TrainOptions {
             trees: 2,
@@ -325,8 +325,8 @@ fn options_shape_the_forest() {
     };
     assert_eq!(
         (
-            trained(&samples, &zero).leaves(),
-            trained(&samples, &zero).means()
+            train_on(&samples, &zero).leaves(),
+            train_on(&samples, &zero).means()
         ),
         (1, 1)
     );
@@ -335,7 +335,7 @@ fn options_shape_the_forest() {
         leaf_samples: 1,
         ..TrainOptions::default()
     };
-    assert!(trained(&samples, &large_leaves).leaves() <= 3 * 400);
+    assert!(train_on(&samples, &large_leaves).leaves() <= 3 * 400);
 }
 
 #[test]
@@ -343,7 +343,7 @@ fn the_published_forest_is_there() {
     let mut rng = rng("the_published_forest_is_there");
     let scene = scene(300, &mut rng);
     let samples = samples(&scene, 4, &mut rng);
-    let forest = trained(
+    let forest = train_on(
         &samples,
         &TrainOptions {
             max_depth: 200,
@@ -356,7 +356,7 @@ fn the_published_forest_is_there() {
         "a leaf for each sample"
     );
     assert_eq!(forest.mixed_leaves(1e-6), 0);
-    let mixing = trained(
+    let mixing = train_on(
         &samples,
         &TrainOptions {
             max_depth: 1,
@@ -396,11 +396,11 @@ fn one_sample_and_many_equal_ones_are_a_leaf() {
     let point = scene(1, &mut rng)[0];
     let mut samples = Samples::new();
     samples.add_frame([point]);
-    assert_eq!(trained(&samples, &TrainOptions::default()).leaves(), 3);
+    assert_eq!(train_on(&samples, &TrainOptions::default()).leaves(), 3);
     for _ in 0..50 {
         samples.add_frame([point]);
     }
-    let forest = trained(&samples, &TrainOptions::default());
+    let forest = train_on(&samples, &TrainOptions::default());
     assert_eq!(
         (forest.leaves(), forest.means(), forest.mixed_leaves(1e-6)),
         (3, 3, 0)
@@ -421,7 +421,7 @@ fn leaves_mix_places_alike_on_either_side_of_the_seam() {
                 .into_iter()
                 .map(|(descriptor, ray)| (descriptor, turned(ray))),
         );
-        let forest = trained(&samples, &TrainOptions::default());
+        let forest = train_on(&samples, &TrainOptions::default());
         [1e-3, 1e-2, 0.1, 0.3, 1.0].map(|spread| forest.mixed_leaves(spread))
     };
     let (ahead, behind) = (mixed(0.0), mixed(180.0));
@@ -459,7 +459,7 @@ fn training_can_be_stopped_and_counts_honestly() {
 #[test]
 fn a_file_comes_back_and_damage_is_named() {
     let mut rng = rng("a_file_comes_back_and_damage_is_named");
-    let forest = trained(
+    let forest = train_on(
         &samples(&scene(40, &mut rng), 2, &mut rng),
         &TrainOptions {
             trees: 2,
@@ -519,7 +519,7 @@ fn a_file_comes_back_and_damage_is_named() {
 fn a_forged_file_with_a_fitting_checksum_never_panics_or_loops() {
     let mut rng = rng("a_forged_file_with_a_fitting_checksum_never_panics_or_loops");
     let scene = scene(60, &mut rng);
-    let forest = trained(
+    let forest = train_on(
         &samples(&scene, 1, &mut rng),
         &TrainOptions {
             trees: 1,

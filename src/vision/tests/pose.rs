@@ -71,7 +71,7 @@ fn rotation_error_deg(a: Ptz, b: Ptz) -> f64 {
     angle_between(&turned(a), &turned(b)).degrees()
 }
 
-fn solved(matches: &RayMatches, k1: f64) -> Result<Pose, NotFound> {
+fn pose_of(matches: &RayMatches, k1: f64) -> Result<Pose, NotFound> {
     pose_from_candidates(matches, &base(k1), SIZE, &PoseOptions::default())
 }
 
@@ -81,7 +81,7 @@ fn exact_rays_give_the_exact_camera() {
     for k1 in [0.0, -0.1, 0.2] {
         for _ in 0..10 {
             let camera = PtzCamera::new(base(k1), random_ptz(&mut rng));
-            let pose = solved(&noisy(&camera, 60, 0.0, 0.0, &mut rng), k1).unwrap();
+            let pose = pose_of(&noisy(&camera, 60, 0.0, 0.0, &mut rng), k1).unwrap();
             assert!(
                 rotation_error_deg(pose.ptz, camera.ptz()) < 1e-8,
                 "k1 {k1}: {pose:?}"
@@ -114,7 +114,7 @@ fn outliers_are_survived_as_well_as_with_the_exact_method_and_the_covariance_is_
         let (mut rotations, mut focals) = (Vec::new(), Vec::new());
         for _ in 0..frames {
             let camera = PtzCamera::new(base(0.0), random_ptz(&mut rng));
-            let Ok(pose) = solved(&noisy(&camera, 200, outliers, 1.0, &mut rng), 0.0) else {
+            let Ok(pose) = pose_of(&noisy(&camera, 200, outliers, 1.0, &mut rng), 0.0) else {
                 continue;
             };
             rotations.push(rotation_error_deg(pose.ptz, camera.ptz()));
@@ -165,7 +165,7 @@ fn a_feature_counts_by_its_best_candidate() {
         candidates[0].squared_distance = 0.05;
         matches.push(at, &candidates);
     }
-    let pose = solved(&matches, 0.0).unwrap();
+    let pose = pose_of(&matches, 0.0).unwrap();
     assert_eq!(pose.inliers.len(), 80);
     assert!(rotation_error_deg(pose.ptz, camera.ptz()) < 1e-8);
 }
@@ -209,14 +209,14 @@ fn a_board_repeated_twenty_times_is_not_mistaken_for_a_camera() {
         }
         let is_right = |pose: &Pose| rotation_error_deg(pose.ptz, camera.ptz()) < 0.5;
         wrong += usize::from(
-            solved(&matches, 0.0).is_ok_and(|pose| pose.confidence > 0.9 && !is_right(&pose)),
+            pose_of(&matches, 0.0).is_ok_and(|pose| pose.confidence > 0.9 && !is_right(&pose)),
         );
         // Sixty right features among them are enough.
         for _ in 0..60 {
             let at = point(&mut rng);
             matches.push(at, &[candidate(camera.ray_from_image(at).unwrap())]);
         }
-        found_among_them += usize::from(solved(&matches, 0.0).is_ok_and(|pose| is_right(&pose)));
+        found_among_them += usize::from(pose_of(&matches, 0.0).is_ok_and(|pose| is_right(&pose)));
     }
     assert_eq!((wrong, found_among_them), (0, 30));
 }
@@ -225,7 +225,7 @@ fn a_board_repeated_twenty_times_is_not_mistaken_for_a_camera() {
 fn what_cannot_be_answered_is_named() {
     let mut rng = rng("what_cannot_be_answered_is_named");
     assert_eq!(
-        solved(&RayMatches::new(), 0.0).unwrap_err(),
+        pose_of(&RayMatches::new(), 0.0).unwrap_err(),
         NotFound::FewMatches {
             matched: 0,
             needed: 6
@@ -241,7 +241,7 @@ fn what_cannot_be_answered_is_named() {
             let rays = [anywhere(&mut rng), anywhere(&mut rng), anywhere(&mut rng)].map(candidate);
             chance.push(point(&mut rng), &rays);
         }
-        match solved(&chance, 0.0) {
+        match pose_of(&chance, 0.0) {
             Ok(pose) => wrong += usize::from(pose.confidence > 0.9),
             Err(reason) => assert_eq!(reason.code(), "few_inliers", "{reason}"),
         }
@@ -253,7 +253,7 @@ fn what_cannot_be_answered_is_named() {
     }
     assert!(
         matches!(
-            solved(&same, 0.0),
+            pose_of(&same, 0.0),
             Err(NotFound::NoAgreement { agreeing: 0, .. })
         ),
         "all in one place"
@@ -265,5 +265,5 @@ fn the_same_seed_gives_the_same_pose() {
     let mut rng = rng("the_same_seed_gives_the_same_pose");
     let camera = PtzCamera::new(base(0.1), random_ptz(&mut rng));
     let matches = noisy(&camera, 150, 0.6, 1.0, &mut rng);
-    assert_eq!(solved(&matches, 0.1), solved(&matches, 0.1));
+    assert_eq!(pose_of(&matches, 0.1), pose_of(&matches, 0.1));
 }

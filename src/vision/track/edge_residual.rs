@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3x2;
 use touchline_core::camera::{CameraBase, FocalCurve, PanTilt, Ptz, undistort};
-use touchline_core::geometry::rotation::{q_pan, q_tilt, skew};
+use touchline_core::geometry::rotation::skew;
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 
 /// A frame of a camera that rotates and zooms about a fixed centre.
@@ -26,9 +26,8 @@ pub(super) struct PointDirection {
 impl View {
     /// A frame of a camera on a known base; the common frame is `base`.
     pub fn from_camera(base: &CameraBase, ptz: Ptz) -> Self {
-        let cam_from_common = q_tilt(ptz.tilt) * q_pan(ptz.pan);
         Self {
-            cam_from_common,
+            cam_from_common: ptz.cam_from_base(),
             focal_px: ptz.focal_px,
             principal_point: base.principal_point,
         }
@@ -183,7 +182,7 @@ impl MatchJacobian {
 mod tests {
     use super::*;
     use touchline_core::geometry::Angle;
-    use touchline_core::geometry::rotation::from_rotation_vector;
+    use touchline_core::geometry::rotation::{from_rotation_vector, q_pan, q_tilt};
 
     fn view(pan: f64, tilt: f64, log_focal: f64) -> View {
         let cam_from_common = q_tilt(Angle::from_radians(tilt)) * q_pan(Angle::from_radians(pan));

@@ -4,10 +4,10 @@
 use super::ViewGraphEdge;
 use super::pose_prior::{PosePrior, by_focal_px};
 use super::pose_problem::{AdjustedFrame, PairwiseMatches, PoseProblem, PoseState};
+use super::relative_rotations::stop_after;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
-use touchline_core::geometry::rotation::{q_pan, q_tilt};
-use touchline_core::geometry::{ImageSize, Mat3, subsample};
-use touchline_core::solve::{Loss, Stopping, minimise};
+use touchline_core::geometry::{ImageSize, subsample};
+use touchline_core::solve::{Loss, minimise};
 
 /// 1-σ of a match, px at 1920 px width: keypoints scatter by about 1 px, and crowds, boards and
 /// lens models add to it.
@@ -59,11 +59,7 @@ pub fn adjust_matched_frames(
         sigma_px: Vec::new(),
         loss: Loss::Squared,
     };
-    let until = Stopping {
-        max_iterations: 10,
-        short_step: 1e-7,
-        small_gain: 1e-6,
-    };
+    let until = stop_after(10);
     // One descent per loss scale, each from the result of the last. The covariance is that of the
     // finest scale.
     let [first_sigmas, later @ ..] = LOSS_SIGMAS;
@@ -111,8 +107,9 @@ pub fn fill_missing_cameras(
             let there = known[beside]?;
             // The known neighbour's camera relates the common frame to `base`. The optical axis is
             // mapped and roll is dropped; the focal length keeps its ratio to the neighbour's.
-            let base_from_common = rotation(&there).transpose() * rotation(&rotations[beside]);
-            let ahead = base_from_common * rotation(&rotations[frame]).row(2).transpose();
+            let base_from_common =
+                there.cam_from_base().transpose() * rotations[beside].cam_from_base();
+            let ahead = base_from_common * rotations[frame].cam_from_base().row(2).transpose();
             let PanTilt { pan, tilt } = PanTilt::from_direction(ahead);
             Some(Ptz {
                 pan,
@@ -143,11 +140,6 @@ fn nearest_known_frame(
         .max()
         .map(|(_, other)| other)
         .or_else(|| known.iter().position(Option::is_some))
-}
-
-/// `Q_tilt` · `Q_pan`: the rotation from the frame in which pan and tilt are given to the camera.
-fn rotation(ptz: &Ptz) -> Mat3 {
-    q_tilt(ptz.tilt) * q_pan(ptz.pan)
 }
 
 #[cfg(test)]

@@ -123,7 +123,7 @@ pub fn adjust_rotations(
             views: views(count, &along, centre, focal_px),
             lens: expected,
         };
-        minimise(&problem(Freedom::Any, 20.0, false), start, until(8))
+        minimise(&problem(Freedom::Any, 20.0, false), start, stop_after(8))
     });
     let best = start.min_by(|a, b| a.equations.cost().total_cmp(&b.equations.cost()));
     let Some(best) = best else {
@@ -135,20 +135,35 @@ pub fn adjust_rotations(
     // 2. Free rotations, with the robust loss from coarse to fine.
     let mut state = best.state;
     for loss_px in [20.0, 6.0] {
-        state = minimise(&problem(Freedom::Any, loss_px, false), state, until(30)).state;
+        state = minimise(
+            &problem(Freedom::Any, loss_px, false),
+            state,
+            stop_after(30),
+        )
+        .state;
     }
     // 3. Make the pan axis the y axis of the common frame; then every frame has pan, tilt and focal
     //    length only, and no roll.
     state = state.upright();
     for loss_px in [6.0, 3.0] {
-        state = minimise(&problem(Freedom::PanTilt, loss_px, false), state, until(30)).state;
+        state = minimise(
+            &problem(Freedom::PanTilt, loss_px, false),
+            state,
+            stop_after(30),
+        )
+        .state;
     }
     // 4. Impose the focal scale and let everything else follow. The scale itself is held fixed,
     //    since the matches would pull it back.
     if options.focal_scale != 1.0 {
         state = state.scale_focal_lengths(options.focal_scale);
         for loss_px in [20.0, 4.0] {
-            state = minimise(&problem(Freedom::PanTilt, loss_px, true), state, until(30)).state;
+            state = minimise(
+                &problem(Freedom::PanTilt, loss_px, true),
+                state,
+                stop_after(30),
+            )
+            .state;
         }
     }
     let residual_px = residual_px(edges, &state) / px;
@@ -170,7 +185,8 @@ pub fn adjust_rotations(
     })
 }
 
-const fn until(max_iterations: usize) -> Stopping {
+/// When an adjustment of matched frames ends.
+pub(super) const fn stop_after(max_iterations: usize) -> Stopping {
     Stopping {
         max_iterations,
         short_step: 1e-7,
@@ -182,7 +198,6 @@ const fn until(max_iterations: usize) -> Stopping {
 mod tests {
     use super::super::edge_residual::View;
     use super::*;
-    use touchline_core::geometry::rotation::{q_pan, q_tilt};
     use touchline_core::geometry::{ImagePoint, Mat3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -358,7 +373,7 @@ mod tests {
         let edges = edges(&truth, 0.7);
         let residual_px = |share: f64| {
             let view = |ptz: &Ptz| View {
-                cam_from_common: q_tilt(ptz.tilt) * q_pan(ptz.pan),
+                cam_from_common: ptz.cam_from_base(),
                 focal_px: ptz.focal_px * share,
                 principal_point: SIZE.centre(),
             };

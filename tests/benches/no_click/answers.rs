@@ -41,7 +41,7 @@ impl Tally {
     }
 
     /// How many inputs were asked.
-    pub fn tried(&self) -> usize {
+    pub fn num_tried(&self) -> usize {
         self.right + self.wrong + self.two + self.abstained
     }
 }
@@ -51,7 +51,7 @@ impl fmt::Display for Tally {
         write!(
             f,
             "{} tried: {} right, {} wrong shown as good, {} with two answers, {} abstained",
-            self.tried(),
+            self.num_tried(),
             self.right,
             self.wrong,
             self.two,
@@ -137,7 +137,7 @@ pub fn two_clicked(
 /// Where a place of the real field lies on the field of an answer that assumes a length which the
 /// frames do not show: as far from the end that they show. Its origin, the middle of the field, is
 /// then half the difference off, and so is everything that is told from it.
-fn moved_with_the_end_seen(
+fn offset_of_seen_end(
     found: &AutocalibratedCamera,
     truth: &[PtzCamera],
     field: &FieldModel,
@@ -162,7 +162,7 @@ pub fn worst_px(
     truth: &[PtzCamera],
     field: &FieldModel,
 ) -> Vec<(usize, f64)> {
-    let moved = moved_with_the_end_seen(found, truth, field);
+    let moved = offset_of_seen_end(found, truth, field);
     let of_frame = |answered: AnsweredFrame| {
         let AnsweredFrame {
             index,
@@ -229,8 +229,17 @@ fn worst_line_px(
     const SAMPLES: u32 = 100;
     let mut worst_px = 0.0_f64;
     let answered = answered_frames(document, found);
+    let mut sizes = found.sizes.iter();
+    let is_width_open = sizes.any(|size| size.name == "width_m" && size.is_open);
+    // What moves with a width that is said to be open is not compared: touchlines and corner arcs.
+    let moves_with_width = |line: &FieldLine| {
+        is_width_open && line.curve.point_at(0.5).y.abs() > 0.5 * field.width_m - 1.5
+    };
     for frame in &answered {
         for (line, mine) in field.lines.iter().zip(&found.field.lines) {
+            if moves_with_width(line) {
+                continue;
+            }
             let seen = seen_line(&truth[frame.index], field, line, SAMPLES).into_iter();
             let drawn = seen_line(&frame.camera, &found.field, mine, 4 * SAMPLES);
             for at in seen.filter(|at| frame.size.contains(*at)) {
@@ -291,7 +300,7 @@ pub fn judge_answer(
         };
         let frames = worst_px(document, found, truth, field);
         let worst_line_px = worst_line_px(document, found, truth, field);
-        let moved = moved_with_the_end_seen(found, truth, field);
+        let moved = offset_of_seen_end(found, truth, field);
         let off =
             |exact: &PtzCamera| (found.base.position_m - exact.base().position_m - moved).norm();
         let off_m = truth.first().map_or(f64::NAN, off);

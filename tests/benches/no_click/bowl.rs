@@ -271,7 +271,7 @@ fn encode(pictures: &[RgbImage], quality: Quality, folder: &Path) {
 
 /// The cameras, or after half a turn of the field, which looks the same, where the answer is nearer
 /// to these.
-fn turned_as_answered(truth: Vec<PtzCamera>, answer: &AutocalibrationAnswer) -> Vec<PtzCamera> {
+fn turn_as_answered(truth: Vec<PtzCamera>, answer: &AutocalibrationAnswer) -> Vec<PtzCamera> {
     let found = match answer {
         AutocalibrationAnswer::Found(found)
         | AutocalibrationAnswer::Two { best: found, .. }
@@ -322,7 +322,7 @@ pub fn clips(pictures: &Path, numbers: Range<usize>) -> Answered {
             );
         };
         let (answer_alone, seconds) = answer(&document, &folder, Way::WithoutClicks);
-        let truth = turned_as_answered(truth, &answer_alone);
+        let truth = turn_as_answered(truth, &answer_alone);
         let (says, tally) = judge_answer(
             &document,
             &answer_alone,

@@ -29,7 +29,7 @@ impl Rate {
 /// without a right answer as the whole section may: which of them these are is not known
 /// beforehand.
 pub fn shortfalls(tally: &Tally, rate: &Rate) -> Vec<String> {
-    let (tried, right) = (tally.tried(), rights_needed(tally.tried(), rate));
+    let (tried, right) = (tally.num_tried(), rights_needed(tally.num_tried(), rate));
     [
         (tried == 0, "nothing was asked".to_owned()),
         (
@@ -67,7 +67,7 @@ impl Gate {
             format!("FAILED ({})", shortfalls.join("; "))
         };
         self.failed |= !shortfalls.is_empty();
-        let right = rights_needed(tally.tried(), rate);
+        let right = rights_needed(tally.num_tried(), rate);
         self.lines.push(format!(
             "{section}: {says}: {tally} (rate: {right} right, {} wrong)",
             rate.wrong

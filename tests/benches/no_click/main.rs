@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     };
     if wants("drawn") {
         let frames = arguments.number("--frames", matches::FRAMES);
-        let drawn = matches::drawn(
+        let drawn = matches::drawn_matches(
             pictures,
             from..from + count,
             frames,
@@ -63,7 +63,7 @@ fn main() -> ExitCode {
         if !arguments.is_set("--two-clicks") {
             answered("drawn", &drawn.without_clicks, &matches::RATE);
         }
-        if drawn.two_clicks.tried() > 0 {
+        if drawn.two_clicks.num_tried() > 0 {
             answered(
                 "drawn, with two clicks",
                 &drawn.two_clicks,
@@ -74,7 +74,7 @@ fn main() -> ExitCode {
     if wants("bowl") {
         let drawn = bowl::clips(pictures, from..from + count);
         answered("bowl", &drawn.without_clicks, &bowl::RATE);
-        if drawn.two_clicks.tried() > 0 {
+        if drawn.two_clicks.num_tried() > 0 {
             answered("bowl, with two clicks", &drawn.two_clicks, &bowl::RATE);
         }
     }
@@ -84,7 +84,7 @@ fn main() -> ExitCode {
             .min(refused::INPUTS.len().saturating_sub(from));
         answered(
             "refused",
-            &refused::refused(pictures, from..from + count),
+            &refused::bad_inputs(pictures, from..from + count),
             &refused::RATE,
         );
     }

@@ -100,7 +100,12 @@ pub struct Answered {
 
 /// The drawn matches, `frames` of each; those that are not found without a click are asked again
 /// with two, with `two_clicks` all at once.
-pub fn drawn(pictures: &Path, numbers: Range<usize>, frames: usize, two_clicks: bool) -> Answered {
+pub fn drawn_matches(
+    pictures: &Path,
+    numbers: Range<usize>,
+    frames: usize,
+    two_clicks: bool,
+) -> Answered {
     println!(
         "\n## drawn: {frames} frames of {}x{}, {STEP_S} s apart\n",
         SIZE.width, SIZE.height

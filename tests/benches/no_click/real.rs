@@ -135,7 +135,7 @@ impl Clicked {
     }
 
     /// One line of a table, and what kind of answer it was.
-    fn answered(&self, name: &str, folder: &Path) -> Tally {
+    fn print_answer(&self, name: &str, folder: &Path) -> Tally {
         let (answer, seconds) = answer(&self.bare, folder, Way::WithoutClicks);
         let mut tally = Tally::default();
         let says = match &answer {
@@ -205,7 +205,7 @@ pub fn matches(data: &Path) -> Tally {
     heading("real matches");
     let mut all = Tally::default();
     for name in MATCHES {
-        all.add(&Clicked::of(data, name, None).answered(name, &folder(data, name)));
+        all.add(&Clicked::of(data, name, None).print_answer(name, &folder(data, name)));
     }
     println!("\n{all}");
     all
@@ -227,7 +227,7 @@ pub fn clips(data: &Path) -> Tally {
         clips.dedup();
         for clip in clips {
             let of_clip = Clicked::of(data, name, Some(&clip));
-            all.add(&of_clip.answered(&format!("{name} clip {clip}"), &folder(data, name)));
+            all.add(&of_clip.print_answer(&format!("{name} clip {clip}"), &folder(data, name)));
         }
     }
     println!("\n{all}");
@@ -289,7 +289,7 @@ pub fn others(data: &Path) -> Tally {
             all.add(&tally);
         }
     }
-    let mixed = mixed(data);
+    let mixed = mixed_matches(data);
     let (answer, seconds) = answer(&mixed, data, Way::WithoutClicks);
     let (says, tally) = match &answer {
         AutocalibrationAnswer::Found(found) => of_one_match(data, &mixed, found),
@@ -305,7 +305,7 @@ pub fn others(data: &Path) -> Tally {
 }
 
 /// Frames of two matches as one camera's.
-fn mixed(data: &Path) -> Document {
+fn mixed_matches(data: &Path) -> Document {
     let mut mixed: Option<Document> = None;
     for name in ["d82e7a", "08fd33"] {
         let bare = Clicked::of(data, name, None).bare;

@@ -43,13 +43,13 @@ pub const INPUTS: [(&str, Draw); 14] = [
     ("a camera that moves along the touchline", moving),
     ("ten frames of one view", one_view),
     ("100 × 64 m, said to be 105 × 68", |folder| {
-        pinned(folder, [100.0, 64.0], [105.0, 68.0])
+        pinned_input(folder, [100.0, 64.0], [105.0, 68.0])
     }),
     ("100 × 64 m, said to be 110 × 75", |folder| {
-        pinned(folder, [100.0, 64.0], [110.0, 75.0])
+        pinned_input(folder, [100.0, 64.0], [110.0, 75.0])
     }),
     ("105 × 68 m, said to be 103 × 68", |folder| {
-        pinned(folder, [105.0, 68.0], [103.0, 68.0])
+        pinned_input(folder, [105.0, 68.0], [103.0, 68.0])
     }),
     ("frames of one end only", |folder| {
         one_end(folder, [105.0, 68.0])
@@ -65,7 +65,7 @@ pub const INPUTS: [(&str, Draw); 14] = [
 /// Silence is as good as a right answer here, and a wrong one is what the inputs are drawn for.
 pub const RATE: Rate = Rate::never_wrong(INPUTS.len());
 
-pub fn refused(pictures: &Path, numbers: Range<usize>) -> Tally {
+pub fn bad_inputs(pictures: &Path, numbers: Range<usize>) -> Tally {
     println!("\n## inputs that must fail\n\n| input | answer | s |\n|---|---|---|");
     let mut all = Tally::default();
     for number in numbers {
@@ -99,7 +99,7 @@ fn quality() -> u8 {
     PRESET.shoot().jpeg_quality
 }
 
-fn drawn(folder: &Path, scene: &Stadium, shots: &[Shot], truth: Option<FieldModel>) -> Input {
+fn draw_input(folder: &Path, scene: &Stadium, shots: &[Shot], truth: Option<FieldModel>) -> Input {
     Input {
         drawn: draw(
             folder,
@@ -117,7 +117,7 @@ fn main_shots(scene: &Stadium) -> Vec<Shot> {
 
 fn other_sport(folder: &Path, template: &str) -> Input {
     let scene = scene(&builtin(template).unwrap().default_model().unwrap());
-    drawn(folder, &scene, &main_shots(&scene), None)
+    draw_input(folder, &scene, &main_shots(&scene), None)
 }
 
 /// The camera looks at the stands.
@@ -133,7 +133,7 @@ fn crowd(folder: &Path) -> Input {
             ..FrameOptions::default()
         },
     };
-    drawn(
+    draw_input(
         folder,
         &scene,
         &(0..FRAMES).map(look).collect::<Vec<_>>(),
@@ -171,7 +171,7 @@ fn training(folder: &Path) -> Input {
     let others: Vec<_> = others.collect();
     field.lines.extend(others);
     let scene = scene(&field);
-    drawn(
+    draw_input(
         folder,
         &scene,
         &main_shots(&scene),
@@ -201,7 +201,7 @@ fn other_boxes(folder: &Path) -> Input {
         }
     }
     let scene = scene(&field);
-    drawn(folder, &scene, &main_shots(&scene), None)
+    draw_input(folder, &scene, &main_shots(&scene), None)
 }
 
 fn two_cameras(folder: &Path) -> Input {
@@ -222,7 +222,7 @@ fn two_cameras(folder: &Path) -> Input {
         .zip(second)
         .flat_map(|(one, other)| [one, other])
         .collect();
-    drawn(folder, &scene, &mixed, Some(field))
+    draw_input(folder, &scene, &mixed, Some(field))
 }
 
 fn moving(folder: &Path) -> Input {
@@ -244,7 +244,7 @@ fn moving(folder: &Path) -> Input {
         .enumerate()
         .map(moved)
         .collect();
-    drawn(folder, &scene, &shots, None)
+    draw_input(folder, &scene, &shots, None)
 }
 
 /// The camera rests on the centre circle.
@@ -265,10 +265,10 @@ fn one_view(folder: &Path) -> Input {
             },
         );
     }
-    drawn(folder, &scene, &shots, Some(field))
+    draw_input(folder, &scene, &shots, Some(field))
 }
 
-fn pinned(folder: &Path, [length_m, width_m]: [f64; 2], said: [f64; 2]) -> Input {
+fn pinned_input(folder: &Path, [length_m, width_m]: [f64; 2], said: [f64; 2]) -> Input {
     let field = soccer(length_m, width_m, 0.1);
     let scene = scene(&field);
     let mut spec = FieldSpec::new("soccer");
@@ -304,5 +304,5 @@ fn one_end(folder: &Path, [length_m, width_m]: [f64; 2]) -> Input {
         .enumerate()
         .map(look)
         .collect();
-    drawn(folder, &scene, &shots, Some(field))
+    draw_input(folder, &scene, &shots, Some(field))
 }

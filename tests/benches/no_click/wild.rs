@@ -40,7 +40,7 @@ const fn right(name: &'static str, position_m: [f64; 3], sigma_m: f64) -> WildCl
     }
 }
 
-const fn unanswered(name: &'static str) -> WildClip {
+const fn without_answer(name: &'static str) -> WildClip {
     WildClip { name, right: None }
 }
 
@@ -52,7 +52,7 @@ const CLIPS: [WildClip; 8] = [
     right("brighton-liverpool", [0.67, -69.67, 16.20], 3.2),
     right("chelsea-milan", [0.16, -51.96, 10.97], 0.5),
     right("behind-goal-tactical", [-118.83, -1.67, 40.03], 1.2),
-    unanswered("goal-close"),
+    without_answer("goal-close"),
 ];
 
 /// Those that are right stay right; `chelsea-milan` is near the limit of frames that have to agree.

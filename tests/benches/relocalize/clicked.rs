@@ -1,7 +1,7 @@
 //! Drawn matches whose references a person clicked: what the references' own errors do to the
 //! answers, and whether these state it.
 
-use super::proposed::proposed;
+use super::proposed::propose_all;
 use super::set::quantile;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -100,7 +100,7 @@ impl Drawn {
     }
 
     /// With references of four clicks each, off by so much (1-σ, px).
-    fn labelled(&self, sigma_px: f64) -> (Document, Vec<usize>) {
+    fn label_references(&self, sigma_px: f64) -> (Document, Vec<usize>) {
         let mut document = self.document.clone();
         let mut references = Vec::new();
         for number in (0..FRAMES).step_by(REFERENCE_EVERY) {
@@ -161,8 +161,8 @@ struct Outcome {
     labels: Vec<f64>,
 }
 
-fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
-    let (document, references) = drawn.labelled(sigma_px);
+fn outcome_of(drawn: &Drawn, sigma_px: f64) -> Outcome {
+    let (document, references) = drawn.label_references(sigma_px);
     let options = FeatureOptions::default();
     let pictures = FramePictures {
         document: &document,
@@ -175,7 +175,7 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
     let others: Vec<usize> = others.step_by(ASKED_EVERY).collect();
     let evidence =
         LineEvidence::from_document(document.at(&drawn.folder), &mut reader, false).unwrap();
-    let proposals = proposed(&pictures, &mut reader, &evidence, &references, &others).unwrap();
+    let proposals = propose_all(&pictures, &mut reader, &evidence, &references, &others).unwrap();
     let mut outcome = Outcome {
         references: references.len(),
         asked: others.len(),
@@ -220,7 +220,7 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
 }
 
 /// Each match from references whose clicks are exact, as good as supposed, and worse.
-pub fn clicked() {
+pub fn accuracy() {
     println!("\n## clicked: drawn matches from references of four clicks\n");
     println!(
         "| clicks off by, of what is supposed | match | references | their error over σ | answered | wrong | at .95 or more | wrong of \
@@ -230,7 +230,7 @@ pub fn clicked() {
     for seed in 1..=5 {
         let drawn = Drawn::of(seed);
         for share in [0.0, 1.0, 1.5, 2.0] {
-            let mut outcome = asked(&drawn, share * SUPPOSED_PX);
+            let mut outcome = outcome_of(&drawn, share * SUPPOSED_PX);
             let coverage = SigmaCoverage::from_squared_distances(&outcome.squared_sigmas).unwrap();
             println!(
                 "| {share} | {seed} | {} | {:.2} | {} of {} | {} | {} | {} | {:.2} | {:.2} | {:.0} % | {:.2} |",

@@ -39,7 +39,7 @@ fn main() {
         growth::growth();
     }
     if wants("clicked") {
-        clicked::clicked();
+        clicked::accuracy();
     }
     let Some(data) = std::env::var_os("TOUCHLINE_DATA").map(PathBuf::from) else {
         println!("the rest is skipped: TOUCHLINE_DATA names no folder of real frames");
@@ -62,7 +62,7 @@ fn main() {
         coarse_to_fine::coarse_to_fine(&data);
     }
     if wants("unmasked") {
-        scouting::unmasked(&data);
+        scouting::accuracy_without_masks(&data);
     }
     if wants("trust") {
         trust::trust(&data);

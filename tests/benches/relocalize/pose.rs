@@ -27,8 +27,9 @@ pub fn exact() {
     let base = base();
     for share in [0.0, 0.5, 0.8, 0.9] {
         let mut rng = Pcg64Mcg::seed_from_u64((share * 10.0) as u64);
-        let frames: Vec<(Ptz, RayMatches)> =
-            (0..FRAMES).map(|_| drawn(&base, share, &mut rng)).collect();
+        let frames: Vec<(Ptz, RayMatches)> = (0..FRAMES)
+            .map(|_| draw_matches(&base, share, &mut rng))
+            .collect();
         // Whatever is found, however unsure.
         let any = PoseOptions {
             min_confidence: 0.0,
@@ -76,7 +77,7 @@ pub fn base() -> CameraBase {
     CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, SIZE.centre())
 }
 
-pub fn drawn(base: &CameraBase, outliers: f64, rng: &mut Pcg64Mcg) -> (Ptz, RayMatches) {
+pub fn draw_matches(base: &CameraBase, outliers: f64, rng: &mut Pcg64Mcg) -> (Ptz, RayMatches) {
     let (pan, tilt) = (rng.random_range(-40.0..40.0), rng.random_range(-20.0..-5.0));
     let camera = PtzCamera::new(
         *base,

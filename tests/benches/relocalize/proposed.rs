@@ -10,7 +10,7 @@ use touchline::proposals::{
 use touchline::relocalize::RelocalizeOptions;
 
 /// The proposals for some frames by others that are references; an error where these teach nothing.
-pub fn proposed(
+pub fn propose_all(
     pictures: &FramePictures,
     reader: &mut dyn ReadFrames,
     evidence: &LineEvidence,

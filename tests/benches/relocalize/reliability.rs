@@ -6,7 +6,7 @@
 //! with one advertising board repeated twenty times. Right is an overlay within 10 px at 1920 px
 //! width: the median of people's clicks, or the root mean square over the picture.
 
-use super::pose::{SIZE, base, drawn, normal};
+use super::pose::{SIZE, base, draw_matches, normal};
 use super::scouting::{MATCHES, ScoutedFrame, answer, document, unsure, usable};
 use super::set::{Set, grown};
 use nalgebra::{SMatrix, SVector};
@@ -59,7 +59,7 @@ pub fn reliability(data: &Path) {
         examples.len() - counted
     );
     let every: Vec<&Example> = examples.iter().collect();
-    println!("fitted to all: {:.3?}\n", fitted(&every).as_slice());
+    println!("fitted to all: {:.3?}\n", fit_curve(&every).as_slice());
     println!(
         "| answers of | not seen in the fit: given (≥ 0.5), of the right ones, off by over 20 px | as built: the same |"
     );
@@ -70,7 +70,7 @@ pub fn reliability(data: &Path) {
             .iter()
             .filter(|example| example.set != set)
             .collect();
-        let (curve, built) = (fitted(&others), |example: &Example| example.confidence);
+        let (curve, built) = (fit_curve(&others), |example: &Example| example.confidence);
         let own: Vec<&Example> = examples
             .iter()
             .filter(|example| example.set == set)
@@ -195,10 +195,10 @@ fn hard(set: usize) -> Vec<Example> {
     let mut examples = Vec::new();
     for i in 0..900 {
         let (truth, matches) = match i % 9 {
-            0 => drawn(&base, 0.9, &mut rng),
-            1 => drawn(&base, 0.95, &mut rng),
-            2 => drawn(&base, 0.97, &mut rng),
-            3 => drawn(&base, 1.0, &mut rng),
+            0 => draw_matches(&base, 0.9, &mut rng),
+            1 => draw_matches(&base, 0.95, &mut rng),
+            2 => draw_matches(&base, 0.97, &mut rng),
+            3 => draw_matches(&base, 1.0, &mut rng),
             4 => boards(&base, true, &mut rng),
             5 => boards(&base, false, &mut rng),
             _ => chance(&mut rng),
@@ -239,8 +239,8 @@ fn chance(rng: &mut Pcg64Mcg) -> (Ptz, RayMatches) {
 /// another of 33 features in a patch of 21 × 8 px says consistently that it is elsewhere. Where
 /// `hidden`, next to nothing else is known.
 fn boards(base: &CameraBase, hidden: bool, rng: &mut Pcg64Mcg) -> (Ptz, RayMatches) {
-    let (truth, mut matches) = drawn(base, if hidden { 1.0 } else { 0.9 }, rng);
-    let (camera, (elsewhere, _)) = (PtzCamera::new(*base, truth), drawn(base, 1.0, rng));
+    let (truth, mut matches) = draw_matches(base, if hidden { 1.0 } else { 0.9 }, rng);
+    let (camera, (elsewhere, _)) = (PtzCamera::new(*base, truth), draw_matches(base, 1.0, rng));
     let other = PtzCamera::new(*base, elsewhere);
     let mut add = |at: ImagePoint, seen: ImagePoint, camera: &PtzCamera, rng: &mut Pcg64Mcg| {
         let at = ImagePoint::new(at.x + 0.5 * normal(rng), at.y + 0.5 * normal(rng));
@@ -298,7 +298,7 @@ fn probability(curve: &Terms, example: &Example) -> f64 {
 }
 
 /// The logistic curve of greatest likelihood, held back a little (Newton's method).
-fn fitted(examples: &[&Example]) -> Terms {
+fn fit_curve(examples: &[&Example]) -> Terms {
     let mut curve = Terms::zeros();
     for _ in 0..50 {
         let mut gradient = -curve * 0.1;

@@ -196,7 +196,7 @@ pub fn accuracy(data: &Path) {
 
 /// Accuracy without any mask: as built, and with what stands still on the screen taken for any
 /// feature.
-pub fn unmasked(data: &Path) {
+pub fn accuracy_without_masks(data: &Path) {
     println!(
         "\n## unmasked: every clip answered by the others, no masks; all references, and only two\n"
     );
@@ -207,7 +207,8 @@ pub fn unmasked(data: &Path) {
     for (keeps_standing, label) in [(true, "standing features kept"), (false, "as built")] {
         for name in MATCHES {
             let folder = data.join(format!("scouting-{name}"));
-            let mut set = Set::unmasked(document(data, name), &folder, &FeatureOptions::default());
+            let mut set =
+                Set::without_masks(document(data, name), &folder, &FeatureOptions::default());
             set.keeps_standing = keeps_standing;
             let field = set.document.field.model(&folder).unwrap();
             let found = answers(

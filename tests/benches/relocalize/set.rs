@@ -28,7 +28,7 @@ impl Set {
     }
 
     /// A document without any mask.
-    pub fn unmasked(mut document: Document, folder: &Path, options: &FeatureOptions) -> Self {
+    pub fn without_masks(mut document: Document, folder: &Path, options: &FeatureOptions) -> Self {
         for camera in &mut document.cameras {
             camera.masks.clear();
             camera.ranged_masks.clear();

@@ -2,7 +2,7 @@
 //! people's clicks: how many frames are answered, how often certain answers are wrong, and whether
 //! the stated σ is true.
 
-use super::proposed::proposed;
+use super::proposed::propose_all;
 use super::scouting::{MATCHES, document, is_usable};
 use super::set::quantile;
 use rand::SeedableRng;
@@ -98,7 +98,7 @@ impl Match {
     }
 
     /// Every frame asked of references of other clips; of few references every `every`-th frame.
-    fn asked(&self, references: References, every: usize, is_snapped: bool) -> Vec<QueriedFrame> {
+    fn queries(&self, references: References, every: usize, is_snapped: bool) -> Vec<QueriedFrame> {
         let clip = |index: usize| self.document.frames[index].clip.clone();
         let mut rng = Pcg64Mcg::seed_from_u64(1);
         let mut groups: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
@@ -130,7 +130,7 @@ impl Match {
         let mut all = Vec::new();
         for (asked, training) in groups {
             let Ok(proposals) =
-                proposed(&self.pictures(), &mut reader, &evidence, &training, &asked)
+                propose_all(&self.pictures(), &mut reader, &evidence, &training, &asked)
             else {
                 continue;
             };
@@ -216,7 +216,7 @@ pub fn trust(data: &Path) {
     ] {
         let mut all = Vec::new();
         for (name, of) in MATCHES.iter().zip(&matches) {
-            let asked = of.asked(references, every, is_snapped);
+            let asked = of.queries(references, every, is_snapped);
             row(label, name, &asked.iter().collect::<Vec<_>>());
             all.extend(asked);
         }

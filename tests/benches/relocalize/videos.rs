@@ -3,7 +3,7 @@
 //! each answer is held against the frames before and after it, and against its painted lines, and
 //! the documents are written for people to look at.
 
-use super::proposed::proposed;
+use super::proposed::propose_all;
 use super::set::quantile;
 use std::path::Path;
 use touchline::calibrate::{BaseProblem, solve_document};
@@ -39,7 +39,7 @@ pub fn videos(data: &Path, every: usize) {
 }
 
 fn video(data: &Path, name: &str, clicks: &str, every: usize) {
-    let mut document = labelled(data, clicks);
+    let mut document = label_document(data, clicks);
     let clicked = document.frames.len();
     add_frames(&mut document, data, every);
     let store_at =
@@ -55,7 +55,7 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
     let training = TrainingFrames::from_solved_frames(&document).frames;
     let asked: Vec<usize> = (clicked..document.frames.len()).collect();
     let evidence = LineEvidence::from_document(document.at(data), &mut reader, false).unwrap();
-    let proposals = proposed(&pictures, &mut reader, &evidence, &training, &asked).unwrap();
+    let proposals = propose_all(&pictures, &mut reader, &evidence, &training, &asked).unwrap();
     let features_s: f64 = proposals
         .iter()
         .map(|proposal| proposal.timings.features.as_secs_f64())
@@ -88,7 +88,7 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
 }
 
 /// The clicked frames with the base that the program finds.
-fn labelled(data: &Path, clicks: &str) -> Document {
+fn label_document(data: &Path, clicks: &str) -> Document {
     let mut document = document_from_bytes(clicks.as_bytes()).unwrap();
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::from_document(document.at(data), &camera).unwrap();

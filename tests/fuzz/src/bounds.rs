@@ -18,13 +18,13 @@ const TIME: Duration = Duration::from_secs(1);
 const MESSAGE: usize = 1000;
 
 /// Reads, and fails where it takes too long or too much memory.
-pub fn bounded<T>(input: &[u8], read: impl FnOnce() -> T) -> T {
-    bounded_beside(0, input, read)
+pub fn run_in_bounds<T>(input: &[u8], read: impl FnOnce() -> T) -> T {
+    run_in_bounds_beside(0, input, read)
 }
 
 /// The same where a result of so many bytes is kept beside, as a picture that is as large as it
 /// says.
-pub fn bounded_beside<T>(kept: usize, input: &[u8], read: impl FnOnce() -> T) -> T {
+pub fn run_in_bounds_beside<T>(kept: usize, input: &[u8], read: impl FnOnce() -> T) -> T {
     let before = COUNTED.current_usage();
     COUNTED.reset_peak_usage();
     let start = ProcessTime::now();

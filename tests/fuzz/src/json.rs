@@ -1,12 +1,12 @@
 //! Mutation of JSON by its values: what stays JSON reaches the reader behind the parser.
 
-use crate::json_values::{hostile_values, replaced};
+use crate::json_values::{hostile_values, replace_value};
 use serde_json::Value;
 use std::sync::LazyLock;
 
 /// Mutates the first `size` bytes behind `prefix` bytes that stay; the new size. Half of what is
 /// JSON is mutated by its values, everything else by its bytes, which is libFuzzer's part.
-pub fn mutated(
+pub fn mutate(
     data: &mut [u8],
     prefix: usize,
     size: usize,
@@ -43,7 +43,7 @@ fn replace_one(value: &mut Value, random: &mut Random) {
         1 => HOSTILE.get(random.below(HOSTILE.len() as u64) as usize).cloned(),
         _ => Some(one_of(value, random).clone()),
     };
-    replaced(value, share, new.as_ref());
+    replace_value(value, share, new.as_ref());
 }
 
 /// Any value within a value.

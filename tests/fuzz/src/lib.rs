@@ -10,6 +10,6 @@ pub mod mat_writer;
 #[path = "../../../src/documents/tests/hostile/samples.rs"]
 pub mod samples;
 
-pub use bounds::{bounded, bounded_beside, one_line};
+pub use bounds::{one_line, run_in_bounds, run_in_bounds_beside};
 pub use folder::Folder;
-pub use json::mutated;
+pub use json::mutate;

@@ -7,7 +7,7 @@ use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 use touchline::document::{Click, Document, Edit, EditMismatch, Frame, document_from_bytes, document_to_string};
 use touchline::geometry::{ImagePoint, ImageSize};
-use touchline_fuzz::bounded;
+use touchline_fuzz::run_in_bounds;
 
 static DOCUMENT: LazyLock<Document> = LazyLock::new(|| {
     document_from_bytes(include_bytes!("../../../src/documents/tests/samples/document-v1.json")).expect("the document is read")
@@ -81,7 +81,7 @@ fuzz_target!(|deeds: (Vec<Deed>, Vec<Deed>)| {
         done(&mut after, deed);
     }
     after.count_edits_since(&before);
-    let edit = bounded(&[], || Edit::between(&before, &after, "Edit"));
+    let edit = run_in_bounds(&[], || Edit::between(&before, &after, "Edit"));
     let text = serde_json::to_string(&edit).expect("an edit is written");
     let read: Edit = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!(read, edit, "an edit is read as it was written");

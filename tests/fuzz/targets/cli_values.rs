@@ -3,10 +3,10 @@
 
 use libfuzzer_sys::fuzz_target;
 use touchline::cli::usage_message;
-use touchline_fuzz::{bounded, one_line};
+use touchline_fuzz::{one_line, run_in_bounds};
 
 fuzz_target!(|text: &str| {
-    if let Some(said) = bounded(text.as_bytes(), || usage_message(text.lines())) {
+    if let Some(said) = run_in_bounds(text.as_bytes(), || usage_message(text.lines())) {
         one_line(&said, text.as_bytes());
     }
 });

@@ -3,14 +3,14 @@
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 use touchline::document::{document_from_bytes, document_to_string};
-use touchline_fuzz::{bounded, mutated, one_line};
+use touchline_fuzz::{mutate, one_line, run_in_bounds};
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
-    mutated(data, 0, size, max_size, seed, fuzzer_mutate)
+    mutate(data, 0, size, max_size, seed, fuzzer_mutate)
 });
 
 fuzz_target!(|data: &[u8]| {
-    let mut document = match bounded(data, || document_from_bytes(data)) {
+    let mut document = match run_in_bounds(data, || document_from_bytes(data)) {
         Ok(document) => document,
         Err(error) => return one_line(&error, data),
     };

@@ -4,11 +4,11 @@
 use libfuzzer_sys::fuzz_target;
 use std::collections::BTreeMap;
 use touchline::field::Expression;
-use touchline_fuzz::{bounded, one_line};
+use touchline_fuzz::{one_line, run_in_bounds};
 
 fuzz_target!(|text: &str| {
     let values = BTreeMap::from([("length_m".to_owned(), 105.0), ("width_m".to_owned(), 68.0)]);
-    match bounded(text.as_bytes(), || Expression::parse(text)) {
+    match run_in_bounds(text.as_bytes(), || Expression::parse(text)) {
         Ok(expression) => {
             assert_eq!(expression.text(), text);
             match expression.evaluate(&values, &[]) {

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use touchline::features::{FeatureCache, FeatureKey, FeatureOptions, Features};
-use touchline_fuzz::{Folder, bounded};
+use touchline_fuzz::{Folder, run_in_bounds};
 
 /// Magic, version, checksum.
 const HEADER: usize = 16;
@@ -21,10 +21,10 @@ static PLACE: LazyLock<(Folder, FeatureCache, FeatureKey, PathBuf)> = LazyLock::
     (folder, cache, key, file)
 });
 
-fn tried(bytes: &[u8]) {
+fn check_bytes(bytes: &[u8]) {
     let (_folder, cache, key, file) = &*PLACE;
     fs::write(file, bytes).expect("the file can be written");
-    if let Some(features) = bounded(bytes, || cache.get(key)) {
+    if let Some(features) = run_in_bounds(bytes, || cache.get(key)) {
         assert_eq!(features.keypoints.len(), features.descriptors.len());
         cache.put(key, &features).expect("features can be kept");
         assert_eq!(fs::read(file).expect("the file can be read"), bytes, "what is read is written as the same");
@@ -32,10 +32,10 @@ fn tried(bytes: &[u8]) {
 }
 
 fuzz_target!(|data: &[u8]| {
-    tried(data);
+    check_bytes(data);
     if let Some(body) = data.get(HEADER..) {
         let mut whole = data.to_vec();
         whole[12..16].copy_from_slice(&crc32fast::hash(body).to_le_bytes());
-        tried(&whole);
+        check_bytes(&whole);
     }
 });

@@ -3,13 +3,13 @@
 
 use libfuzzer_sys::fuzz_target;
 use touchline::relocalize::ForestModel;
-use touchline_fuzz::{bounded, one_line};
+use touchline_fuzz::{one_line, run_in_bounds};
 
 /// Magic, version, length, checksum.
 const HEADER: usize = 24;
 
-fn tried(bytes: &[u8]) {
-    match bounded(bytes, || ForestModel::from_bytes(bytes)) {
+fn check_bytes(bytes: &[u8]) {
+    match run_in_bounds(bytes, || ForestModel::from_bytes(bytes)) {
         Ok(model) => {
             let written = model.to_bytes();
             let again = ForestModel::from_bytes(&written).expect("what is written is read");
@@ -20,11 +20,11 @@ fn tried(bytes: &[u8]) {
 }
 
 fuzz_target!(|data: &[u8]| {
-    tried(data);
+    check_bytes(data);
     if let Some(body) = data.get(HEADER..) {
         let mut whole = data.to_vec();
         whole[12..20].copy_from_slice(&(body.len() as u64).to_le_bytes());
         whole[20..24].copy_from_slice(&crc32fast::hash(body).to_le_bytes());
-        tried(&whole);
+        check_bytes(&whole);
     }
 });

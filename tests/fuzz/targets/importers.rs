@@ -6,13 +6,13 @@ use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 use std::sync::LazyLock;
 use touchline::document::{document_from_bytes, document_to_string};
 use touchline_fuzz::samples::{Sample, formats};
-use touchline_fuzz::{Folder, bounded, mutated, one_line};
+use touchline_fuzz::{Folder, mutate, one_line, run_in_bounds};
 
 static SAMPLES: LazyLock<(Folder, Vec<Sample>)> =
     LazyLock::new(|| (Folder::new(), formats().map(Sample::of).collect()));
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
-    mutated(data, 1, size, max_size, seed, fuzzer_mutate)
+    mutate(data, 1, size, max_size, seed, fuzzer_mutate)
 });
 
 fuzz_target!(|data: &[u8]| {
@@ -25,7 +25,7 @@ fuzz_target!(|data: &[u8]| {
             *content = bytes.to_vec();
         }
     }
-    match bounded(data, || sample.import(&files, folder.path())) {
+    match run_in_bounds(data, || sample.import(&files, folder.path())) {
         Ok(imported) => {
             let text = document_to_string(&imported.document);
             let text = text.unwrap_or_else(|error| panic!("{}: {error}", sample.format));

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use touchline::document::{document_from_bytes, document_to_string};
 use touchline::media::sha256_of_bytes;
 use touchline::store::{Location, read};
-use touchline_fuzz::{Folder, bounded, mutated, one_line};
+use touchline_fuzz::{Folder, mutate, one_line, run_in_bounds};
 
 /// The document that the journal is beside; its hash stands in a journal as `HASH`.
 const DOCUMENT: &str = include_str!("../../../src/documents/tests/samples/document-v1.json");
@@ -25,7 +25,7 @@ fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     // One of its lines as JSON, or all as bytes.
     let ends: Vec<usize> = (0..size).filter(|&at| data[at] == b'\n').map(|at| at + 1).collect();
     let from = ends.get(seed as usize % (ends.len() + 1)).copied().unwrap_or(0);
-    mutated(data, from, size, max_size, seed, fuzzer_mutate)
+    mutate(data, from, size, max_size, seed, fuzzer_mutate)
 });
 
 fuzz_target!(|data: &[u8]| {
@@ -39,7 +39,7 @@ fuzz_target!(|data: &[u8]| {
         }
     });
     fs::write(path, text.collect::<Vec<u8>>()).expect("a journal can be written");
-    match bounded(data, || read(document)) {
+    match run_in_bounds(data, || read(document)) {
         Ok((_, replayed, recovery)) => {
             if let Some(message) = recovery.message() {
                 one_line(&message, data);

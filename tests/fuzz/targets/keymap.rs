@@ -3,14 +3,14 @@
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 use touchline::app::{Chord, Command, Keymap};
-use touchline_fuzz::{bounded, mutated, one_line};
+use touchline_fuzz::{mutate, one_line, run_in_bounds};
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
-    mutated(data, 0, size, max_size, seed, fuzzer_mutate)
+    mutate(data, 0, size, max_size, seed, fuzzer_mutate)
 });
 
 fuzz_target!(|data: &[u8]| {
-    if let Ok(keymap) = bounded(data, || serde_json::from_slice::<Keymap>(data)) {
+    if let Ok(keymap) = run_in_bounds(data, || serde_json::from_slice::<Keymap>(data)) {
         let written = serde_json::to_string(&keymap).expect("keys are written");
         let again: Keymap = serde_json::from_str(&written).unwrap_or_else(|error| panic!("{error}\n{written}"));
         assert_eq!(again, keymap, "what is written is read as the same");

@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 use touchline::media::Video;
-use touchline_fuzz::{Folder, bounded_beside, one_line};
+use touchline_fuzz::{Folder, one_line, run_in_bounds_beside};
 
 static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
 
@@ -14,7 +14,7 @@ const PICTURE: usize = 400_000_000;
 
 fuzz_target!(|data: &[u8]| {
     let path = FOLDER.file("a.mp4", data);
-    match bounded_beside(PICTURE, data, || Video::open(&path)) {
+    match run_in_bounds_beside(PICTURE, data, || Video::open(&path)) {
         Ok(mut video) => {
             if let Err(error) = video.frame(0) {
                 one_line(&error, data);

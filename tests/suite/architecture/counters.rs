@@ -68,8 +68,9 @@ const IRREGULAR: [&str; 14] = [
 
 /// Words in `ed` that are none.
 const PREPOSITIONS: [&str; 24] = [
-    "across", "after", "again", "alone", "along", "apart", "around", "as", "at", "before", "beside",
-    "between", "beyond", "by", "for", "from", "in", "near", "of", "on", "out", "over", "to", "with",
+    "across", "after", "again", "alone", "along", "apart", "around", "as", "at", "before",
+    "beside", "between", "beyond", "by", "for", "from", "in", "near", "of", "on", "out", "over",
+    "to", "with",
 ];
 const NO_PARTICIPLES: [&str; 6] = ["need", "feed", "seed", "embed", "shed", "speed"];
 
@@ -188,7 +189,9 @@ fn is_bare_participle(name: &str) -> bool {
     let mut words = name.split('_');
     let first = words.next().unwrap_or_default();
     let is_regular = first.len() > 3 && first.ends_with("ed") && !NO_PARTICIPLES.contains(&first);
-    let is_bare = words.next().is_none_or(|second| PREPOSITIONS.contains(&second));
+    let is_bare = words
+        .next()
+        .is_none_or(|second| PREPOSITIONS.contains(&second));
     is_bare && (is_regular || IRREGULAR.contains(&first))
 }
 

@@ -1,7 +1,7 @@
 //! An estimate is shown, used, discarded, replaced and compared.
 
 use super::{Fixture, document, truth};
-use crate::bench::uncounted;
+use crate::bench::without_counts;
 use crate::refine_base_command::clicked_match;
 use touchline::app::guidance::next_step;
 use touchline::app::operation::{Breakdown, Failure, Report};
@@ -119,7 +119,7 @@ fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     assert!(fixture.document().frames[4].ptz.is_none());
     fixture.command(Command::Undo);
     assert_eq!(
-        document_to_string(&uncounted(fixture.document())).unwrap(),
+        document_to_string(&without_counts(fixture.document())).unwrap(),
         before
     );
     fixture.command(Command::Redo);
@@ -198,7 +198,7 @@ fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
     );
     fixture.command(Command::Undo);
     assert_eq!(
-        document_to_string(&uncounted(fixture.document())).unwrap(),
+        document_to_string(&without_counts(fixture.document())).unwrap(),
         before,
         "one step"
     );

@@ -1,7 +1,7 @@
 //! A program that is killed while it writes.
 
-use super::{click, new_project, opened, total_clicks};
-use crate::child::{numbers_behind, spawned};
+use super::{click, new_project, open_project, total_clicks};
+use crate::child::{numbers_behind, spawn_test};
 use std::path::Path;
 use touchline_documents::document::History;
 use touchline_documents::store::{Access, ReadOnly, open};
@@ -15,7 +15,7 @@ fn child_that_writes_until_it_is_killed() {
     let Some(path) = std::env::var_os(CHILD_FOLDER) else {
         return;
     };
-    let (mut project, mut document) = opened(Path::new(&path));
+    let (mut project, mut document) = open_project(Path::new(&path));
     for number in total_clicks(&document).. {
         document = click(&mut project.store, &document, number);
         println!("acknowledged {}", number + 1);
@@ -30,7 +30,7 @@ fn a_program_that_is_killed_loses_nothing_it_acknowledged() {
     let (_folder, path) = new_project(3);
     let mut acknowledged = 0;
     for round in 0..12 {
-        let (mut child, lines) = spawned(
+        let (mut child, lines) = spawn_test(
             "journal::killed::child_that_writes_until_it_is_killed",
             [(CHILD_FOLDER, path.to_str().unwrap())],
         );
@@ -53,7 +53,7 @@ fn a_program_that_is_killed_loses_nothing_it_acknowledged() {
         child.kill().unwrap();
         acknowledged = counts.last().unwrap_or(acknowledged);
         child.wait().unwrap();
-        let (project, document) = opened(&path);
+        let (project, document) = open_project(&path);
         let found = total_clicks(&document);
         assert!(
             found >= acknowledged,

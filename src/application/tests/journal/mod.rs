@@ -44,7 +44,7 @@ fn with_separator(path: &Path) -> PathBuf {
     path.join("")
 }
 
-fn opened(path: &Path) -> (Project, Document) {
+fn open_project(path: &Path) -> (Project, Document) {
     let Opened {
         document,
         access,

@@ -1,7 +1,7 @@
 //! What the journal brings back when a document is opened: all edits of a whole one, as many as
 //! possible of a damaged one.
 
-use super::{Project, click, document, new_project, opened, total_clicks};
+use super::{Project, click, document, new_project, open_project, total_clicks};
 use std::fs;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Click, Edit, History};
@@ -12,7 +12,7 @@ use touchline_documents::store::{
 #[test]
 fn a_journal_cut_at_any_byte_brings_back_every_edit_up_to_the_cut() {
     let (_folder, path) = new_project(3);
-    let (mut project, start) = opened(&path);
+    let (mut project, start) = open_project(&path);
     let mut states = vec![start];
     for number in 0..6 {
         let next = click(&mut project.store, states.last().unwrap(), number);
@@ -62,10 +62,10 @@ fn a_journal_cut_at_any_byte_brings_back_every_edit_up_to_the_cut() {
             whole > 0 || recovery.lost_bytes > 0
         );
         if cut % 41 == 0 || line_ends.contains(&cut) {
-            let (mut project, document) = opened(&path);
+            let (mut project, document) = open_project(&path);
             let next = click(&mut project.store, &document, 99);
             drop(project);
-            let (project, document) = opened(&path);
+            let (project, document) = open_project(&path);
             assert_eq!(document, next, "an edit after a cut at byte {cut}");
             assert_eq!(project.recovered, whole + 1);
         }
@@ -75,18 +75,18 @@ fn a_journal_cut_at_any_byte_brings_back_every_edit_up_to_the_cut() {
 #[test]
 fn recovery_says_what_came_back() {
     let (_folder, path) = new_project(2);
-    let (mut project, document) = opened(&path);
+    let (mut project, document) = open_project(&path);
     assert_eq!(project.message, None);
     let one = click(&mut project.store, &document, 1);
     drop(project);
-    let (mut project, _) = opened(&path);
+    let (mut project, _) = open_project(&path);
     assert_eq!(
         project.message.as_deref(),
         Some("Recovered 1 edit: Click 1.")
     );
     let two = click(&mut project.store, &one, 2);
     drop(project);
-    let (mut project, document) = opened(&path);
+    let (mut project, document) = open_project(&path);
     assert_eq!(
         project.message.as_deref(),
         Some("Recovered 2 edits, the last one: Click 2.")
@@ -94,7 +94,7 @@ fn recovery_says_what_came_back() {
     assert_eq!(document, two);
     project.store.save(&document, &History::default()).unwrap();
     drop(project);
-    let (project, document) = opened(&path);
+    let (project, document) = open_project(&path);
     assert_eq!(
         (project.message, document.frames),
         (None, two.frames),
@@ -105,7 +105,7 @@ fn recovery_says_what_came_back() {
 #[test]
 fn a_damaged_journal_is_kept_beside() {
     let (_folder, path) = new_project(2);
-    let (mut project, mut document) = opened(&path);
+    let (mut project, mut document) = open_project(&path);
     for number in 0..3 {
         document = click(&mut project.store, &document, number);
     }
@@ -139,10 +139,10 @@ fn what_can_be_read_can_be_recovered_however_deep_it_is() {
         .insert("deepest".to_owned(), deep(100 - FRAMES));
     let location = Location::find(&path).unwrap();
     write_document(&location, &first, true).unwrap();
-    let (Project { mut store, .. }, opened_first) = opened(&path);
+    let (Project { mut store, .. }, opened_first) = open_project(&path);
     let after = click(&mut store, &opened_first, 1);
     drop(store);
-    let (Project { recovered, .. }, again) = opened(&path);
+    let (Project { recovered, .. }, again) = open_project(&path);
     assert_eq!((recovered, again), (1, after));
     // One level more is refused when it is read, not when it is recovered.
     let text = fs::read_to_string(location.file())
@@ -160,7 +160,7 @@ fn what_can_be_read_can_be_recovered_however_deep_it_is() {
 #[test]
 fn an_edit_that_does_not_fit_is_named_with_those_behind_it() {
     let (_folder, path) = new_project(2);
-    let (Project { mut store, .. }, start) = opened(&path);
+    let (Project { mut store, .. }, start) = open_project(&path);
     let first = click(&mut store, &start, 0);
     // Made of a document in which the frame was changed otherwise.
     let mut elsewhere = first.clone();

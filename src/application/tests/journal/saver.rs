@@ -1,6 +1,6 @@
 //! The saver acknowledges edits that are on disk, and tries again what the disk refuses.
 
-use super::{document, new_project, opened, total_clicks};
+use super::{document, new_project, open_project, total_clicks};
 use std::fs;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -34,7 +34,7 @@ fn wait_for<T>(saver: &Saver, mut wanted: impl FnMut(&SaverReport) -> Option<T>)
     panic!("the saver said nothing in a minute")
 }
 
-fn journaled(wanted: u64) -> impl FnMut(&SaverReport) -> Option<()> {
+fn revision_in_journal(wanted: u64) -> impl FnMut(&SaverReport) -> Option<()> {
     move |report| {
         matches!(report, SaverReport::Journaled { revision, .. } if *revision >= wanted)
             .then_some(())
@@ -44,7 +44,7 @@ fn journaled(wanted: u64) -> impl FnMut(&SaverReport) -> Option<()> {
 #[test]
 fn the_saver_acknowledges_what_is_on_disk_and_drains_at_closing() {
     let (_folder, path) = new_project(4);
-    let (project, mut document) = opened(&path);
+    let (project, mut document) = open_project(&path);
     let saver = saver(project.store, &document, SaverOptions::default());
     let count = 300;
     for revision in 1..=count {
@@ -58,7 +58,7 @@ fn the_saver_acknowledges_what_is_on_disk_and_drains_at_closing() {
         );
         document = after;
         if revision == 10 {
-            wait_for(&saver, journaled(10));
+            wait_for(&saver, revision_in_journal(10));
             assert!(
                 total_clicks(&read(&path).unwrap().1) >= 10,
                 "what is acknowledged is there"
@@ -78,14 +78,14 @@ fn the_saver_acknowledges_what_is_on_disk_and_drains_at_closing() {
         ),
         "{last:?}"
     );
-    let (project, after) = opened(&path);
+    let (project, after) = open_project(&path);
     assert_eq!((after.frames, project.message), (document.frames, None));
 }
 
 #[test]
 fn the_saver_writes_the_document_from_time_to_time_and_on_request() {
     let (_folder, path) = new_project(1);
-    let (project, document) = opened(&path);
+    let (project, document) = open_project(&path);
     let options = SaverOptions {
         save_every: Duration::from_millis(5),
         ..SaverOptions::default()
@@ -124,7 +124,7 @@ fn the_saver_writes_the_document_from_time_to_time_and_on_request() {
 #[test]
 fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
     let (folder, path) = new_project(1);
-    let (project, document) = opened(&path);
+    let (project, document) = open_project(&path);
     let options = SaverOptions {
         save_every: Duration::from_millis(5),
         retry_after: Duration::from_millis(5),
@@ -151,20 +151,23 @@ fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
         matches!(report, SaverReport::Saved { revision: 1, .. }).then_some(())
     });
     drop(saver);
-    assert_eq!(opened(&path).1.frames[0].comment.as_deref(), Some("kept"));
+    assert_eq!(
+        open_project(&path).1.frames[0].comment.as_deref(),
+        Some("kept")
+    );
 }
 
 #[test]
 fn the_document_that_an_edit_led_to_is_journalled_even_where_the_edit_does_not_fit() {
     let (_folder, path) = new_project(2);
-    let (project, start) = opened(&path);
+    let (project, start) = open_project(&path);
     let saver = saver(project.store, &start, SaverOptions::default());
     let more = document(5);
     let mut after = more.clone();
     after.frames[4].comment = Some("fifth".to_owned());
     // The saver knows two frames only.
     saver.edit(Edit::between(&more, &after, "Comment"), snapshot(&after, 1));
-    wait_for(&saver, journaled(1));
+    wait_for(&saver, revision_in_journal(1));
     assert_eq!(
         read(&path).unwrap().1.frames,
         after.frames,
@@ -173,7 +176,7 @@ fn the_document_that_an_edit_led_to_is_journalled_even_where_the_edit_does_not_f
     let mut last = after.clone();
     last.frames[0].comment = Some("first".to_owned());
     saver.edit(Edit::between(&after, &last, "Comment"), snapshot(&last, 2));
-    wait_for(&saver, journaled(2));
+    wait_for(&saver, revision_in_journal(2));
     drop(saver);
-    assert_eq!(opened(&path).1.frames, last.frames);
+    assert_eq!(open_project(&path).1.frames, last.frames);
 }

@@ -1,7 +1,7 @@
 //! Saving keeps the version before, leaves alone what another program wrote or has open, and says
 //! when files are gone.
 
-use super::{click, document, new_project, opened, total_clicks};
+use super::{click, document, new_project, open_project, total_clicks};
 use std::fs;
 use touchline_documents::document::{Edit, History};
 use touchline_documents::store::{
@@ -13,7 +13,7 @@ fn saving_keeps_the_last_version_and_restarts_the_journal() {
     let (_folder, path) = new_project(2);
     let location = Location::find(&path).unwrap();
     let before = fs::read(location.file()).unwrap();
-    let (mut project, document) = opened(&path);
+    let (mut project, document) = open_project(&path);
     let after = click(&mut project.store, &document, 1);
     let journal_length = fs::metadata(location.journal()).unwrap().len();
     assert!(project.store.is_behind());
@@ -61,7 +61,7 @@ fn closing_leaves_only_what_is_needed() {
         names
     };
     assert_eq!(names(), ["project.json"]);
-    let (mut project, document) = opened(&path);
+    let (mut project, document) = open_project(&path);
     assert_eq!(
         names(),
         ["project.json", "project.json.journal", "project.json.lock"]
@@ -73,7 +73,7 @@ fn closing_leaves_only_what_is_needed() {
         ["project.json", "project.json.journal"],
         "an edit that is not yet in the document"
     );
-    let (mut project, _) = opened(&path);
+    let (mut project, _) = open_project(&path);
     project.store.save(&after, &History::default()).unwrap();
     drop(project);
     assert_eq!(names(), ["project.json", "project.json.bak"]);
@@ -82,7 +82,7 @@ fn closing_leaves_only_what_is_needed() {
 #[test]
 fn a_second_program_gets_the_reason_and_reads_only() {
     let (_folder, path) = new_project(2);
-    let (mut project, document) = opened(&path);
+    let (mut project, document) = open_project(&path);
     let after = click(&mut project.store, &document, 1);
     let second = open(&path).unwrap();
     let Access::ReadOnly(reason) = second.access else {
@@ -124,7 +124,7 @@ fn a_write_protected_document_opens_read_only() {
 fn what_another_program_wrote_is_not_overwritten() {
     let (_folder, path) = new_project(2);
     let file = path.join("project.json");
-    let (mut project, document) = opened(&path);
+    let (mut project, document) = open_project(&path);
     let after = click(&mut project.store, &document, 1);
     let theirs = fs::read_to_string(&file)
         .unwrap()
@@ -143,14 +143,14 @@ fn what_another_program_wrote_is_not_overwritten() {
         .unwrap();
     assert_eq!(fs::read_to_string(kept).unwrap(), theirs);
     drop(project);
-    assert_eq!(opened(&path).1.frames, after.frames);
+    assert_eq!(open_project(&path).1.frames, after.frames);
 }
 
 #[test]
 fn edits_of_another_version_are_set_aside_and_not_mixed_in() {
     let (_folder, path) = new_project(2);
     let file = path.join("project.json");
-    let (mut project, document) = opened(&path);
+    let (mut project, document) = open_project(&path);
     click(&mut project.store, &document, 1);
     drop(project);
     fs::write(
@@ -160,7 +160,7 @@ fn edits_of_another_version_are_set_aside_and_not_mixed_in() {
             .replace("\"soccer\"", "\"theirs\""),
     )
     .unwrap();
-    let (project, document) = opened(&path);
+    let (project, document) = open_project(&path);
     assert_eq!(
         (document.field.template.as_str(), total_clicks(&document)),
         ("theirs", 0)
@@ -175,13 +175,13 @@ fn edits_of_another_version_are_set_aside_and_not_mixed_in() {
         "{message}"
     );
     drop(project.store);
-    assert_eq!(opened(&path).0.message, None, "said once");
+    assert_eq!(open_project(&path).0.message, None, "said once");
 }
 
 #[test]
 fn nothing_is_acknowledged_in_a_folder_that_is_gone() {
     let (folder, path) = new_project(2);
-    let (mut project, before) = opened(&path);
+    let (mut project, before) = open_project(&path);
     let mut after = before.clone();
     after.frames[0].comment = Some("kept".to_owned());
     let away = folder.path().join("away");
@@ -203,7 +203,7 @@ fn nothing_is_acknowledged_in_a_folder_that_is_gone() {
         .append(&[Edit::between(&before, &after, "Comment")])
         .unwrap();
     drop(project);
-    let (project, document) = opened(&path);
+    let (project, document) = open_project(&path);
     assert_eq!(
         (document, project.recovered),
         (after, 1),
@@ -215,7 +215,7 @@ fn nothing_is_acknowledged_in_a_folder_that_is_gone() {
 fn a_journal_that_was_deleted_is_made_again_by_saving() {
     let (_folder, path) = new_project(2);
     let location = Location::find(&path).unwrap();
-    let (mut project, before) = opened(&path);
+    let (mut project, before) = open_project(&path);
     fs::remove_file(location.journal()).unwrap();
     fs::remove_file(location.lock()).unwrap();
     let mut after = before.clone();
@@ -235,5 +235,5 @@ fn a_journal_that_was_deleted_is_made_again_by_saving() {
     );
     let next = click(&mut project.store, &after, 1);
     drop(project);
-    assert_eq!(opened(&path).1, next);
+    assert_eq!(open_project(&path).1, next);
 }

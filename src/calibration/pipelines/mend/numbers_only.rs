@@ -16,7 +16,7 @@ use crate::calibrate::{Disagreement, Disagreements, withdraw};
 use std::path::Path;
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::{
-    Camera, Clip, Document, Fields, FrameId, FramePtz, FrameStatus, Solution, SolutionSource,
+    Camera, Clip, Document, Fields, Frame, FrameId, FramePtz, FrameStatus, Solution, SolutionSource,
 };
 
 /// A camera is out of line if it is farther than this from what its neighbours predict, px at
@@ -116,7 +116,8 @@ fn is_out_of_line(found: &Disagreement) -> bool {
 }
 
 /// Interpolates pan, tilt and the logarithm of the focal length over short gaps between frames of
-/// one camera. Returns the number of filled frames.
+/// one shot. Frames of other shots within a gap are left alone. Returns the number of filled
+/// frames.
 fn interpolate_gaps(document: &mut Document) -> usize {
     let solved: Vec<usize> = (0..document.frames.len())
         .filter(|index| document.frames[*index].ptz.is_some())
@@ -125,25 +126,25 @@ fn interpolate_gaps(document: &mut Document) -> usize {
     for pair in solved.windows(2) {
         let [before, after] = [pair[0], pair[1]];
         let [first, last] = [before, after].map(|index| &document.frames[index]);
-        let is_one_camera = first.camera == last.camera && first.clip == last.clip;
         let ends = [first, last].map(|frame| frame.ptz.as_ref().map(FramePtz::ptz));
         let [Some(from), Some(to)] = ends else {
             continue;
         };
-        if !is_one_camera || after - before - 1 > LONGEST_GAP {
+        if !are_of_one_shot(first, last) || after - before - 1 > LONGEST_GAP {
             continue;
         }
         let base = document.camera(&first.camera).and_then(Camera::base);
-        let camera = first.camera.clone();
+        let missing: Vec<usize> = (before + 1..after)
+            .filter(|index| {
+                let frame = &document.frames[*index];
+                frame.is_open() && are_of_one_shot(first, frame)
+            })
+            .collect();
         // The camera is taken to move uniformly from one end of the gap to the other.
-        for index in before + 1..after {
+        for index in missing {
             let share = (index - before) as f64 / (after - before) as f64;
             let ptz = from.interpolate(&to, share);
             let frame = &mut document.frames[index];
-            if !frame.is_open() {
-                continue;
-            }
-            frame.camera.clone_from(&camera);
             let lens = base.map(|base| base.distortion.radial_at(ptz.focal_px));
             frame.point(ptz, lens.unwrap_or_default());
             frame.status = FrameStatus::Suggested;
@@ -157,12 +158,19 @@ fn interpolate_gaps(document: &mut Document) -> usize {
     filled
 }
 
+/// Whether two frames are of the same camera, clip and video.
+fn are_of_one_shot(one: &Frame, other: &Frame) -> bool {
+    let [video, other_video] =
+        [one, other].map(|frame| frame.video.as_ref().map(|video| &video.path));
+    one.camera == other.camera && one.clip == other.clip && video == other_video
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, Radial};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{CameraId, FieldSpec, Frame};
+    use touchline_documents::document::{CameraId, FieldSpec, VideoFrame};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -230,6 +238,30 @@ mod tests {
         assert_eq!((mended.impossible, mended.interpolated), (20, 0));
         assert_eq!(mended.left.len(), 20);
         assert_eq!(mended.left[0], document.frames[20].id);
+    }
+
+    #[test]
+    fn frames_of_other_shots_in_a_gap_stay_as_they_are() {
+        let changes: [fn(&mut Frame); 3] = [
+            |frame| frame.camera = "beside".into(),
+            |frame| frame.clip = Some(Clip::Number(2)),
+            |frame| frame.video = Some(VideoFrame::new("other.mp4", 0, None)),
+        ];
+        for change in changes {
+            let mut document = document(4);
+            let main = document.frames[0].camera.clone();
+            for frame in &mut document.frames {
+                frame.camera.clone_from(&main);
+            }
+            for index in [1, 2] {
+                withdraw(&mut document.frames[index]);
+            }
+            change(&mut document.frames[2]);
+            let before = document.frames[2].clone();
+            assert_eq!(interpolate_gaps(&mut document), 1);
+            assert_eq!(document.frames[2], before);
+            assert!((pan_deg(&document, 1) + 5.7).abs() < 1e-9);
+        }
     }
 
     #[test]

@@ -316,6 +316,7 @@ impl DisplacedBase {
             short_step: 0.0,
             small_gain: 1e-6,
         };
+        // Only position and rotation are free: a bump changes neither the lens nor the pitch.
         let mut free = [false; OF_BASE];
         free[..MOVED].fill(true);
         let bundle = Bundle {
@@ -333,6 +334,7 @@ impl DisplacedBase {
             },
             UNTIL,
         );
+        // The information about the displacement, the frames' own parameters eliminated.
         let pulls = found
             .equations
             .blocks

@@ -53,6 +53,8 @@ pub(super) fn disputed_clicks(
         let Some(ptz) = ptz else { continue };
         let camera = PtzCamera::new(*base, *ptz);
         for click in frame.used_clicks() {
+            // In sigmas of the noise that the clicks have, not of the stated one: otherwise many
+            // clicks of a less careful user would be disputed.
             let error_px = click.distance_px(&camera);
             if squared_sigmas(error_px, click.sigma_px * noise_scale)
                 <= DISPUTED_SIGMAS * DISPUTED_SIGMAS

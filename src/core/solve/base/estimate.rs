@@ -1,21 +1,21 @@
-//! From clicks to a base: start, adjustment, choice of the model, disputed clicks.
+//! From clicks to a base: start, adjustment, choice of the model. The result is checked and
+//! summarised in `summary.rs`.
 
 use super::adjust::{PLACING_FRAMES, adjust_base, cameras_with_clicks};
-use super::disputes::{disputed_clicks, mirrored_frames};
-use super::model_choice::{CrossValidation, Errors, FOLDS, MIN_FRAMES, choose};
+use super::cross_validation::{CrossValidation, Errors, FOLDS, MIN_FRAMES};
+use super::model_choice::choose;
 use super::one_more::one_more_frame;
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
+use super::summary::{BaseEstimate, ChosenFit, distances, frame_fit, summary};
 use super::{
-    AdjustOptions, AdjustedBase, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel,
-    DisputedClick, FrameClicks, HeldOutErrors, LensModel, MirroredFrame, ModelReason, ModelScore,
-    OneMoreFrame, Prescribed,
+    AdjustOptions, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel, FrameClicks,
+    HeldOutErrors, LensModel, ModelReason, Prescribed,
 };
-use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::camera::{CameraBase, Ptz};
 use crate::field::FieldModel;
-use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median, quantile};
+use crate::geometry::{ImagePoint, median};
 use crate::progress::Progress;
-use serde::Serialize;
 
 /// The user's choices for an estimation.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,34 +33,6 @@ pub struct BaseOptions {
     pub placing_frames: usize,
     /// How to adjust.
     pub adjust: AdjustOptions,
-}
-
-impl BaseEstimate {
-    /// A notice for the user if all frames look the same way, because they then determine the
-    /// position less well than their number suggests. None if the views differ, or for a single
-    /// frame.
-    #[must_use]
-    pub fn one_view(&self) -> Option<String> {
-        /// Frames whose pan and focal length differ by less than this are one view, degrees and log
-        /// f.
-        const SAME: [f64; 2] = [3.0, 0.1];
-        let solved: Vec<&FrameFit> = self.frames.iter().flatten().collect();
-        let pan_deg = AngleRange::smallest(solved.iter().map(|fit| fit.ptz.pan))?
-            .width()
-            .degrees();
-        let log_focals = solved.iter().map(|fit| fit.ptz.focal_px.ln());
-        let (least, most) = log_focals.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-            (a.min(x), b.max(x))
-        });
-        let same = solved.len() > 1 && pan_deg < SAME[0] && most - least < SAME[1];
-        let sigma_m = self.base.sigma.position_m.norm();
-        same.then(|| {
-            format!(
-                "all {} frames look the same way (pan within {pan_deg:.1}°), so the position is known to ±{sigma_m:.1} m: click landmarks in frames that look further left and right",
-                solved.len()
-            )
-        })
-    }
 }
 
 impl BaseOptions {
@@ -105,51 +77,6 @@ impl Default for BaseOptions {
             adjust: AdjustOptions::default(),
         }
     }
-}
-
-/// How one frame fits the base.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FrameFit {
-    /// Pan, tilt, focal length.
-    pub ptz: Ptz,
-    /// Median distance of its clicks, px.
-    pub median_px: f64,
-    /// Root mean square distance of its clicks, px.
-    pub rms_px: f64,
-}
-
-/// A base estimated from clicks, with its errors and diagnostics.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BaseEstimate {
-    /// The base with its sigma. The sigma is that of the adjustment, which includes landmarks
-    /// displaced in every frame, raised in the directions in which the jackknife over groups of
-    /// frames is larger.
-    pub base: CameraBase,
-    /// The crown of the pitch, m.
-    pub crown_m: f64,
-    /// Which parameters were free.
-    pub model: BaseModel,
-    /// Why this model was chosen.
-    pub reason: ModelReason,
-    /// The cross-validation scores of all models; a single one where the model was prescribed.
-    pub scores: Vec<ModelScore>,
-    /// Covariance of the position, m².
-    #[serde(serialize_with = "crate::geometry::rows")]
-    pub position_covariance: Mat3,
-    /// Each frame's fit; none where its clicks gave no camera.
-    pub frames: Vec<Option<FrameFit>>,
-    /// Median distance of all clicks, px.
-    pub median_px: f64,
-    /// The 90 % quantile of it, px.
-    pub p90_px: f64,
-    /// The median distance of all clicks under the previous base, px, if one was given.
-    pub previous_median_px: Option<f64>,
-    /// Where frames are few: the further frame that would reduce the uncertainty most.
-    pub one_more_frame: Option<OneMoreFrame>,
-    /// Clicks that contradict the others, without those of mirrored frames.
-    pub disputed: Vec<DisputedClick>,
-    /// Frames whose landmarks are named from the wrong side of the field.
-    pub mirrored: Vec<MirroredFrame>,
 }
 
 /// Estimates the base from the clicks of many frames (one is enough where it has four landmarks).
@@ -253,7 +180,8 @@ pub fn estimate_base_on_paint(
         principal_point,
         ..
     } = *clicks;
-    // Frames without paint, which are most of a long video, take no part in the choice of the model.
+    // Frames without paint, which are most of a long video, take no part in the choice of the
+    // model.
     let ptz = cameras_with_clicks(painted, start.1);
     let solved_frames = ptz.iter().flatten().count();
     let models = models(
@@ -288,7 +216,7 @@ pub fn estimate_base_on_paint(
 /// camera is refined on one half of its clicks and paint and evaluated on the other. `crown_m` is
 /// the crown that belongs to the base.
 #[must_use]
-pub fn held_out_errors(
+pub fn cross_validated_errors(
     painted: &CameraClicks<'_>,
     base: &CameraBase,
     crown_m: f64,
@@ -302,14 +230,6 @@ pub fn held_out_errors(
         }
     }
     errors.summaries()
-}
-
-/// A base adjusted with the model that was chosen.
-struct ChosenFit {
-    adjusted: AdjustedBase,
-    model: BaseModel,
-    reason: ModelReason,
-    scores: Vec<ModelScore>,
 }
 
 /// Chooses the model by cross-validation and adjusts base and frames with it, from a given start.
@@ -357,95 +277,8 @@ const fn pinhole(field: &FieldModel) -> BaseModel {
     }
 }
 
-/// Checks a fit and summarises it, by the clicks on the fitted field and the frames' cameras.
-fn summary(
-    fit: ChosenFit,
-    field: &FieldModel,
-    frames: &[FrameClicks],
-    ptz: &[Option<Ptz>],
-    image_size: ImageSize,
-) -> Result<BaseEstimate, BaseError> {
-    let ChosenFit {
-        adjusted,
-        model,
-        reason,
-        scores,
-    } = fit;
-    let base = adjusted.base;
-    let mut errors = distances(&base, frames, ptz);
-    errors.sort_by(f64::total_cmp);
-
-    // Reject a base that does not explain half of the clicks, whose position is not determined, or
-    // that stands below the ground. Comparisons are written so that NaN is rejected.
-    let median_px = quantile_or_infinite(&errors, 0.5);
-    let has_clicks = frames.iter().any(|frame| frame.equations() > 0);
-    if has_clicks && !(median_px < NO_FIT_PX * image_size.scale_from_1920()) {
-        return Err(BaseError::NoFit { median_px });
-    }
-    let known = adjusted.position_covariance.iter().all(|x| x.is_finite());
-    let sigma_m = if known {
-        adjusted
-            .position_covariance
-            .symmetric_eigenvalues()
-            .max()
-            .max(0.0)
-            .sqrt()
-    } else {
-        f64::INFINITY
-    };
-    if !(sigma_m < MAX_POSITION_SIGMA_M) {
-        return Err(BaseError::Undetermined { sigma_m });
-    }
-    if base.position_m.z <= 0.0 {
-        return Err(BaseError::BelowGround {
-            depth_m: -base.position_m.z,
-        });
-    }
-
-    // The clicks of a mirrored frame all disagree for one reason; only the frame is reported.
-    let mirrored = mirrored_frames(&base, frames, ptz, image_size);
-    let noise_scale = adjusted.noise_scale.sqrt();
-    let mut disputed = disputed_clicks(&base, field, frames, ptz, noise_scale);
-    disputed.retain(|click| mirrored.iter().all(|frame| frame.frame != click.frame));
-    let frame_fits = frames
-        .iter()
-        .zip(ptz)
-        .map(|(frame, ptz)| frame_fit(&base, frame, (*ptz)?))
-        .collect();
-    Ok(BaseEstimate {
-        base,
-        crown_m: adjusted.crown_m,
-        model,
-        reason,
-        scores,
-        position_covariance: adjusted.position_covariance,
-        frames: frame_fits,
-        median_px,
-        p90_px: quantile_or_infinite(&errors, 0.9),
-        previous_median_px: None,
-        one_more_frame: None,
-        disputed,
-        mirrored,
-    })
-}
-
-/// A quantile of errors in ascending order; infinite without any.
-fn quantile_or_infinite(ascending: &[f64], share: f64) -> f64 {
-    if ascending.is_empty() {
-        f64::INFINITY
-    } else {
-        quantile(ascending, share)
-    }
-}
-
 /// How many times the pinhole is adjusted before models are compared.
 const STARTING_ROUNDS: usize = 2;
-
-/// A fit with a larger median click error is rejected, px at 1920 px width.
-const NO_FIT_PX: f64 = 25.0;
-
-/// A base with a larger 1-σ of the position, along its worst direction, is rejected, m.
-const MAX_POSITION_SIGMA_M: f64 = 20.0;
 
 /// The models to compare, simple ones first.
 fn models(
@@ -492,30 +325,4 @@ fn on_field(frames: &[FrameClicks], from: &FieldModel, to: &FieldModel) -> Vec<F
             start: frame.start,
         })
         .collect()
-}
-
-fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFit> {
-    let mut errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
-    let squares: f64 = errors.iter().map(|error| error * error).sum();
-    let rms_px = (squares / errors.len() as f64).sqrt();
-    Some(FrameFit {
-        ptz,
-        median_px: median(&mut errors)?,
-        rms_px,
-    })
-}
-
-/// The distances of all clicks of solved frames, px, in order.
-fn distances(base: &CameraBase, frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> Vec<f64> {
-    let mut found = Vec::new();
-    for (frame, ptz) in frames.iter().zip(ptz) {
-        let Some(ptz) = ptz else { continue };
-        let camera = PtzCamera::new(*base, *ptz);
-        found.extend(
-            frame
-                .used_clicks()
-                .filter_map(|click| click.distance_px(&camera)),
-        );
-    }
-    found
 }

@@ -304,6 +304,7 @@ impl SizeFit<'_> {
         let mut variances = Vec::with_capacity(values.len());
         for size in 0..values.len() {
             let (changed, by_m) = self.perturb_length(values, size)?;
+            // How far each clicked element moves per metre of the length, as a finite difference.
             let slopes = clicked.iter().filter_map(|&element| {
                 let by = nominal_m(&changed, element)? - nominal_m(&field, element)?;
                 Some(by.norm_squared() / (by_m * by_m))

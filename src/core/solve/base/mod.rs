@@ -12,8 +12,9 @@
 //!
 //! 1. **Start** (`start.rs`). A frame with four landmarks on the ground gives a homography, and
 //!    that gives a camera (`plane_pose.rs`); frames with lines alone bring a camera with them
-//!    (`../from_lines`). Its position is noisy, and some positions are grossly wrong. So each is tested as the base of a sample of frames, and the one with the lowest
-//!    robust cost wins. Wrong names in a few frames do not affect the result.
+//!    (`../from_lines`). Its position is noisy, and some positions are grossly wrong. So each is
+//!    tested as the base of a sample of frames, and the one with the lowest robust cost wins. Wrong
+//!    names in a few frames do not affect the result.
 //! 2. **Bundle adjustment** (`bundle.rs`, `adjust.rs`). All parameters together by damped
 //!    Gauss–Newton. Frames are coupled only through the shared parameters, so their own three
 //!    parameters are eliminated first (Schur complement; Triggs and others: "Bundle Adjustment – A
@@ -21,10 +22,11 @@
 //! 3. **Priors** (`shared_prior.rs`). Heads are levelled along and across the direction in which
 //!    they see the field; k₁ follows the focal length as measured on twenty broadcast lenses; the
 //!    principal point lies within ±40 px of the middle at 1920 px width.
-//! 4. **Model choice** (`model_choice.rs`). Four lens models, each on a level and a crowned pitch,
-//!    are compared by five-fold cross-validation: frames are held out, each is refined on one half
-//!    of its clicks and evaluated on the other. A richer model has to be better by 0.5 %. Fewer
-//!    than six frames keep the usual lens and pitch unless their clicks clearly contradict them.
+//! 4. **Model choice** (`cross_validation.rs`, `model_choice.rs`). Four lens models, each on a
+//!    level and a crowned pitch, are compared by five-fold cross-validation: frames are held out,
+//!    each is refined on one half of its clicks and evaluated on the other. A richer model has to
+//!    be better by 0.5 %. Fewer than six frames keep the usual lens and pitch unless their clicks
+//!    clearly contradict them.
 //! 5. **Size of the field** (`field_fit.rs`), on the user's request: length and width as two more
 //!    shared parameters.
 //!
@@ -37,7 +39,7 @@
 //! * landmarks are displaced equally in all frames (`scatter.rs`: a random effect per landmark);
 //! * lens, crown and principal point that a model fixes are uncertain by their priors (`held.rs`);
 //! * errors that frames have in common and no model describes show when groups of frames are held
-//!   out (the jackknife of `model_choice.rs`).
+//!   out (the jackknife of `cross_validation.rs`).
 //!
 //! # What it is proof against
 //!
@@ -54,6 +56,7 @@ pub(super) mod adjust;
 pub(super) mod base_click;
 pub(super) mod bundle;
 mod change;
+mod cross_validation;
 mod disputes;
 mod estimate;
 mod field_fit;
@@ -67,20 +70,21 @@ mod scatter;
 mod shared_place;
 pub(super) mod shared_prior;
 mod start;
+mod summary;
 
 pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
 pub use change::{BaseChange, base_change};
+pub use cross_validation::{HeldOutErrors, ModelScore};
 pub use disputes::{DisputedClick, MirroredFrame};
-pub use estimate::{
-    BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_on_paint, held_out_errors,
-};
+pub use estimate::{BaseOptions, cross_validated_errors, estimate_base, estimate_base_on_paint};
 pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
 pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
-pub use model_choice::{HeldOutErrors, ModelReason, ModelScore};
+pub use model_choice::ModelReason;
 pub use one_more::{BesideFrames, OneMoreFrame};
 pub use progress::BaseProgress;
 pub use shared_place::{SharedPlace, shared_places};
 pub use start::{BaseStart, start_base};
+pub use summary::{BaseEstimate, FrameFit};
 
 use super::Observation;
 use crate::camera::{Ptz, PtzCamera};

@@ -102,6 +102,8 @@ fn view_beside(
         .flatten()
         .map(|ptz| (ptz.pan.turn_from(at).abs().radians(), ptz))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    // Half a view further out, the new frame shares half of its picture with the outermost one and
+    // shows what none has shown.
     let half_view =
         Angle::from_radians((0.5 * f64::from(image_size.width) / outermost.focal_px).atan());
     let pan = match side {

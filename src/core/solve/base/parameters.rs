@@ -50,6 +50,7 @@ impl Shared {
     /// orthonormal again, because rounding accumulates over steps.
     pub fn apply_step<const SHARED: usize>(&self, step: &SVector<f64, SHARED>) -> Self {
         let position_m = self.base.position_m + Vec3::new(step[0], step[1], step[2]);
+        // A rotation about world z is left out: the pans of all frames compensate for it.
         let turn = from_rotation_vector(Vec3::new(step[ROTATION], step[ROTATION + 1], 0.0));
         let curve = self.base.distortion;
         let distortion = FocalCurve {
@@ -71,6 +72,7 @@ impl Shared {
         };
         let mut stepped = Self { base, ..*self };
         stepped.crown.height_m += step[CROWN];
+        // The field's width, on which the shape of the crown depends, grows with its lengths.
         for (size, by) in step.iter().skip(SIZE).enumerate() {
             stepped.larger_m[size] += by;
             stepped.crown.width_m += self.width_by_size[size] * by;

@@ -59,6 +59,7 @@ impl<const SHARED: usize> Scatter<SHARED> {
         let Some(inverse) = frame.own.try_inverse() else {
             return;
         };
+        // Eliminates the frame's own parameters (Schur complement).
         let gain = frame.cross * inverse;
         self.frames += 1;
         for (element, equations, block) in clicks {

@@ -115,6 +115,7 @@ fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Op
             .filter(|index| (position(index) - *candidate).norm() <= NEAR_M);
         near.count()
     })?;
+    // From there, members and their median and scatter in turn, until the members stay the same.
     let mut scatter_m = Vec3::repeat(NEAR_M / MEMBER_SIGMAS);
     let mut members = Vec::new();
     for _ in 0..ROUNDS {
@@ -177,8 +178,8 @@ fn median_of(cameras: &[&PtzCamera], number: impl Fn(&PtzCamera) -> f64) -> Opti
     median(&mut numbers)
 }
 
-/// The lens: k₁ linear in the focal length, by the median of the slopes between cameras of short and
-/// of long focal length (Theil and Sen), and the median ratio of k₂ to k₁².
+/// The lens: k₁ linear in the focal length, by the median of the slopes between cameras of short
+/// and of long focal length (Theil and Sen), and the median ratio of k₂ to k₁².
 fn shared_lens(cameras: &[&PtzCamera]) -> Option<FocalCurve> {
     let mut by_focal: Vec<[f64; 2]> = cameras
         .iter()
@@ -201,6 +202,7 @@ fn shared_lens(cameras: &[&PtzCamera]) -> Option<FocalCurve> {
         .map(|camera| camera.lens().k2 / camera.k1().powi(2))
         .collect();
     ratios.retain(|ratio| ratio.is_finite());
+    // The value at the median focal length, by the median of all k₁ moved there along the slope.
     let at_focal_px = median_of(cameras, |camera| camera.ptz().focal_px)?;
     let per_1000_px = 1000.0 * median(&mut slopes).unwrap_or(0.0);
     let value = median_of(cameras, |camera| {

@@ -85,6 +85,7 @@ impl Expected {
             Self::Position(expected_m, axis) => {
                 off_in_one(base.position_m[axis] - expected_m[axis], axis)
             }
+            // The rotation vector between the two bases, by a further rotation of this one.
             Self::Turn(from, axis) => {
                 let other = CameraBase {
                     base_from_world: from,

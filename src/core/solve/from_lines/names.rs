@@ -39,9 +39,9 @@ pub(super) struct NewName {
     pub renamed_px: f64,
 }
 
-/// The mean distance of a line's points from the part of a curve that exists on the field, px; none
-/// where the camera shows nothing of it.
-fn mean_distance_px(camera: &PtzCamera, curve: &WorldCurve, points: &[ImagePoint]) -> Option<f64> {
+/// The mean distance of a line's points from the part of a curve that exists on the field, px;
+/// infinite where the camera shows nothing of it.
+fn mean_distance_px(camera: &PtzCamera, curve: &WorldCurve, points: &[ImagePoint]) -> f64 {
     const PIECES: u32 = 48;
     let projected: Vec<ImagePoint> = (0..=PIECES)
         .filter_map(|step| {
@@ -51,23 +51,15 @@ fn mean_distance_px(camera: &PtzCamera, curve: &WorldCurve, points: &[ImagePoint
         .collect();
     let distances: Vec<f64> = points
         .iter()
-        .map(|point| distance_from_polyline_px(*point, &projected))
-        .collect::<Option<_>>()?;
-    mean(&distances)
-}
-
-/// The distance of a point from a polyline, px; none if that has fewer than two points.
-fn distance_from_polyline_px(point: ImagePoint, polyline: &[ImagePoint]) -> Option<f64> {
-    polyline
-        .windows(2)
-        .map(|piece| point.distance_from_segment_px(piece[0], piece[1]))
-        .min_by(f64::total_cmp)
+        .map(|point| point.distance_from_polyline_px(&projected))
+        .collect();
+    mean(&distances).unwrap_or(f64::INFINITY)
 }
 
 /// The mean distance of a line's points from the line that it names, px; infinite where the camera
 /// does not show that.
 fn as_named_px(camera: &PtzCamera, line: &DrawnLine) -> f64 {
-    mean_distance_px(camera, &line.curve, &line.points).unwrap_or(f64::INFINITY)
+    mean_distance_px(camera, &line.curve, &line.points)
 }
 
 /// Whether so many lines are far from where they are named that the names may be mirrored.
@@ -109,7 +101,7 @@ pub(super) fn find_new_names(
                 };
                 let same_kind = matches!(curve.nominal(), Curve::Arc { .. })
                     == matches!(line.curve.nominal(), Curve::Arc { .. });
-                let renamed_px = mean_distance_px(camera, &curve, &line.points)?;
+                let renamed_px = mean_distance_px(camera, &curve, &line.points);
                 (same_kind && renamed_px < NEAR_SIGMAS * line.sigma_px)
                     .then_some((other, renamed_px))
             })

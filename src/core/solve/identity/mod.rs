@@ -11,7 +11,7 @@
 //!
 //! An explanation is a *hypothesis*: the clicks with some names changed. Each is solved and scored
 //! by χ² of its clicks, plus χ² of its camera under the motion prior, plus a penalty for each
-//! changed name. `hypotheses.rs` generates them in this order:
+//! changed name. `hypotheses.rs` and `group_mistakes.rs` (4) generate them in this order:
 //!
 //! 1. From five clicks on, the camera of the majority is found by a robust loss; the clicks that
 //!    contradict it get the nearest fitting names, and the oddest four are swapped pairwise.
@@ -29,7 +29,8 @@
 //! * [`Evidence::Clicks`]: the clicks contradict each other as named.
 //! * [`Evidence::MotionPrior`]: both fit, but as named the camera is outside its usual range or
 //!   motion.
-//! * [`Evidence::None`]: both fit and nothing decides. Both are shown, unless frames before and after have decided already.
+//! * [`Evidence::None`]: both fit and nothing decides. Both are shown, unless frames
+//!   before and after have decided already.
 //!
 //! # What it is proof against
 //!
@@ -37,6 +38,7 @@
 //! that agree with each other and with the motion of the camera is not detected here;
 //! `calibrate::disagreements` compares frames for that.
 
+mod group_mistakes;
 mod hypotheses;
 
 use super::{Evidence, FrameSolution, IdentityFinding, Loss, Observation, SolveContext};

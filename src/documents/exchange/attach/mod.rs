@@ -402,7 +402,7 @@ fn numbers_of(imported: &Imported) -> Option<(MatchedBy, Vec<Option<u64>>)> {
     let frames = &imported.document.frames;
     let stated: Vec<Option<u64>> = frames
         .iter()
-        .map(|frame| frame.video.as_ref().map(|video| video.frame_index))
+        .map(|frame| frame.video_frame_index())
         .collect();
     if stated.iter().all(Option::is_some) {
         return Some((MatchedBy::Index, stated));

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::document::{Document, FrameStatus};
-use crate::exchange::tests::{SIZE, document, exported};
+use crate::exchange::tests::{SIZE, document, export_as};
 use crate::exchange::{ExchangeError, ImportOptions, JoinedImport, import, join};
 use std::fs;
 use touchline_core::camera::{BaseAngles, CameraBase};
@@ -36,7 +36,7 @@ fn solved_video() -> Document {
 }
 
 /// The frames of a document without their labels.
-fn unsolved(document: &Document) -> Document {
+fn without_labels(document: &Document) -> Document {
     let mut unsolved = document.clone();
     for frame in &mut unsolved.frames {
         frame.ptz = None;
@@ -54,7 +54,7 @@ fn export_and_import(
 ) -> Result<Imported, ExchangeError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("exported");
-    let files = exported(document, exporter).files;
+    let files = export_as(document, exporter).files;
     files.write(&path, exporter.is_folder(), false).unwrap();
     let options = ImportOptions {
         video_size: Some(SIZE),
@@ -85,7 +85,7 @@ fn worst_m(truth: &Document, joined: &Document) -> f64 {
 }
 
 /// Imported frames of some names, with the cameras of a video's first frames.
-fn named(names: &[String]) -> Imported {
+fn imported_frames(names: &[String]) -> Imported {
     let mut document = solved_video();
     let solved: Vec<Shared<Frame>> = document.frames.iter().cloned().collect();
     let frames = names.iter().enumerate().map(|(index, name)| {
@@ -126,9 +126,9 @@ fn exports_of_a_video_are_attached_to_it() {
         (Format::Fifa, Format::Fifa, MatchedBy::Order),
     ] {
         let imported = export_and_import(&truth, exporter, importer).unwrap();
-        let attachment = plan(&unsolved(&truth), &imported).unwrap().unwrap();
+        let attachment = plan(&without_labels(&truth), &imported).unwrap().unwrap();
         assert_eq!(attachment.matched_by(), by, "{importer}");
-        let joined = join_with(&unsolved(&truth), &imported);
+        let joined = join_with(&without_labels(&truth), &imported);
         assert_eq!(
             (joined.matched, joined.added, joined.other_size),
             (FRAMES, 0, 0),
@@ -164,7 +164,7 @@ fn cameras_of_a_smaller_picture_are_rescaled_to_the_video() {
         ..ImportOptions::default()
     };
     let imported = import(&path, Format::SoccerNet, &options).unwrap();
-    let joined = join_with(&unsolved(&small), &imported);
+    let joined = join_with(&without_labels(&small), &imported);
     assert_eq!((joined.matched, joined.other_size), (FRAMES, 0));
     assert!(worst_m(&small, &joined.document) < 0.01);
     small.frames[3].image_size = half;
@@ -184,14 +184,14 @@ fn gaps_stay_gaps_and_rows_without_numbers_are_not_attached() {
     }
     for format in [Format::SoccerNet, Format::Csv, Format::OpenCv] {
         let imported = export_and_import(&truth, format, format).unwrap();
-        let joined = join_with(&unsolved(&truth), &imported);
+        let joined = join_with(&without_labels(&truth), &imported);
         assert_eq!((joined.matched, joined.added), (9, 0), "{format}");
         assert!(worst_m(&truth, &joined.document) < 0.01, "{format}");
         let is_solved = |index: usize| joined.document.frames[index].ptz.is_some();
         assert!(![0, 3, 7].into_iter().any(is_solved), "{format}");
     }
     let rows = export_and_import(&truth, Format::Fifa, Format::Fifa).unwrap();
-    let joined = join_with(&unsolved(&truth), &rows);
+    let joined = join_with(&without_labels(&truth), &rows);
     assert_eq!(joined.matched, 0);
     assert_eq!(
         joined.notes.last().unwrap(),
@@ -202,8 +202,8 @@ fn gaps_stay_gaps_and_rows_without_numbers_are_not_attached() {
 
 #[test]
 fn one_camera_is_attached_by_its_number() {
-    let open = unsolved(&solved_video());
-    let one = named(&["camera_000005.json".to_owned()]);
+    let open = without_labels(&solved_video());
+    let one = imported_frames(&["camera_000005.json".to_owned()]);
     let joined = join_with(&open, &one);
     assert!(joined.document.frames[5].ptz.is_some());
     assert_eq!(
@@ -221,14 +221,14 @@ fn one_camera_is_attached_by_its_number() {
 
 #[test]
 fn cameras_counted_from_one_are_moved_unless_this_program_named_them() {
-    let open = unsolved(&solved_video());
+    let open = without_labels(&solved_video());
     let names = |stem: &str, range: std::ops::Range<usize>| -> Vec<String> {
         range
             .map(|number| format!("{stem}_{number:06}.png"))
             .collect()
     };
     let first_frame = |names: &[String]| {
-        let attachment = plan(&open, &named(names)).unwrap().unwrap();
+        let attachment = plan(&open, &imported_frames(names)).unwrap().unwrap();
         attachment.candidates()[0].pairs[0].frame_index
     };
     assert_eq!(first_frame(&names("frame", 1..12)), 0);
@@ -242,7 +242,7 @@ fn attached_cameras_are_exported_under_the_names_that_they_came_with() {
     let truth = solved_video();
     let folder = tempfile::tempdir().unwrap();
     let names = |index: usize| format!("camera_shot7-{:03}.json", 100 + index);
-    for (index, (_, bytes)) in exported(&truth, Format::SoccerNet)
+    for (index, (_, bytes)) in export_as(&truth, Format::SoccerNet)
         .files
         .sorted_entries()
         .iter()
@@ -255,7 +255,7 @@ fn attached_cameras_are_exported_under_the_names_that_they_came_with() {
         ..ImportOptions::default()
     };
     let imported = import(folder.path(), Format::SoccerNet, &options).unwrap();
-    let open = unsolved(&truth);
+    let open = without_labels(&truth);
     let joined = join(open.at(Path::new("/match")), &imported);
     assert_eq!(
         (joined.matched, joined.added),
@@ -264,7 +264,7 @@ fn attached_cameras_are_exported_under_the_names_that_they_came_with() {
         joined.notes
     );
     assert_eq!(joined.pairs[3].imported, "shot7-103");
-    let again = exported(&joined.document, Format::SoccerNet).files;
+    let again = export_as(&joined.document, Format::SoccerNet).files;
     let expected: Vec<String> = (0..FRAMES).map(names).collect();
     let written: Vec<String> = again
         .sorted_entries()
@@ -276,9 +276,9 @@ fn attached_cameras_are_exported_under_the_names_that_they_came_with() {
 
 #[test]
 fn cameras_of_another_video_are_not_attached() {
-    let open = unsolved(&solved_video());
+    let open = without_labels(&solved_video());
     let names: Vec<String> = (0..400).map(|number| format!("c_{number}.json")).collect();
-    let joined = join_with(&open, &named(&names));
+    let joined = join_with(&open, &imported_frames(&names));
     assert_eq!((joined.matched, joined.added), (0, 400));
     assert_eq!(
         joined.notes,
@@ -291,7 +291,7 @@ fn cameras_of_another_video_are_not_attached() {
         .into_iter()
         .flat_map(|view| (0..6).map(move |number| format!("{view}/{number}.json")))
         .collect();
-    let refused = plan(&open, &named(&views)).unwrap_err();
+    let refused = plan(&open, &imported_frames(&views)).unwrap_err();
     assert!(
         matches!(refused, NotAttached::NumbersRepeat { distinct: 6, .. }),
         "{refused}"
@@ -300,9 +300,9 @@ fn cameras_of_another_video_are_not_attached() {
 
 #[test]
 fn a_few_cameras_more_than_frames_are_left_out() {
-    let open = unsolved(&solved_video());
+    let open = without_labels(&solved_video());
     let names: Vec<String> = (0..13).map(|number| format!("c_{number}.json")).collect();
-    let joined = join_with(&open, &named(&names));
+    let joined = join_with(&open, &imported_frames(&names));
     assert_eq!((joined.matched, joined.added), (12, 0));
     assert_eq!(
         joined.notes[1],
@@ -313,8 +313,8 @@ fn a_few_cameras_more_than_frames_are_left_out() {
 #[test]
 fn pictures_are_never_frames_of_a_video() {
     let folder = tempfile::tempdir().unwrap();
-    let open = unsolved(&solved_video());
-    let mut imported = named(&["000003.png".to_owned(), "000004.png".to_owned()]);
+    let open = without_labels(&solved_video());
+    let mut imported = imported_frames(&["000003.png".to_owned(), "000004.png".to_owned()]);
     imported.folder = folder.path().to_path_buf();
     assert!(plan(&open, &imported).unwrap().is_some());
     fs::write(folder.path().join("000004.png"), "a picture").unwrap();
@@ -329,8 +329,8 @@ fn pictures_are_never_frames_of_a_video() {
 
 #[test]
 fn a_document_of_no_video_or_of_two_takes_nothing() {
-    let imported = named(&["000003.png".to_owned()]);
-    let mut open = unsolved(&solved_video());
+    let imported = imported_frames(&["000003.png".to_owned()]);
+    let mut open = without_labels(&solved_video());
     open.frames[1].video.as_mut().unwrap().path = "second.mp4".to_owned();
     assert_eq!(plan(&open, &imported), Ok(None));
     open.frames.retain(|_| false);

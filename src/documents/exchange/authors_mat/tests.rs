@@ -11,7 +11,7 @@ use touchline_core::geometry::{PixelBox, Vec3};
 /// Every variable of these tests.
 const ALL: [&str; 6] = ["numbers", "words", "all", "deep", "annotation", "meta"];
 
-fn written(folder: &Path, name: &str, bytes: &[u8]) -> std::path::PathBuf {
+fn new_file(folder: &Path, name: &str, bytes: &[u8]) -> std::path::PathBuf {
     let path = folder.join(name);
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     fs::write(&path, bytes).unwrap();
@@ -122,16 +122,16 @@ fn damaged_files_are_named_and_never_panic() {
 #[test]
 fn a_published_frame_projects_as_its_own_matrix_does() {
     let root = tempfile::tempdir().unwrap();
-    written(
+    new_file(
         root.path(),
         "highlights/seq3_anno.mat",
         &sequence(vec![frame("00000515.jpg", CAMERA)], true),
     );
     image::RgbImage::new(1280, 720)
-        .save(written(root.path(), "highlights/seq3/00000515.jpg", b""))
+        .save(new_file(root.path(), "highlights/seq3/00000515.jpg", b""))
         .unwrap();
     let size_yd = Out::Doubles(vec![70.0, 118.0]);
-    written(
+    new_file(
         root.path(),
         "util/highlights_model.mat",
         &mat(&[("model_size", size_yd)], false, true),
@@ -186,17 +186,17 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
         read_authors_folder(folder, [118.0, 70.0]),
         Err(AuthorsError::NoSequences { .. })
     ));
-    written(
+    new_file(
         folder,
         "seq1_anno.mat",
         &sequence(vec![frame("1.jpg", CAMERA)], true),
     );
-    written(
+    new_file(
         folder,
         "seq10_anno.mat",
         &sequence(vec![frame("3.jpg", CAMERA), frame("4.jpg", CAMERA)], false),
     );
-    written(
+    new_file(
         folder,
         "seq2_anno.mat",
         &sequence(vec![frame("2.jpg", CAMERA)], false),
@@ -220,7 +220,7 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
             640.0, 360.0, 3733.8, 1.6177, 0.46, -0.436, 114.3, 1.11, 6.38,
         ]
     };
-    written(
+    new_file(
         folder,
         "seq3_anno.mat",
         &sequence(vec![frame("5.jpg", turned)], true),
@@ -233,7 +233,7 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
         "{error}"
     );
     let huge = { [4e9, 360.0, 3733.8, 1.6177, 0.46, -0.436, 114.3, 1.11, 6.38] };
-    written(
+    new_file(
         folder,
         "seq3_anno.mat",
         &sequence(vec![frame("5.jpg", huge)], true),
@@ -246,7 +246,7 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
         "{error}"
     );
     let bare = vec![vec![("image_name", Out::Words("6.jpg"))]];
-    written(folder, "seq3_anno.mat", &sequence(bare, true));
+    new_file(folder, "seq3_anno.mat", &sequence(bare, true));
     let error = read_authors_folder(folder, [118.0, 70.0])
         .unwrap_err()
         .to_string();
@@ -254,7 +254,7 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
         error.contains("missing: nine numbers of a camera in annotation 1"),
         "{error}"
     );
-    written(folder, "seq3_anno.mat", b"MATLAB 5.0 MAT-file");
+    new_file(folder, "seq3_anno.mat", b"MATLAB 5.0 MAT-file");
     let error = read_authors_folder(folder, [118.0, 70.0])
         .unwrap_err()
         .to_string();

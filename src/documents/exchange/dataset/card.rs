@@ -1,7 +1,7 @@
 //! The dataset card: what a new user must know before using the dataset.
 
 use super::done::DatasetDone;
-use super::frames_table::{count_clicks, is_on_line};
+use super::frames_table::count_clicks;
 use super::matches::match_names;
 use super::options::{DatasetOptions, Pictures};
 use super::plan::PlannedFrame;
@@ -86,7 +86,10 @@ fn counts(card: &Card<'_>, text: &mut String) {
         ("pictures", card.done.pictures),
         ("with a camera", solved.count()),
         ("clicks", count_all_clicks(frames, |_| true)),
-        ("of them on lines", count_all_clicks(frames, is_on_line)),
+        (
+            "of them on lines",
+            count_all_clicks(frames, Click::is_on_line),
+        ),
         (
             "held out (check)",
             count_all_clicks(frames, |click| click.check),
@@ -247,7 +250,7 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     let [solved, held_out] = misses(card, fields);
     let clicks: [usize; 2] = [false, true].map(|check| {
         count_all_clicks(frames, |click| {
-            click.target.is_some() && !is_on_line(click) && click.check == check
+            click.target.is_some() && !click.is_on_line() && click.check == check
         })
     });
     text.push_str("\n## Quality\n\nEach figure says in how many frames (or of how many clicks) it is known; what is not known is not counted as good.\n");

@@ -69,7 +69,7 @@ fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: String) -> [String;
             .unwrap_or_default(),
         number_text(video.and_then(|video| video.pts_s)),
         frame.clicks.len().to_string(),
-        count_clicks([frame], is_on_line).to_string(),
+        count_clicks([frame], Click::is_on_line).to_string(),
         count_clicks([frame], |click| click.check).to_string(),
         count_clicks([frame], |click| click.snapped_sigma_px.is_some()).to_string(),
         number_text(solution.and_then(|solution| solution.confidence)),
@@ -91,12 +91,6 @@ pub fn count_clicks<'a>(
         .flat_map(|frame| &frame.clicks)
         .filter(|click| is_counted(click))
         .count()
-}
-
-/// Whether a click is on a line.
-pub fn is_on_line(click: &Click) -> bool {
-    let target = click.target.as_ref();
-    target.is_some_and(|target| target.line().is_some())
 }
 
 /// A number with all its digits; empty where it is not known.

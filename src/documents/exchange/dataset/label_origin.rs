@@ -79,11 +79,11 @@ impl fmt::Display for LabelOrigin {
 mod tests {
     use super::*;
     use crate::document::Solution;
-    use crate::exchange::tests::{clicked, reference};
+    use crate::exchange::tests::{reference, with_clicks};
 
     #[test]
     fn a_label_says_whether_a_person_made_it_or_only_accepted_it() {
-        let mut frame: Frame = (*clicked().frames[0]).clone();
+        let mut frame: Frame = (*with_clicks().frames[0]).clone();
         assert_eq!(LabelOrigin::from_frame(&frame), Some(LabelOrigin::Clicked));
         for (source, accepted, open) in [
             (

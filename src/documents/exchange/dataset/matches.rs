@@ -16,7 +16,8 @@ pub fn match_names<'a>(frames: impl Iterator<Item = &'a Frame>) -> BTreeMap<Stri
             .unwrap_or(own.len());
         let name = last(own, count).join("/");
         // For paths that differ only above the document's folder.
-        let numbered = (2_usize..).map(|number| format!("{name} ({number})"));
+        let numbered =
+            (2_usize..).map(|number| format!("{name} ({number})").trim_start().to_owned());
         let free = std::iter::once(name.clone())
             .chain(numbered)
             .find(|name| taken.insert(name.clone()));
@@ -76,5 +77,12 @@ mod tests {
             ["", "images", "b/images"]
         );
         assert_eq!(named(&["../a/1.jpg", "a/1.jpg"]), ["a", "a (2)"]);
+        assert_eq!(named(&["../1.jpg", "1.jpg"]), ["(2)", ""]);
+    }
+
+    #[test]
+    fn a_folder_is_one_match_however_it_is_written() {
+        assert_eq!(named(&["1.jpg", "./2.jpg"]), ["", ""]);
+        assert_eq!(named(&["a/1.jpg", "./a/2.jpg", "a/./3.jpg"]), ["a"; 3]);
     }
 }

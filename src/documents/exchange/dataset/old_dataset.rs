@@ -1,6 +1,7 @@
 //! The dataset to be replaced: which of its files the program wrote.
 
 use crate::exchange::error::ExchangeError;
+use crate::exchange::files::cannot_read;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -49,8 +50,7 @@ impl OldDataset {
             });
         }
         let path = folder.join(MANIFEST);
-        let manifest =
-            fs::read_to_string(&path).map_err(|source| ExchangeError::Read { path, source })?;
+        let manifest = fs::read_to_string(&path).map_err(|source| cannot_read(&path, source))?;
         let files = manifest.lines().filter_map(|line| line.split_once("  "));
         Ok(Self(
             files

@@ -2,6 +2,7 @@
 
 use super::options::PictureFormat;
 use crate::exchange::error::ExchangeError;
+use crate::exchange::files::cannot_write;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, ImageError};
@@ -90,10 +91,7 @@ impl<'a> Folder<'a> {
     }
 
     fn write_error(&self, name: &str, source: io::Error) -> ExchangeError {
-        ExchangeError::Write {
-            path: self.place.join(name),
-            source,
-        }
+        cannot_write(&self.place.join(name), source)
     }
 
     fn note(&mut self, name: &str, hash: String) -> String {

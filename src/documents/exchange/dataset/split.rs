@@ -49,9 +49,10 @@ pub fn match_of(frame: &Frame) -> String {
         .as_deref()
         .unwrap_or_default()
         .replace('\\', "/");
-    image
-        .rsplit_once('/')
-        .map_or_else(String::new, |(folder, _)| folder.to_owned())
+    let folder = image.rsplit_once('/').map_or("", |(folder, _)| folder);
+    // `./a` and `a` are one folder.
+    let parts: Vec<&str> = folder.split('/').filter(|part| *part != ".").collect();
+    parts.join("/")
 }
 
 /// The key of a frame's group; groups are never divided.

@@ -16,6 +16,7 @@ use crate::document::{
     resolve_path,
 };
 use crate::exchange::error::ExchangeError;
+use crate::exchange::files::cannot_write;
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_assets::DATASET_LOADER;
@@ -59,10 +60,7 @@ pub fn write_dataset(
         ALWAYS_WRITTEN.contains(&name) || pictures.contains(name) || old.wrote(name, path)
     })?;
     let temporary =
-        temporary_folder_in(folder_of(folder)).map_err(|source| ExchangeError::Write {
-            path: folder.clone(),
-            source,
-        })?;
+        temporary_folder_in(folder_of(folder)).map_err(|source| cannot_write(folder, source))?;
     let mut files = Folder::new(temporary.path(), folder);
     let mut written = Written {
         of_frame: BTreeMap::new(),
@@ -313,7 +311,7 @@ fn chosen(document: &Document, frames: &BTreeMap<FrameId, Hashes>) -> Document {
         .cameras
         .retain(|camera| chosen.frames.iter().any(|frame| frame.camera == camera.id));
     // A plain number refers to the first video of the document.
-    let keeps_first_video = first_video(&chosen) == first_video(document);
+    let keeps_first_video = chosen.frames.first_video() == document.frames.first_video();
     chosen.shots.retain(|shot: &Shot| {
         [&shot.from, &shot.to].into_iter().all(|end| match end {
             ShotEnd::Frame(id) => frames.contains_key(id),
@@ -321,14 +319,6 @@ fn chosen(document: &Document, frames: &BTreeMap<FrameId, Hashes>) -> Document {
         })
     });
     chosen
-}
-
-fn first_video(document: &Document) -> Option<&str> {
-    document
-        .frames
-        .iter()
-        .find_map(|frame| frame.video.as_ref())
-        .map(|video| video.path.as_str())
 }
 
 /// The document with the pictures of a dataset and their hashes; frames without a picture are

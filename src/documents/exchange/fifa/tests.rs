@@ -9,7 +9,7 @@ use crate::exchange::frame_camera::{FrameCamera, FrameProjection, KnownLens, Pin
 use crate::exchange::npy::Array;
 use crate::exchange::npz::{Npz, archive_to_bytes};
 use crate::exchange::options::{ImportOptions, Rotations};
-use crate::exchange::tests::{awkward, exported, reference};
+use crate::exchange::tests::{awkward, export_as, reference};
 use crate::exchange::{ExportOptions, Exported, Format, export, import};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -27,7 +27,7 @@ fn arrays(exported: &Exported) -> BTreeMap<String, Array> {
 }
 
 /// The document of an archive's bytes.
-fn imported(name: &str, bytes: &[u8]) -> Document {
+fn import_bytes(name: &str, bytes: &[u8]) -> Document {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
@@ -38,7 +38,7 @@ fn imported(name: &str, bytes: &[u8]) -> Document {
 
 #[test]
 fn the_reference_camera_has_the_published_numbers() {
-    let exported = exported(&reference(), Format::Fifa);
+    let exported = export_as(&reference(), Format::Fifa);
     let arrays = arrays(&exported);
     assert_eq!(arrays["K"].shape, [1, 3, 3]);
     assert_eq!(
@@ -66,12 +66,12 @@ fn the_reference_camera_has_the_published_numbers() {
 
 #[test]
 fn awkward_cameras_come_back_with_a_lens_a_frame() {
-    let exported = exported(&awkward(), Format::Fifa);
+    let exported = export_as(&awkward(), Format::Fifa);
     assert!(
         exported.loss.is_none() && exported.worst_px < 1e-6,
         "{exported:?}"
     );
-    let document = imported("ARG_CRO.npz", exported.files.get("cameras.npz").unwrap());
+    let document = import_bytes("ARG_CRO.npz", exported.files.get("cameras.npz").unwrap());
     assert_eq!((document.cameras.len(), document.frames.len()), (1, 12));
     let video = document.frames[3].video.as_ref().unwrap();
     assert_eq!((video.path.as_str(), video.frame_index), ("ARG_CRO.mp4", 3));
@@ -102,7 +102,7 @@ fn frames_without_a_rotation_keep_their_lens_and_have_no_pan_and_tilt() {
         ),
         (12, &[1, 3][..])
     );
-    let document = imported("a.npz", exported.files.get("cameras.npz").unwrap());
+    let document = import_bytes("a.npz", exported.files.get("cameras.npz").unwrap());
     let solved: Vec<bool> = document
         .frames
         .iter()
@@ -133,7 +133,7 @@ fn frames_without_a_rotation_keep_their_lens_and_have_no_pan_and_tilt() {
 fn a_file_without_any_rotation_gives_a_camera_without_a_base() {
     let mut arrays = arrays_of(&[FrameCamera::new("a", None, FrameProjection::Lens(lens()))]);
     arrays.truncate(2);
-    let document = imported("a.npz", &archive_to_bytes(&arrays));
+    let document = import_bytes("a.npz", &archive_to_bytes(&arrays));
     assert!(document.cameras.len() == 1 && document.cameras[0].base().is_none());
     assert_eq!(document.frames[0].lens.as_ref().unwrap().focal_px, 3000.0);
 }

@@ -6,12 +6,12 @@ use crate::exchange::camera_format::CameraFormat;
 use crate::exchange::files::Files;
 use crate::exchange::format::Format;
 use crate::exchange::options::{ImportOptions, Zoom};
-use crate::exchange::tests::{SIZE, awkward, exported, reference, text_of};
+use crate::exchange::tests::{SIZE, awkward, export_as, reference, text_of};
 use touchline_core::geometry::Vec3;
 
 #[test]
 fn the_reference_camera_is_the_published_packet() {
-    let exported = exported(&reference(), Format::FreeD);
+    let exported = export_as(&reference(), Format::FreeD);
     let packet = exported.files.get("camera.freed").unwrap();
     let hex: Vec<String> = packet.iter().map(|byte| format!("{byte:02x}")).collect();
     assert_eq!(
@@ -36,9 +36,9 @@ fn a_captured_packet_is_read_as_published() {
 
 #[test]
 fn awkward_cameras_come_back_within_half_a_step() {
-    let exported = exported(&awkward(), Format::FreeD);
+    let exported = export_as(&awkward(), Format::FreeD);
     assert!(exported.worst_px < 7e-3, "{}", exported.worst_px);
-    let table = crate::exchange::tests::exported(&awkward(), Format::FreeDCsv);
+    let table = export_as(&awkward(), Format::FreeDCsv);
     assert!(table.worst_px < 1e-6, "{}", table.worst_px);
     assert!(
         text_of(&table.files, "camera.csv")
@@ -60,7 +60,7 @@ fn the_zoom_follows_a_table_either_way() {
 
 #[test]
 fn damaged_streams_are_named_in_one_line() {
-    let good = exported(&reference(), Format::FreeD)
+    let good = export_as(&reference(), Format::FreeD)
         .files
         .get("camera.freed")
         .unwrap()
@@ -132,7 +132,7 @@ fn a_camera_beyond_the_range_is_an_error() {
 
 #[test]
 fn a_second_camera_of_a_stream_is_named() {
-    let files = exported(&reference(), Format::FreeD).files;
+    let files = export_as(&reference(), Format::FreeD).files;
     let mut bytes = files.get("camera.freed").unwrap().to_vec();
     assert_eq!(FreeD.unread(&files), [""; 0]);
     let mut second = bytes.clone();

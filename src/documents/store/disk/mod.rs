@@ -202,10 +202,8 @@ impl Store {
     ) -> Result<(), StoreError> {
         self.settle_again()?;
         let path = self.location.file();
-        let text = document_to_string(document).map_err(|source| StoreError::Write {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        let text =
+            document_to_string(document).map_err(|source| StoreError::from_write(path, source))?;
         let hash = hash_of(text.as_bytes());
         // Compare with the file on disk rather than with the last known one: another program may
         // have replaced it.

@@ -35,10 +35,8 @@ pub fn write_document(
     if location.journal().exists() || location.lock().exists() {
         return Store::replace(location, document).map(drop);
     }
-    let text = document_to_string(document).map_err(|source| StoreError::Write {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let text =
+        document_to_string(document).map_err(|source| StoreError::from_write(path, source))?;
     if is_pipe_or_device(path) {
         return write_output(path, text.as_bytes())
             .map_err(|source| StoreError::from_io("write", path, source));

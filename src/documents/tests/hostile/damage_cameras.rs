@@ -327,7 +327,7 @@ fn fifa(damage: &mut Damage) {
 }
 
 /// A packet whose checksum is right whatever was done to it.
-fn summed(mut packet: Vec<u8>) -> Vec<u8> {
+fn with_checksum(mut packet: Vec<u8>) -> Vec<u8> {
     packet[28] = packet[..28]
         .iter()
         .fold(0x40_u8, |sum, byte| sum.wrapping_sub(*byte));
@@ -347,7 +347,7 @@ fn freed(damage: &mut Damage) {
     damage.bytes("wrong-checksum", with(28, &[0]));
     damage.bytes("two-bytes-left", [first.clone(), vec![1, 2]].concat());
     damage.bytes("shifted-by-one", [vec![0], good.clone()].concat());
-    damage.bytes("zoom-zero", summed(with(20, &[0, 0, 0])));
+    damage.bytes("zoom-zero", with_checksum(with(20, &[0, 0, 0])));
     damage.bytes("text", "pan 12.5 tilt -11.2\n".repeat(29));
     damage.bytes(
         "the-second-damaged",

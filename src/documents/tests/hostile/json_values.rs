@@ -68,7 +68,7 @@ fn pointers(value: &Value, path: &str, found: &mut Vec<String>) {
 }
 
 /// Puts another value in the place of one, or without another takes it away or has it twice.
-pub fn replaced(value: &mut Value, share: f64, new: Option<&Value>) {
+pub fn replace_value(value: &mut Value, share: f64, new: Option<&Value>) {
     let mut all = Vec::new();
     pointers(value, "", &mut all);
     let chosen = &all[(share * all.len() as f64) as usize];

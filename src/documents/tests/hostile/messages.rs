@@ -14,7 +14,7 @@ use touchline_documents::exchange::{ExchangeError, Imported, import};
 const LEAST: usize = 15;
 
 /// What an import says, without the name of the temporary folder.
-fn said(error: &ExchangeError, folder: &Path) -> String {
+fn message_of(error: &ExchangeError, folder: &Path) -> String {
     error
         .to_string()
         .replace(&folder.join("in").display().to_string(), "FOLDER")
@@ -41,7 +41,7 @@ fn places(sample: &Sample, folder: &Path) -> Vec<(&'static str, String)> {
     let mut refused = |name, path: &Path| {
         let error = import(path, sample.format, &sample.options).err();
         let error = error.unwrap_or_else(|| panic!("{}: {name} is imported", sample.format));
-        said_of.push((name, said(&error, folder)));
+        said_of.push((name, message_of(&error, folder)));
     };
     refused("missing", &at("missing"));
     refused("an-empty-folder", &at("empty"));
@@ -89,7 +89,7 @@ fn each_damaged_file_has_its_line() {
             };
             let line = match sample.import(&case.files, folder.path()) {
                 Ok(imported) => note_of_damage(&imported),
-                Err(error) => Some(said(&error, folder.path())),
+                Err(error) => Some(message_of(&error, folder.path())),
             };
             let line = line.unwrap_or_else(|| panic!("{format}: {} is imported", case.name));
             lines.push((case.name.clone(), line));

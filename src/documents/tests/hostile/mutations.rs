@@ -1,7 +1,7 @@
 //! Arbitrary bytes and damaged valid files: no panic, little memory, and what is imported is a
 //! document that opens.
 
-use crate::json_values::{hostile_values, replaced};
+use crate::json_values::{hostile_values, replace_value};
 use crate::memory::{MOST, alone, peak};
 use crate::samples::{Sample, formats};
 use proptest::collection::vec;
@@ -45,7 +45,7 @@ const TOKENS: [&str; 30] = [
 ];
 
 /// Imports files in the place of a sample's.
-fn tried(sample: &Sample, main: Vec<u8>, folder: &std::path::Path) {
+fn try_import(sample: &Sample, main: Vec<u8>, folder: &std::path::Path) {
     let mut files = sample.files.clone();
     files
         .iter_mut()
@@ -99,7 +99,7 @@ fn each_format<S: Strategy>(
         };
         let ran = TestRunner::new(Config::with_cases(cases)).run(&strategy, |drawn| {
             if let Some(bytes) = apply(&sample, drawn) {
-                tried(&sample, bytes, folder.path());
+                try_import(&sample, bytes, folder.path());
             }
             Ok(())
         });
@@ -119,7 +119,7 @@ fn arbitrary_bytes_are_refused() {
 /// A change of bytes: where (as a share), what, how much.
 type Change = (f64, u8, usize, u8);
 
-fn changed(mut bytes: Vec<u8>, changes: &[Change]) -> Vec<u8> {
+fn change_bytes(mut bytes: Vec<u8>, changes: &[Change]) -> Vec<u8> {
     for &(share, kind, size, byte) in changes {
         let at = (share * bytes.len() as f64) as usize;
         let end = (at + size).min(bytes.len());
@@ -145,7 +145,7 @@ fn valid_files_with_changed_bytes_are_read_or_refused() {
     each_format(
         300,
         |_| Some(vec(change(), 1..6)),
-        |sample, changes| Some(changed(sample.bytes(sample.main()).to_vec(), &changes)),
+        |sample, changes| Some(change_bytes(sample.bytes(sample.main()).to_vec(), &changes)),
     );
 }
 
@@ -172,7 +172,7 @@ fn values_of_json_files_in_the_place_of_others_are_read_or_refused() {
             };
             for (share, kind) in changes {
                 let part = kind % parts.len();
-                replaced(&mut parts[part], share, values.get(kind));
+                replace_value(&mut parts[part], share, values.get(kind));
             }
             Some(
                 parts

@@ -47,6 +47,7 @@ const TREE_BYTES: usize = 16;
 pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
     write_u32(out, forest.trees.len() as u32);
     for tree in &forest.trees {
+        // Counts first, so that a reader can check the size before it reserves memory.
         write_u32(out, tree.root.0);
         write_u32(out, tree.nodes.len() as u32);
         write_u32(out, tree.leaf_ends.len() as u32);
@@ -205,6 +206,7 @@ impl<'a> Reader<'a> {
                 what: "it ends too early",
             });
         }
+        // Branches lead forward only, so that a damaged file cannot make a descent go round.
         check_branch(root, 0, nodes, leaves)?;
         let nodes: Vec<Node> = (0..nodes)
             .map(|index| {

@@ -27,6 +27,7 @@ pub(super) fn means(
     let mut places: Vec<(Vec3, Vec<u32>)> = Vec::new();
     let mut first_near = 0;
     for sample in order {
+        // Clusters are in the order of x of their first rays, so `first_near` only moves forward.
         let at = samples.ray(sample);
         while places
             .get(first_near)
@@ -65,6 +66,7 @@ fn mean(samples: &Samples, members: &[u32]) -> (Descriptor, MeanRay) {
     } else {
         direction.normalize()
     };
+    // Chords stand for angles, which they equal for rays near each other.
     let squares: f64 = members
         .iter()
         .map(|&sample| (samples.ray(sample) - mean).norm_squared())

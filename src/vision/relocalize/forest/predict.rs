@@ -70,6 +70,7 @@ impl Forest {
             if f64::from(mean.spread) > options.max_spread.radians() {
                 continue;
             }
+            // The nearest come first, so that each place has the smallest of its distances.
             let (pan, tilt) = (mean.pan(), mean.tilt());
             let known = candidates.iter().any(|other| {
                 let (by_pan, by_tilt) = (

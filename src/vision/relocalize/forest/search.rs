@@ -220,6 +220,7 @@ impl Examination<'_> {
             }
         }
         std::hint::black_box(touched);
+        // Now that the sketches are in the caches, compare them with their queries.
         for ((number, tree), leaves) in self
             .trees
             .iter()
@@ -304,6 +305,8 @@ impl Examination<'_> {
                 missed,
                 ..
             } = &mut *self.search;
+            // Go on from this branch with its margin; branches not taken on the way are recorded
+            // as well.
             let leaf = descend(
                 descriptor,
                 tree,

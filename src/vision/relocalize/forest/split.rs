@@ -95,6 +95,7 @@ fn widest_gap(
             below += here;
             last = Some(value);
         }
+        // A byte that is constant over the samples does not count as tried.
         tried +=
             u32::from(last.is_some_and(|last| counts[usize::from(last)] < chosen.len() as u32));
     }
@@ -166,6 +167,8 @@ fn least_deviation(
             .fold((0, Vec3::zeros()), |sum, bin| {
                 (sum.0 + bin.0, sum.1 + bin.1)
             });
+        // One sweep over the values: the rays up to a threshold, and by subtraction those above
+        // it, give its score.
         let (mut below, mut last) = ((0u32, Vec3::zeros()), low);
         for value in low..high {
             let bin = bins[usize::from(value)];

@@ -1,205 +1,25 @@
-//! From a template's JSON to its parts: checks names, expands groups of variants and parses
-//! expressions.
+//! Reads landmarks and lines: one entry of the file for each group of variants.
 
-use super::file::{Formula, LandmarkFile, LineFile, Ordered, ParamFile, PointFile, TemplateFile};
-use super::parts::{CurvePart, LandmarkPart, LinePart, PointPart, Scoped};
-use super::variants::{Variant, variants};
-use super::{Dimension, Expression, FieldError, PaintEdge, Param, Symmetry, Template};
-use std::collections::{BTreeMap, BTreeSet};
+use super::{NAME_RULE, Reader, is_name};
+use crate::field::file::{Formula, LandmarkFile, LineFile, PointFile};
+use crate::field::parts::{CurvePart, LandmarkPart, LinePart, PointPart, Scoped};
+use crate::field::variants::{Variant, variants};
+use crate::field::{Expression, FieldError, PaintEdge};
+use std::collections::BTreeSet;
 
 /// The maximum number of landmarks, and of lines.
 const MAX_ENTRIES: usize = 2000;
-/// The maximum number of parameters: loading builds the field with each at its smallest and largest
-/// value.
-const MAX_PARAMS: usize = 100;
-/// Names with a meaning in expressions.
-const RESERVED: [&str; 4] = ["sqrt", "x_side", "y_side", "number"];
 
-/// Reads all parts of a template; expressions are parsed, but not evaluated.
-pub fn read_parts(file: TemplateFile, place: &str) -> Result<Template, FieldError> {
-    let reader = Reader { place };
-    if !is_name(&file.name) {
-        return Err(reader.invalid("name", format!("{:?} is not {NAME_RULE}", file.name)));
-    }
-    if file.params.0.len() > MAX_PARAMS {
-        let found = file.params.0.len();
-        return Err(reader.invalid(
-            "params",
-            format!(
-                "{found} are given, and {MAX_PARAMS} are the most; write the others as numbers"
-            ),
-        ));
-    }
-    let params = reader.params(file.params)?;
-    let mut dimensions = Vec::new();
-    for (name, dimension) in file.dimensions.0 {
-        let part = format!("dimension {name:?}");
-        reader.new_name(&part, &name, &params, &dimensions)?;
-        reader.text_given(&part, "source", &dimension.source)?;
-        let value = reader.expression(&part, &dimension.value)?;
-        dimensions.push(Dimension {
-            name,
-            value,
-            source: dimension.source,
-        });
-    }
-    let [length, width] = &file.extent_m;
-    let extent_m = [
-        reader.expression("extent_m[0]", length)?,
-        reader.expression("extent_m[1]", width)?,
-    ];
-    let symmetry = file
-        .symmetry
-        .iter()
-        .map(|name| {
-            Symmetry::from_name(name).ok_or_else(|| {
-                let known = Symmetry::ALL.map(Symmetry::name).join(", ");
-                reader.invalid("symmetry", format!("{name:?} is not one of {known}"))
-            })
-        })
-        .collect::<Result<_, _>>()?;
-
-    let mut landmarks = Vec::new();
-    for landmark in &file.landmarks {
-        reader.landmark(landmark, file.click_sigma_px, &mut landmarks)?;
-    }
-    if landmarks.is_empty() {
-        return Err(reader.invalid("landmarks", "there are none".to_owned()));
-    }
-    let mut lines = Vec::new();
-    for line in &file.lines {
-        reader.line(line, &landmarks, &mut lines)?;
-    }
-    if lines.is_empty() {
-        return Err(reader.invalid("lines", "there are none".to_owned()));
-    }
-    reader.unique(&landmarks, &lines)?;
-    Ok(Template {
-        name: file.name,
-        title: file.title,
-        notes: file.notes,
-        params,
-        dimensions,
-        symmetry,
-        extent_m,
-        landmarks,
-        lines,
-        place: place.to_owned(),
-    })
-}
-
-const NAME_RULE: &str = "a name of lower-case letters, digits and \"_\" that starts with a letter";
-
-fn is_name(text: &str) -> bool {
-    text.len() <= 64
-        && text.starts_with(|c: char| c.is_ascii_lowercase())
-        && text
-            .bytes()
-            .all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
-}
-
-struct Reader<'a> {
-    place: &'a str,
+/// An entry's names, filled in.
+struct EntryNames {
+    part: String,
+    id: String,
+    label: String,
+    code: String,
+    variant: Variant,
 }
 
 impl Reader<'_> {
-    fn invalid(&self, part: &str, problem: String) -> FieldError {
-        FieldError::Invalid {
-            place: self.place.to_owned(),
-            part: part.to_owned(),
-            problem,
-        }
-    }
-
-    fn expression(&self, part: &str, formula: &Formula) -> Result<Expression, FieldError> {
-        formula
-            .expression()
-            .map_err(|problem| FieldError::Expression {
-                place: self.place.to_owned(),
-                part: part.to_owned(),
-                text: formula.text(),
-                problem: Box::new(problem),
-            })
-    }
-
-    fn text_given(&self, part: &str, key: &str, text: &str) -> Result<(), FieldError> {
-        if text.trim().is_empty() {
-            Err(self.invalid(part, format!("{key} is empty")))
-        } else {
-            Ok(())
-        }
-    }
-
-    fn new_name(
-        &self,
-        part: &str,
-        name: &str,
-        params: &[Param],
-        dimensions: &[Dimension],
-    ) -> Result<(), FieldError> {
-        if !is_name(name) {
-            return Err(self.invalid(part, format!("{name:?} is not {NAME_RULE}")));
-        }
-        let taken = params.iter().any(|param| param.name == name)
-            || dimensions.iter().any(|dimension| dimension.name == name)
-            || RESERVED.contains(&name);
-        if taken {
-            Err(self.invalid(part, format!("the name {name:?} is taken")))
-        } else {
-            Ok(())
-        }
-    }
-
-    fn params(&self, files: Ordered<ParamFile>) -> Result<Vec<Param>, FieldError> {
-        let mut params: Vec<Param> = Vec::new();
-        for (name, file) in files.0 {
-            let part = format!("param {name:?}");
-            self.new_name(&part, &name, &params, &[])?;
-            self.text_given(&part, "label", &file.label)?;
-            self.text_given(&part, "source", &file.source)?;
-            if file.unit != "m" || !name.ends_with("_m") {
-                let problem = format!(
-                    "its unit is {:?}; parameters are metres (unit \"m\", name ending in _m)",
-                    file.unit
-                );
-                return Err(self.invalid(&part, problem));
-            }
-            let (min, default, max) = (
-                self.constant(format!("{part}, min"), &file.min)?,
-                self.constant(format!("{part}, default"), &file.default)?,
-                self.constant(format!("{part}, max"), &file.max)?,
-            );
-            if !(min <= default && default <= max) {
-                let problem =
-                    format!("the default {default} is not within min {min} and max {max}");
-                return Err(self.invalid(&part, problem));
-            }
-            params.push(Param {
-                name,
-                label: file.label,
-                unit: file.unit,
-                default,
-                min,
-                max,
-                source: file.source,
-            });
-        }
-        Ok(params)
-    }
-
-    /// The value of a formula that refers to no parameter and no dimension, m.
-    fn constant(&self, part: String, formula: &Formula) -> Result<f64, FieldError> {
-        let expression = self.expression(&part, formula)?;
-        expression
-            .evaluate(&BTreeMap::new(), &[])
-            .map_err(|problem| FieldError::Expression {
-                place: self.place.to_owned(),
-                part,
-                text: formula.text(),
-                problem: Box::new(problem),
-            })
-    }
-
     /// Every variant of an entry's id, with its id, label and code filled in.
     fn names(
         &self,
@@ -286,7 +106,7 @@ impl Reader<'_> {
         )
     }
 
-    fn landmark(
+    pub(super) fn landmark(
         &self,
         file: &LandmarkFile,
         sigma_px: f64,
@@ -325,7 +145,7 @@ impl Reader<'_> {
         self.not_too_many("landmarks", into.len())
     }
 
-    fn line(
+    pub(super) fn line(
         &self,
         file: &LineFile,
         landmarks: &[LandmarkPart],
@@ -457,7 +277,11 @@ impl Reader<'_> {
 
     /// Checks that ids are unique among landmarks and among lines, and codes among both, because a
     /// typed code must have one meaning.
-    fn unique(&self, landmarks: &[LandmarkPart], lines: &[LinePart]) -> Result<(), FieldError> {
+    pub(super) fn unique(
+        &self,
+        landmarks: &[LandmarkPart],
+        lines: &[LinePart],
+    ) -> Result<(), FieldError> {
         let mut codes = BTreeSet::new();
         let mut ids = BTreeSet::new();
         let all = landmarks
@@ -480,13 +304,4 @@ impl Reader<'_> {
         }
         Ok(())
     }
-}
-
-/// An entry's names, filled in.
-struct EntryNames {
-    part: String,
-    id: String,
-    label: String,
-    code: String,
-    variant: Variant,
 }

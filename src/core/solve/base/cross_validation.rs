@@ -1,0 +1,374 @@
+//! Cross-validation of lens and pitch models: every model is evaluated on held-out clicks, or on
+//! held-out paint where paint is known.
+
+use super::adjust::adjust_base;
+use super::progress::Adjustments;
+use super::{AdjustOptions, AdjustedBase, BaseModel, CameraClicks, FrameClicks};
+use crate::camera::{CameraBase, Ptz, PtzCamera, SharedCovariance, SharedError};
+use crate::field::FieldModel;
+use crate::geometry::quantile;
+use crate::solve::{Loss, Observation, refine};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The cross-validation errors of a model: at held-out clicks, or at held-out paint where the
+/// frames' paint is known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ModelScore {
+    /// The model.
+    pub model: BaseModel,
+    /// Median error at what was held out, px.
+    pub median_px: f64,
+    /// The 90 % quantile of it, px.
+    pub p90_px: f64,
+    /// Root mean square with large errors (wrong names, other paint) clipped, px. The choice is
+    /// made by this number.
+    pub clipped_rms_px: f64,
+    /// The number of held-out clicks or paint samples; each is held out once.
+    pub held_out: usize,
+    /// The errors at held-out clicks, where the other fields are about paint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_clicks: Option<HeldOutErrors>,
+    /// Jackknife covariance of the parameters that the frames share, from their changes when a
+    /// group is held out.
+    #[serde(skip)]
+    pub spread: SharedCovariance,
+}
+
+/// Larger errors at clicks are clipped to this, px at 1920 px width: they are wrong names, whatever
+/// the model.
+const CLIP_PX: f64 = 12.0;
+
+/// Larger errors of paint are clipped to this, px at 1920 px width: they are other paint, whatever
+/// the model.
+const PAINT_CLIP_PX: f64 = 4.0;
+
+/// The number of consecutive paint samples that are held out together. Neighbours on one line have
+/// correlated errors, so that a sample between fitted neighbours would not test the model.
+const PAINT_BLOCK: usize = 4;
+
+/// With fewer frames, clicks are held out instead of frames.
+pub(super) const MIN_FRAMES: usize = 6;
+
+/// The number of groups into which frames or clicks are divided.
+pub(super) const FOLDS: usize = 5;
+
+/// The inputs of cross-validation beside the model.
+pub(super) struct CrossValidation<'a> {
+    pub clicks: &'a CameraClicks<'a>,
+    pub start: &'a CameraBase,
+    pub start_ptz: &'a [Option<Ptz>],
+    pub options: &'a AdjustOptions,
+    pub adjustments: &'a Adjustments<'a>,
+}
+
+impl CrossValidation<'_> {
+    /// Scores every model, in the given order.
+    pub fn scores(&self, models: &[BaseModel]) -> Vec<ModelScore> {
+        models.par_iter().map(|model| self.score(model)).collect()
+    }
+
+    /// Holds out groups of frames, or of clicks where frames are few.
+    fn score(&self, model: &BaseModel) -> ModelScore {
+        let enough = self.start_ptz.iter().flatten().count() >= MIN_FRAMES;
+        let folds: Vec<Fold> = (0..FOLDS)
+            .into_par_iter()
+            .map(|fold| self.evaluate_fold(model, fold, enough))
+            .collect();
+        let errors = folds
+            .iter()
+            .fold(Errors::default(), |sum, fold| sum.and(&fold.errors));
+
+        // Held-out paint decides where there is any; the errors at clicks are then only reported.
+        let scale = self.clicks.image_size.scale_from_1920();
+        let (deciding, clip_px, at_clicks) = if errors.paint.is_empty() {
+            (errors.clicks, CLIP_PX * scale, None)
+        } else {
+            (
+                errors.paint,
+                PAINT_CLIP_PX * scale,
+                HeldOutErrors::from_errors(errors.clicks),
+            )
+        };
+        // Clip the errors, so that a few wrong names or other paint do not decide between models.
+        let squares: f64 = deciding
+            .iter()
+            .map(|error| error.min(clip_px).powi(2))
+            .sum();
+        let clipped_rms_px = (squares / deciding.len().max(1) as f64).sqrt();
+        let summary = HeldOutErrors::from_errors(deciding).unwrap_or(HeldOutErrors::NONE);
+        ModelScore {
+            model: *model,
+            median_px: summary.median_px,
+            p90_px: summary.p90_px,
+            clipped_rms_px,
+            held_out: summary.count,
+            at_clicks,
+            spread: jackknife(&folds),
+        }
+    }
+
+    /// Holds out one group: of frames, or of clicks. Without errors once cancelled.
+    fn evaluate_fold(&self, model: &BaseModel, fold: usize, of_frames: bool) -> Fold {
+        if self.adjustments.are_cancelled() {
+            return Fold {
+                errors: Errors::default(),
+                shared: SharedError::zeros(),
+            };
+        }
+        let tried = if of_frames {
+            self.evaluate_frame_fold(model, fold)
+        } else {
+            self.evaluate_click_fold(model, fold)
+        };
+        // A cancellation is noticed by the next fold.
+        let _ = self.adjustments.count();
+        tried
+    }
+
+    /// Adjusts the base to the frames of the other groups. Each frame of this group is refined on
+    /// half of its clicks and evaluated on the other half, and the reverse.
+    fn evaluate_frame_fold(&self, model: &BaseModel, fold: usize) -> Fold {
+        // Groups are formed of the frames with a camera, by their rank. By their index all of them
+        // may be one group: paint is measured in a subsample, which may be every fifth frame.
+        let with_camera = self.start_ptz.iter().enumerate();
+        let with_camera = with_camera.filter_map(|(index, ptz)| Some((index, (*ptz)?)));
+        let held_out: Vec<(usize, Ptz)> = with_camera.skip(fold).step_by(FOLDS).collect();
+        // Adjust without the cameras of this group: a frame without a camera is left out of the
+        // bundle.
+        let mut ptz = self.start_ptz.to_vec();
+        for (index, _) in &held_out {
+            ptz[*index] = None;
+        }
+        let (adjusted, field) = self.adjust(self.clicks.frames, &ptz, model);
+        let mut errors = Errors::default();
+        for (index, start) in held_out {
+            let frame = &self.clicks.frames[index];
+            errors.add_halves(&adjusted.base, start, frame, self.clicks.field, &field);
+        }
+        Fold {
+            errors,
+            shared: shared_difference(&adjusted, self.start),
+        }
+    }
+
+    /// Adjusts base and frames to the clicks of the other groups, and evaluates them on the clicks
+    /// of this group.
+    fn evaluate_click_fold(&self, model: &BaseModel, fold: usize) -> Fold {
+        let frames: Vec<FrameClicks> = self
+            .clicks
+            .frames
+            .iter()
+            .enumerate()
+            .map(|(index, frame)| hold_out_clicks(frame, index, fold))
+            .collect();
+
+        // A frame needs three equations for pan, tilt and focal length.
+        let ptz: Vec<Option<Ptz>> = frames
+            .iter()
+            .zip(self.start_ptz)
+            .map(|(frame, ptz)| ptz.filter(|_| frame.equations() >= 3))
+            .collect();
+        let (adjusted, field) = self.adjust(&frames, &ptz, model);
+        // Errors only at the clicks that were held out, moved to the crown that was fitted.
+        let mut errors = Errors::default();
+        for (frame, ptz) in frames.iter().zip(&adjusted.ptz) {
+            let Some(ptz) = ptz else { continue };
+            let camera = PtzCamera::new(adjusted.base, *ptz);
+            let held_out = frame.observations.iter().filter(|click| click.check);
+            errors.add(
+                &camera,
+                held_out.map(|click| click.change_crown(self.clicks.field, &field)),
+            );
+        }
+        Fold {
+            errors,
+            shared: shared_difference(&adjusted, self.start),
+        }
+    }
+
+    fn adjust(
+        &self,
+        frames: &[FrameClicks],
+        ptz: &[Option<Ptz>],
+        model: &BaseModel,
+    ) -> (AdjustedBase, FieldModel) {
+        let clicks = CameraClicks {
+            frames,
+            ..*self.clicks
+        };
+        let adjusted = adjust_base(&clicks, self.start, ptz, model, self.options);
+        let field = clicks.field.with_crown_m(adjusted.crown_m);
+        (adjusted, field)
+    }
+}
+
+/// The result of holding out one group.
+struct Fold {
+    errors: Errors,
+    /// The difference of the shared parameters from those of the start.
+    shared: SharedError,
+}
+
+/// The errors at something held out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeldOutErrors {
+    /// The median, px.
+    pub median_px: f64,
+    /// The 90 % quantile, px.
+    pub p90_px: f64,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl HeldOutErrors {
+    const NONE: Self = Self {
+        median_px: f64::INFINITY,
+        p90_px: f64::INFINITY,
+        count: 0,
+    };
+
+    /// Summarises errors (px, in any order); none if there are none.
+    fn from_errors(mut errors: Vec<f64>) -> Option<Self> {
+        errors.sort_by(f64::total_cmp);
+        (!errors.is_empty()).then(|| Self {
+            median_px: quantile(&errors, 0.5),
+            p90_px: quantile(&errors, 0.9),
+            count: errors.len(),
+        })
+    }
+}
+
+/// Held-out errors of clicks and of paint, px.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Errors {
+    clicks: Vec<f64>,
+    paint: Vec<f64>,
+}
+
+impl Errors {
+    /// Adds the errors of observations under a camera.
+    fn add(&mut self, camera: &PtzCamera, held_out: impl Iterator<Item = Observation>) {
+        for observation in held_out {
+            let of_kind = if observation.is_paint() {
+                &mut self.paint
+            } else {
+                &mut self.clicks
+            };
+            of_kind.extend(observation.distance_px(camera));
+        }
+    }
+
+    /// Adds the errors of a frame whose camera is refined on one half of its observations and
+    /// evaluated on the other, both ways. Its observations are of the field `from`; the base was
+    /// estimated on `to`.
+    pub fn add_halves(
+        &mut self,
+        base: &CameraBase,
+        start: Ptz,
+        frame: &FrameClicks,
+        from: &FieldModel,
+        to: &FieldModel,
+    ) {
+        let [even, odd] = [0, 1].map(|half: usize| -> Vec<Observation> {
+            let of_half = group_observations(frame).filter(|(group, _)| group % 2 == half);
+            of_half
+                .map(|(_, observation)| observation.change_crown(from, to))
+                .collect()
+        });
+        for (fitted, held_out) in [(&even, &odd), (&odd, &even)] {
+            let refined = refine(base, start, fitted, Loss::default(), None);
+            self.add(
+                &PtzCamera::new(*base, refined.ptz),
+                held_out.iter().copied(),
+            );
+        }
+    }
+
+    /// The union of both.
+    fn and(mut self, others: &Self) -> Self {
+        self.clicks.extend_from_slice(&others.clicks);
+        self.paint.extend_from_slice(&others.paint);
+        self
+    }
+
+    /// The summaries for paint and for clicks.
+    pub fn summaries(self) -> (Option<HeldOutErrors>, Option<HeldOutErrors>) {
+        (
+            HeldOutErrors::from_errors(self.paint),
+            HeldOutErrors::from_errors(self.clicks),
+        )
+    }
+}
+
+/// The observations of a frame that are used, each with the number of its hold-out group.
+fn group_observations(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
+    frame.used_clicks().enumerate().map(|(index, observation)| {
+        let group = if observation.is_paint() {
+            index / PAINT_BLOCK
+        } else {
+            index
+        };
+        (group, observation)
+    })
+}
+
+/// The used clicks of a frame, those of one fold held out. `index` is that of the frame.
+fn hold_out_clicks(frame: &FrameClicks, index: usize, fold: usize) -> FrameClicks {
+    let observations = group_observations(frame)
+        .map(|(group, click)| {
+            // Stagger the groups from frame to frame; otherwise one fold would hold out the first
+            // click of every frame, and frames with few clicks would miss the later folds.
+            if (group + index) % FOLDS == fold {
+                click.hold_out()
+            } else {
+                *click
+            }
+        })
+        .collect();
+    FrameClicks {
+        observations,
+        start: frame.start,
+    }
+}
+
+/// The shared parameters of an adjusted base, with position and rotation relative to the start.
+/// Both bases are in the pan gauge; k₁ refers to the same focal length in every fold.
+fn shared_difference(adjusted: &AdjustedBase, start: &CameraBase) -> SharedError {
+    let base = &adjusted.base;
+    let (moved_m, turned) = (
+        base.position_m - start.position_m,
+        base.rotation_from(start),
+    );
+    let curve = base.distortion;
+    let centre = base.principal_point;
+    let lens = [
+        curve.value,
+        curve.per_1000_px,
+        adjusted.crown_m,
+        centre.x,
+        centre.y,
+    ];
+    // In the order of the shared parameters (`parameters.rs`).
+    SharedError::from_iterator(
+        moved_m
+            .iter()
+            .copied()
+            .chain([turned.x, turned.y])
+            .chain(lens),
+    )
+}
+
+/// Covariance of the shared parameters by the delete-a-group jackknife (Wolter, Introduction to
+/// Variance Estimation, chapter 4). Unlike the covariance of an adjustment it includes errors that
+/// the frames have in common and that the model does not describe.
+fn jackknife(folds: &[Fold]) -> SharedCovariance {
+    // C = (n − 1)/n Σ (θᵢ − θ̄) (θᵢ − θ̄)ᵀ over the estimates θᵢ with group i held out.
+    let count = folds.len() as f64;
+    let mean = folds.iter().map(|fold| fold.shared).sum::<SharedError>() / count;
+    let squares: SharedCovariance = folds
+        .iter()
+        .map(|fold| (fold.shared - mean) * (fold.shared - mean).transpose())
+        .sum();
+    squares * ((count - 1.0) / count)
+}
