@@ -2,7 +2,7 @@
 //! and applied as one step of undo, and of two possible results each can be tried.
 #![cfg(feature = "opencv")]
 
-use crate::bench::{Bench, base, landmark_in, uncounted};
+use crate::bench::{Bench, base, landmark_in, without_counts};
 use crate::proposed::blank;
 use touchline_application::app::guidance::next_step;
 use touchline_application::app::operation::{Breakdown, Failure};
@@ -36,7 +36,7 @@ fn ptz(frame: usize) -> Ptz {
 
 /// The camera of the drawn truth moved sideways, over a flat field as the truth, found from all but
 /// the last frame.
-fn found(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
+fn found_camera(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
     let known = base();
     let sigma = BaseSigma {
         position_m: Vec3::new(0.3, 0.4, 0.0),
@@ -53,6 +53,7 @@ fn found(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
             ptz: ptz(index),
             uncertainty: None,
             snapped: None,
+            line_check: None,
         })
         .collect();
     let field = touchline_core::field::builtin("soccer")
@@ -103,7 +104,7 @@ fn it_is_available_where_a_base_is_missing_and_reports_its_progress() {
             .contains("too few frames")
     );
     bench.command(Command::FindCamera);
-    let search = bench.started::<CameraSearch>();
+    let search = bench.last_job::<CameraSearch>();
     assert_eq!(
         bench
             .app
@@ -131,7 +132,7 @@ fn it_is_available_where_a_base_is_missing_and_reports_its_progress() {
     // What arrives of it all the same is passed over.
     report(
         &mut bench,
-        AutocalibrationAnswer::Found(found(5, 0.0).into()),
+        AutocalibrationAnswer::Found(found_camera(5, 0.0).into()),
     );
     assert!(!has_base(&bench.app));
 }
@@ -163,7 +164,7 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
     }));
     report(
         &mut bench,
-        AutocalibrationAnswer::Found(found(5, 0.0).into()),
+        AutocalibrationAnswer::Found(found_camera(5, 0.0).into()),
     );
     assert!(!has_base(&bench.app), "a drag is not cut in two");
     bench.command(Command::Cancel);
@@ -218,12 +219,12 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
         clicked.ptz
     );
 
-    let with = uncounted(&open.document);
+    let with = without_counts(&open.document);
     bench.command(Command::Undo);
     assert!(!has_base(&bench.app));
     assert_eq!(bench.statuses(), "NDNNN");
     bench.command(Command::Redo);
-    assert_eq!(uncounted(&bench.app.open().unwrap().document), with);
+    assert_eq!(without_counts(&bench.app.open().unwrap().document), with);
 }
 
 #[test]
@@ -304,7 +305,7 @@ fn of_two_answers_each_can_be_tried_and_undone() {
         image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
     };
     let two = |deciding| {
-        let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
+        let (best, other) = (found_camera(5, 0.0).into(), found_camera(5, 30.0).into());
         AutocalibrationAnswer::Two {
             best,
             other,
@@ -354,7 +355,7 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
             landmark: "halfway_far".into(),
             image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
         };
-        let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
+        let (best, other) = (found_camera(5, 0.0).into(), found_camera(5, 30.0).into());
         report(
             &mut bench,
             AutocalibrationAnswer::Two {

@@ -25,7 +25,9 @@ use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::{Loss, Uncertainty};
 use touchline_vision::media::Picture;
-use touchline_vision::paint::{GroundPicture, SnapOptions, Snapped, overlays_apart_px, snap};
+use touchline_vision::paint::{
+    GroundPicture, SnapError, SnapOptions, Snapped, check_lines, overlays_apart_px, snap,
+};
 use touchline_vision::track::{AdjustedFrame, PosePrior, PriorSource, adjust_matched_frames};
 
 /// A frame is not answered if the 1-σ of its overlay at the worst corner, from paint and matches,
@@ -97,15 +99,16 @@ fn align_to_pictures(
                 return;
             };
             let ground = GroundPicture::new(picture, masks);
-            frame.snapped = snap(
-                &ground,
-                field,
-                base,
-                frame.ptz,
-                &[],
-                &SnapOptions::default(),
-            )
-            .ok();
+            // What the picture says of the camera counts even where it is not aligned.
+            let options = SnapOptions::default();
+            let aligned = snap(&ground, field, base, frame.ptz, &[], &options);
+            let score = match &aligned {
+                Ok(snapped) => snapped.check.score,
+                Err(SnapError::NotBorneOut { score }) => *score,
+                Err(_) => check_lines(&ground, field, &PtzCamera::new(*base, frame.ptz)).score,
+            };
+            frame.line_check = Some(score);
+            frame.snapped = aligned.ok();
         });
     }
     Ok(())
@@ -145,6 +148,7 @@ impl ConstrainedFrames {
             ptz: held.ptz,
             uncertainty: self.uncertainty(held),
             snapped: None,
+            line_check: None,
         };
         matched
             .indices
@@ -195,7 +199,13 @@ impl ConstrainedFrames {
                 overlays_apart_px(&camera, snapped.ptz, self.image_size)
                     <= MAX_CONTRADICTION_PX * scale
             };
-            frame.snapped = frame.snapped.take().filter(agrees);
+            if frame
+                .snapped
+                .as_ref()
+                .is_some_and(|snapped| !agrees(snapped))
+            {
+                (frame.snapped, frame.line_check) = (None, None);
+            }
         }
         // Directions come from all frames, so they are collected before uncertain frames go.
         hypothesis.camera.paint = placed.paint_directions(hypothesis);

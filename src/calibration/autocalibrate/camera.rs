@@ -9,6 +9,8 @@ use super::candidates::{
 use super::clicked::GroundClick;
 use super::deciding_landmark::deciding_landmark;
 use super::error::Stop;
+use super::evidence::labels;
+use super::faint_lines::{LinesInMean, find_lines_in_mean};
 use super::field_prior::FieldPrior;
 use super::hypothesis::Hypothesis;
 use super::joint::FirstReach;
@@ -22,8 +24,8 @@ use super::sampled_frames::{
 use super::search_places::SearchPlaces;
 use super::verdict::{
     MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, MIN_EXPLAINED_ELSEWHERE,
-    contradicting_click, few_aligned, is_refuted, missing_in_frames, open_size, uncertain,
-    unusual_size,
+    contradicting_click, few_aligned, is_confirmed_in_mean, is_refuted, missing_in_frames,
+    open_size, uncertain, unusual_size,
 };
 use super::wanted_clicks::wanted_clicks;
 use super::{
@@ -231,11 +233,13 @@ impl<'a> Search<'a> {
 
         // Reject the best candidate early, except for missing lines: these are checked again with
         // the refined camera, because a line may lie just beside its paint until then.
-        let doubts = best.doubts();
+        let mut doubts = best.doubts();
         if doubts
             .iter()
             .any(|doubt| !matches!(doubt, Doubt::LinesMissing { .. }))
         {
+            // A pitch of an unusual size looks like this as well, until its size is stated.
+            doubts.extend(unusual_size(&best.camera, &self.field_prior));
             return Err(uncertain(doubts, best.camera));
         }
         let is_doubted = !doubts.is_empty();
@@ -301,7 +305,7 @@ impl<'a> Search<'a> {
                 ) < SAME_POSITION_M =>
             {
                 let best = align_frames(best, matched, picture, self.progress)?;
-                return self.judge(best.camera, matched, MIN_ALIGNED_WITH_RUNNER_UP);
+                return self.judge(best.camera, matched, picture, MIN_ALIGNED_WITH_RUNNER_UP);
             }
             [refined_best, refined_runner_up] => [
                 self.align_refined(refined_best, best, matched, picture)?
@@ -369,7 +373,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        self.judge(best.camera, matched, min_aligned)
+        self.judge(best.camera, matched, picture, min_aligned)
     }
 
     /// A refined hypothesis with its frames aligned; the unrefined one where refining failed.
@@ -417,10 +421,28 @@ impl<'a> Search<'a> {
         &self,
         mut camera: AutocalibratedCamera,
         matched: &MatchedFrames,
+        picture: PictureOfFrame<'_>,
         min_aligned: f64,
     ) -> Result<AutocalibrationAnswer, Stop> {
+        // What the frames do not show of the field is drawn as it is recorded.
+        if camera.sizes.iter().any(|size| size.is_open) {
+            let prior = &self.field_prior;
+            camera.field = prior
+                .with_open_as_assumed(&camera.field, &camera.sizes)
+                .unwrap_or(camera.field);
+        }
         // Three checks at full resolution and one of the field; the first that fails is reported.
-        camera.evidence.missing = missing_in_frames(&camera, matched);
+        // What single pictures do not confirm, the mean of all of them may.
+        let few = few_aligned(&camera, min_aligned);
+        let mut missing = missing_in_frames(&camera, matched);
+        let in_mean = if few.is_some() || !missing.is_empty() {
+            find_lines_in_mean(&camera, matched, picture)
+        } else {
+            LinesInMean::default()
+        };
+        let few = few.filter(|_| !is_confirmed_in_mean(&camera, &in_mean));
+        missing.retain(|line| !in_mean.seen.contains(line));
+        camera.evidence.missing = labels(&camera.field, &missing);
         let lines = &camera.evidence.missing;
         let missing = || {
             (!lines.is_empty()).then(|| Doubt::LinesMissing {
@@ -430,7 +452,7 @@ impl<'a> Search<'a> {
         let indices: Vec<usize> = camera.frames.iter().map(|frame| frame.index).collect();
         let contradicted =
             || contradicting_click(&camera, &self.clicks(&indices), &self.document.frames);
-        match few_aligned(&camera, min_aligned)
+        match few
             .or_else(missing)
             .or_else(|| unusual_size(&camera, &self.field_prior))
             .or_else(contradicted)

@@ -25,9 +25,9 @@ use super::matched_frames::MatchedFrames;
 use super::neighbours::try_neighbouring_sizes;
 use super::panorama_fit::{PanoramaFit, PanoramaStart, fit_panorama};
 use super::pitch_map::PitchMap;
+use super::pose_score::ScoredPose;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
-use super::search::ScoredPose;
 use super::search_places::SearchPlaces;
 use super::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
@@ -53,19 +53,20 @@ pub(super) const RUNNER_UP_RATIO: f64 = 1.35;
 pub(super) fn apart_m(one_m: Vec3, other_m: Vec3, field: &FieldModel) -> f64 {
     let direct_m = (one_m - other_m).norm();
     let opposite_m = Vec3::new(-other_m.x, -other_m.y, other_m.z);
-    let turn = Symmetry::Turn180;
-    let looks_the_same = || {
-        field
-            .lines
-            .iter()
-            .all(|line| turn.line_twin(field, line).is_some())
-    };
     let turned_m = (one_m - opposite_m).norm();
-    if turned_m < direct_m && looks_the_same() {
+    if turned_m < direct_m && is_symmetric_by_half_turn(field) {
         turned_m
     } else {
         direct_m
     }
+}
+
+/// Whether half a turn about the middle of a field moves each of its lines onto a line.
+fn is_symmetric_by_half_turn(field: &FieldModel) -> bool {
+    field
+        .lines
+        .iter()
+        .all(|line| Symmetry::Turn180.line_twin(field, line).is_some())
 }
 
 /// Where the poses come from.
@@ -81,6 +82,20 @@ pub(super) enum PosesFrom<'a> {
 struct PlacedPanorama {
     pose: ScaledPose,
     fit: PanoramaFit,
+}
+
+impl PlacedPanorama {
+    /// Both kinds of evidence: the share of paint on lines, from the fit, times the share of lines
+    /// with paint, from the search.
+    fn score(&self) -> f64 {
+        self.fit.explained * self.pose.scored.visible
+    }
+
+    /// Whether it gives nearly the position of another one, which was searched on one of `fields`.
+    fn is_near(&self, other: &Self, fields: &[FieldModel]) -> bool {
+        let field = &fields[other.pose.scored.field];
+        apart_m(self.fit.pose.position_m, other.fit.pose.position_m, field) < SAME_POSITION_M
+    }
 }
 
 /// What step 1 gives: the panoramas in different positions, best first, and the rotations of the
@@ -185,20 +200,18 @@ fn place_panoramas(
         })
         .collect();
 
-    // Rank by both kinds of evidence: the share of paint on lines, from the fit, and the share of
-    // lines with paint, from the search.
-    let score = |placed: &PlacedPanorama| placed.fit.explained * placed.pose.scored.visible;
-    placed.sort_by(|a, b| score(b).total_cmp(&score(a)));
+    placed.sort_by(|a, b| b.score().total_cmp(&a.score()));
 
     // Neighbouring poses converge to one position; keep the best of each.
     let mut panoramas: Vec<PlacedPanorama> = Vec::new();
     for candidate in placed {
-        let position_m = candidate.fit.pose.position_m;
-        let is_near = |other: &PlacedPanorama| {
-            let field = &fields[candidate.pose.scored.field];
-            apart_m(other.fit.pose.position_m, position_m, field) < SAME_POSITION_M
-        };
-        if panoramas.len() < MAX_REFINED && !panoramas.iter().any(is_near) {
+        if panoramas.len() >= MAX_REFINED {
+            break;
+        }
+        let is_new = !panoramas
+            .iter()
+            .any(|better| better.is_near(&candidate, fields));
+        if is_new {
             panoramas.push(candidate);
         }
     }

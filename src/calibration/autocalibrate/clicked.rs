@@ -40,24 +40,26 @@ impl GroundClick {
     /// The clicks of some frames of a document, given by their indices; clicks held out for checks
     /// are left out.
     pub fn from_frames(frames: &Frames, places: &[usize], field: &FieldModel) -> Vec<Self> {
-        let of_click = |frame: usize, click: &Click| {
-            let Some(Target::Landmark(id)) = click.target.as_ref().filter(|_| !click.check) else {
-                return None;
-            };
-            let landmark = field.landmark(id.as_str())?;
-            (landmark.nominal_m.z.abs() <= ON_GROUND_M).then(|| Self {
-                frame,
-                landmark: id.clone(),
-                image: click.image,
+        places
+            .iter()
+            .flat_map(|&frame| {
+                let clicks = frames[frame].clicks.iter();
+                clicks.filter_map(move |click| Self::from_click(frame, click, field))
             })
+            .collect()
+    }
+
+    /// A click that is not held out, if it shows a landmark of the ground.
+    fn from_click(frame: usize, click: &Click, field: &FieldModel) -> Option<Self> {
+        let Some(Target::Landmark(id)) = click.target.as_ref().filter(|_| !click.check) else {
+            return None;
         };
-        let of_frame = |&frame: &usize| {
-            frames[frame]
-                .clicks
-                .iter()
-                .filter_map(move |click| of_click(frame, click))
-        };
-        places.iter().flat_map(of_frame).collect()
+        let landmark = field.landmark(id.as_str())?;
+        (landmark.nominal_m.z.abs() <= ON_GROUND_M).then(|| Self {
+            frame,
+            landmark: id.clone(),
+            image: click.image,
+        })
     }
 }
 
@@ -68,6 +70,31 @@ struct LandmarkRay {
     at_m: Vec2,
 }
 
+impl LandmarkRay {
+    /// The ray of a click at the given rotations; none beyond the fold of the lens, or if the field
+    /// has no such landmark.
+    fn from_click(
+        click: &GroundClick,
+        rotations: &RelativeRotations,
+        field: &FieldModel,
+    ) -> Option<Self> {
+        let camera = rotations.camera(click.frame);
+        let ray = camera.world_direction_from_image(click.image).ok()?;
+        let landmark = field.landmark(click.landmark.as_str())?;
+        Some(Self {
+            ray_in_panorama: ray.try_normalize(0.0)?,
+            at_m: field.landmark_in_world(landmark).xy(),
+        })
+    }
+
+    /// The horizontal offset of the ray per metre of descent, with the pan axis leaning by a
+    /// rotation; none if the ray is too flat ([`LEAST_FALL`]).
+    fn offset_per_m(&self, lean: &Mat3) -> Option<Vec2> {
+        let ray = lean * self.ray_in_panorama;
+        (ray.z < -LEAST_FALL).then(|| ray.xy() / -ray.z)
+    }
+}
+
 /// The poses that each pair of clicks determines on a field, at the given rotations: one for each
 /// lean of the pan axis that allows one. The pair of landmarks that are farthest apart comes first:
 /// its poses are the most precise.
@@ -76,16 +103,10 @@ pub(super) fn poses_of_pairs(
     clicks: &[GroundClick],
     field: &FieldModel,
 ) -> Vec<Vec<PanoramaPose>> {
-    let ray_of = |click: &GroundClick| {
-        let camera = rotations.camera(click.frame);
-        let ray = camera.world_direction_from_image(click.image).ok()?;
-        let landmark = field.landmark(click.landmark.as_str())?;
-        Some(LandmarkRay {
-            ray_in_panorama: ray.try_normalize(0.0)?,
-            at_m: field.landmark_in_world(landmark).xy(),
-        })
-    };
-    let rays: Vec<LandmarkRay> = clicks.iter().filter_map(ray_of).collect();
+    let rays: Vec<LandmarkRay> = clicks
+        .iter()
+        .filter_map(|click| LandmarkRay::from_click(click, rotations, field))
+        .collect();
     let leans = leans();
     let mut found: Vec<(f64, Vec<PanoramaPose>)> = Vec::new();
     // All pairs of clicks. The distance of the landmarks is the sort key.
@@ -125,11 +146,7 @@ fn leans() -> Vec<Mat3> {
 /// h they are h times as far apart: h = |P₂ − P₁| / |r₂ − r₁|. The heading is the rotation between
 /// the two difference vectors, and the position follows from one of the points.
 fn pose_of(one: &LandmarkRay, other: &LandmarkRay, lean: &Mat3) -> Option<PanoramaPose> {
-    let offset = |to: &LandmarkRay| {
-        let ray = lean * to.ray_in_panorama;
-        (ray.z < -LEAST_FALL).then(|| ray.xy() / -ray.z)
-    };
-    let (ray, other_ray) = (offset(one)?, offset(other)?);
+    let (ray, other_ray) = (one.offset_per_m(lean)?, other.offset_per_m(lean)?);
     let (between_rays, between) = (other_ray - ray, other.at_m - one.at_m);
     if between.norm() < LEAST_APART_M {
         return None;
@@ -138,8 +155,8 @@ fn pose_of(one: &LandmarkRay, other: &LandmarkRay, lean: &Mat3) -> Option<Panora
     if !HEIGHTS_M.contains(&height_m) {
         return None;
     }
-    let angle = |of: Vec2| of.y.atan2(of.x);
-    let heading = Angle::from_radians(angle(between_rays) - angle(between));
+    let heading =
+        Angle::from_radians(between_rays.y.atan2(between_rays.x) - between.y.atan2(between.x));
     // The ray to the first landmark in `world`, scaled to 1 m of descent. The camera is `height_m`
     // times this vector away from the landmark.
     let upright = PanoramaPose::upright(Vec3::zeros(), heading).world_from_panorama;

@@ -3,6 +3,8 @@
 use super::DecidingLandmark;
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_documents::document::Document;
 
 /// A click cannot separate projections closer together than this, px at 1920 px width.
@@ -33,15 +35,11 @@ pub(super) fn deciding_landmark(
             .filter(|landmark| landmark.nominal_m.z == 0.0)
         {
             // Each answer has its own field size, so the landmark differs in position as well.
-            let seen = |which: usize| {
-                let field = &[best, other][which].field;
-                let landmark = field.landmark(landmark.id.as_str())?;
-                let at = cameras[which]
-                    .image_from_world(field.landmark_in_world(landmark))
-                    .ok()?;
-                size.contains(at).then_some(at)
-            };
-            let (Some(here), Some(there)) = (seen(0), seen(1)) else {
+            let id = landmark.id.as_str();
+            let (Some(here), Some(there)) = (
+                image_of_landmark(id, &best.field, &cameras[0], size),
+                image_of_landmark(id, &other.field, &cameras[1], size),
+            ) else {
                 continue;
             };
             let apart_px = here.distance_px(there) / size.scale_from_1920();
@@ -61,4 +59,18 @@ pub(super) fn deciding_landmark(
         }
     }
     farthest.map(|(_, landmark)| landmark)
+}
+
+/// Where a camera shows a landmark of its field, px; none outside its picture.
+fn image_of_landmark(
+    id: &str,
+    field: &FieldModel,
+    camera: &PtzCamera,
+    image_size: ImageSize,
+) -> Option<ImagePoint> {
+    let landmark = field.landmark(id)?;
+    let at = camera
+        .image_from_world(field.landmark_in_world(landmark))
+        .ok()?;
+    image_size.contains(at).then_some(at)
 }

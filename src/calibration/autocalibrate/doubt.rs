@@ -88,10 +88,11 @@ pub enum Doubt {
         /// 1-σ of the value, m.
         sigma_m: f64,
     },
-    /// The fitted size of the field is far from what is usual. The outer lines are then likely to
-    /// be confused with something beside the field, such as the foot of the advertising boards.
+    /// The fitted size of the field is at the limit of what is usual. The outer lines are then
+    /// likely to be confused with something beside the field, such as the foot of the advertising
+    /// boards.
     #[error(
-        "the field would be {value_m:.1} m {}, which is unusual: state its {} if that is right",
+        "the field would be {value_m:.1} m {}, or more unusual than that: state its {} if you know it",
         extent(.name), .name.trim_end_matches("_m")
     )]
     UnusualSize {

@@ -137,18 +137,18 @@ pub(super) fn measure_evidence(
         ),
         rival: 0.0,
         lines: lines.into_iter().map(name).collect(),
-        missing: missing(field, &of_lines),
+        missing: labels(field, &missing(field, &of_lines)),
         residual_px: joint.residual_px(),
         parts_m: joint.parts_m,
         other_size_m: None,
     }
 }
 
-/// The labels of the lines that the cameras should show on open ground and do not.
+/// The lines that the cameras should show on open ground and do not, by index.
 pub(super) fn missing_lines(
     field: &FieldModel,
     looking: &[(PtzCamera, &MarkingPixels)],
-) -> Vec<String> {
+) -> Vec<usize> {
     let of_frame = |(camera, marking_pixels): &(PtzCamera, &MarkingPixels)| {
         LineCounts::count(
             field,
@@ -160,8 +160,14 @@ pub(super) fn missing_lines(
     missing(field, &counts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
-/// The labels of the missing lines ([`ENOUGH`]). Touchlines are excepted.
-fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<String> {
+/// The labels of some lines of a field.
+pub(super) fn labels(field: &FieldModel, lines: &[usize]) -> Vec<String> {
+    let of_lines = lines.iter().map(|line| field.lines[*line].label.clone());
+    of_lines.collect()
+}
+
+/// The missing lines ([`ENOUGH`]), by index. Touchlines are excepted.
+fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<usize> {
     let is_missing = |line: &usize| {
         let sum = |of: fn(&LineCounts) -> f64| -> f64 {
             of_frames.iter().map(|lines| of(&lines[*line])).sum()
@@ -169,10 +175,7 @@ fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<String> {
         let (predicted, seen) = (sum(|counts| counts.predicted), sum(|counts| counts.seen));
         predicted >= ENOUGH && seen < MIN_OF_LINE * predicted && !is_touchline(field, *line)
     };
-    (0..field.lines.len())
-        .filter(is_missing)
-        .map(|line| field.lines[line].label.clone())
-        .collect()
+    (0..field.lines.len()).filter(is_missing).collect()
 }
 
 /// Samples of the field's lines in a camera's picture, 8 px apart.

@@ -8,11 +8,13 @@
 use super::clicked::{GroundClick, poses_of_pairs};
 use super::error::Stop;
 use super::matched_frames::{FramesAtScale, MatchedFrames};
+use super::panorama::Panorama;
 use super::pitch_map::PitchMap;
 use super::pose::PanoramaPose;
+use super::pose_score::{ScoredPose, score_roughly, sort_by_score};
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
-use super::search::{Panorama, ScoredPose, fit_coarse_pose, score_roughly, search, sort};
+use super::search::{fit_coarse_pose, search};
 use super::search_places::SearchPlaces;
 use super::{Abstention, AutocalibrationProgress};
 use rayon::prelude::*;
@@ -69,14 +71,12 @@ pub(super) fn search_poses(
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
     let num_places = places.len() * maps.len();
-    let search_at_scale =
-        |_: &RelativeRotations, panorama: &Panorama| search(panorama, maps, places);
     try_focal_scales(
         matched,
         &FIRST_FOCAL_PERCENT,
         num_places,
         progress,
-        search_at_scale,
+        |_, panorama| search(panorama, maps, places),
     )
 }
 
@@ -101,7 +101,7 @@ pub(super) fn poses_from_clicks(
                     found.extend(best_of_pair(&poses, panorama, (number, map)));
                 }
             }
-            sort(&mut found);
+            sort_by_score(&mut found);
             found
         },
     )
@@ -117,7 +117,7 @@ fn best_of_pair(
         .par_iter()
         .map(|pose| score_roughly(*pose, panorama, (field, map)))
         .collect();
-    sort(&mut scored);
+    sort_by_score(&mut scored);
     scored.truncate(LEANS_FITTED);
     scored
         .par_iter()
@@ -195,11 +195,17 @@ fn next_scale_beside(percent: u32, tried: &[u32]) -> Option<u32> {
     let below = FOCAL_PERCENT.into_iter().rfind(|share| *share < percent);
     // A neighbour counts as tried if any scale between it and the best was tried: scales from the
     // finer list may lie between two of the table.
-    let is_tried = |range: RangeInclusive<u32>| tried.iter().any(|share| range.contains(share));
-    let above = above.filter(|above| !is_tried(percent + 1..=*above));
-    let below = below.filter(|below| !is_tried(*below..=percent - 1));
-    let is_between = |share: &u32| is_tried(0..=*share) && is_tried(*share..=u32::MAX);
-    above.into_iter().chain(below).min_by_key(is_between)
+    let above = above.filter(|above| !is_any_within(tried, &(percent + 1..=*above)));
+    let below = below.filter(|below| !is_any_within(tried, &(*below..=percent - 1)));
+    // A scale beyond all tried ones sorts first: `false` comes before `true`.
+    above.into_iter().chain(below).min_by_key(|share| {
+        is_any_within(tried, &(0..=*share)) && is_any_within(tried, &(*share..=u32::MAX))
+    })
+}
+
+/// Whether any of some scales lies within a range, per cent.
+fn is_any_within(scales: &[u32], range: &RangeInclusive<u32>) -> bool {
+    scales.iter().any(|scale| range.contains(scale))
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 //! answer.
 //!
 //! The search scores poses by the hundred thousand, so it keeps them light
-//! ([`super::search::ScoredPose`]). The few that are adjusted with all frames become hypotheses.
-//! Each later stage takes a hypothesis and returns it refined: the size of the field
+//! ([`super::pose_score::ScoredPose`]). The few that are adjusted with all frames become
+//! hypotheses. Each later stage takes a hypothesis and returns it refined: the size of the field
 //! (`candidates.rs`), the frames (`align.rs`), the base once more (`refine.rs`).
 
 use super::Doubt;
@@ -65,6 +65,7 @@ impl Hypothesis {
                     ptz: (*ptz)?,
                     uncertainty: None,
                     snapped: None,
+                    line_check: None,
                 })
             });
         let camera = AutocalibratedCamera {
@@ -117,6 +118,11 @@ impl Hypothesis {
     /// The product of explained paint and visible lines, 0 to 1.
     pub fn score(&self) -> f64 {
         self.camera.evidence.score()
+    }
+
+    /// The median distance of paint from its line, px at 1920 px width.
+    pub const fn residual_px(&self) -> f64 {
+        self.camera.evidence.residual_px
     }
 
     /// The position of the camera in `world`, m.

@@ -8,18 +8,19 @@
 
 use super::field_prior::FieldPrior;
 use super::matched_frames::{FramePaint, renumber_matches};
-use super::pitch_map::{OnLine, PitchMap};
+use super::paint_on_lines::{LineAssignment, SIGMA_PX, distances_px, move_to_field, paint_priors};
+use super::pitch_map::PitchMap;
 use super::pose::angular_scale;
 use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
-use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, median, subsample};
+use touchline_core::geometry::{ImageSize, Vec3, median};
+use touchline_core::solve::Loss;
 use touchline_core::solve::base::{
     AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FittedSize, FrameClicks,
     LensModel, adjust_base,
 };
-use touchline_core::solve::{BlockEquations, Loss, Observation};
-use touchline_vision::track::{PosePrior, PriorSource, ViewGraphEdge, adjust_matched_frames};
+use touchline_vision::track::{PosePrior, ViewGraphEdge, adjust_matched_frames};
 
 /// The reach of each round: paint farther than this from every line is left out, px at 1920 px
 /// width.
@@ -36,22 +37,11 @@ const SIZE_AFTER: [usize; 2] = [1, 3];
 /// that went to wrong lines.
 const CONNECTED_AFTER: [usize; 2] = [2, 3];
 
-/// 1-σ of a point on the centre of a stroke, px at 1920 px width. It includes the error that
-/// neighbouring points have in common.
-const SIGMA_PX: f64 = 1.5;
-
-/// Maximum number of paint points per line and frame: long lines would otherwise outweigh short
-/// ones.
-const OF_LINE: usize = 20;
-
 /// A frame with fewer paint points on lines takes no part.
 const MIN_PLACES: usize = 25;
 
 /// Fewer frames do not determine a base.
 const MIN_FRAMES: usize = 2;
-
-/// The robust loss of the paint in a pose prior: paint hardly counts beyond 2 σ.
-const PAINT_LOSS: Loss = Loss::Cauchy { c: 2.0 };
 
 /// A base and its frames, adjusted jointly to paint.
 pub(super) struct JointAdjustment {
@@ -74,18 +64,18 @@ pub(super) struct JointAdjustment {
 impl JointAdjustment {
     /// The median distance of paint from its line, px at 1920 px width; infinite without any.
     pub fn residual_px(&self) -> f64 {
-        let frames = self.ptz.iter().zip(&self.taken);
-        let of_frame = |(ptz, taken): (&Option<Ptz>, &FrameClicks)| {
-            let camera = ptz.map(|ptz| PtzCamera::new(self.base, ptz));
-            let off = move |seen: &Observation| seen.distance_px(&camera?);
-            taken
-                .observations
-                .iter()
-                .filter_map(off)
-                .collect::<Vec<_>>()
-        };
-        median(&mut frames.flat_map(of_frame).collect::<Vec<_>>())
-            .map_or(f64::INFINITY, |px| px / self.scale)
+        let mut all_px: Vec<f64> = self
+            .ptz
+            .iter()
+            .zip(&self.taken)
+            .flat_map(|(ptz, taken)| distances_px(taken, &self.base, *ptz))
+            .collect();
+        median(&mut all_px).map_or(f64::INFINITY, |px| px / self.scale)
+    }
+
+    /// The pose prior of each frame from its own paint.
+    pub fn paint_priors(&self) -> Vec<PosePrior> {
+        paint_priors(&self.base, &self.ptz, &self.taken)
     }
 }
 
@@ -102,16 +92,15 @@ fn adjust_to_matches(
     let part: Vec<usize> = (0..ptz.len())
         .filter(|frame| ptz[*frame].is_some())
         .collect();
-    let place = |frame: usize| part.binary_search(&frame).ok();
     let edges = renumber_matches(edges, &part);
     let start: Vec<Ptz> = ptz.iter().copied().flatten().collect();
     // The paint enters as one Gaussian prior per frame instead of point by point: linearised at the
     // present cameras, three parameters each.
-    let priors = paint_priors(base, ptz, taken).into_iter();
-    let priors: Vec<PosePrior> = priors
+    let priors: Vec<PosePrior> = paint_priors(base, ptz, taken)
+        .into_iter()
         .filter_map(|prior| {
             Some(PosePrior {
-                frame: place(prior.frame)?,
+                frame: part.binary_search(&prior.frame).ok()?,
                 ..prior
             })
         })
@@ -124,37 +113,6 @@ fn adjust_to_matches(
         brought[frame] = Some(adjusted.ptz);
     }
     brought
-}
-
-/// The pose prior of each frame from its own paint: the normal equations of (pan, tilt, log f) at
-/// its camera.
-fn paint_priors(base: &CameraBase, ptz: &[Option<Ptz>], taken: &[FrameClicks]) -> Vec<PosePrior> {
-    let of_frame = |(frame, (ptz, taken)): (usize, (&Option<Ptz>, &FrameClicks))| {
-        let ptz = (*ptz)?;
-        let camera = PtzCamera::new(*base, ptz);
-        let mut equations = BlockEquations::<0, 3>::zero();
-        for seen in &taken.observations {
-            equations.add(seen, &camera, PAINT_LOSS);
-        }
-        Some(PosePrior::new(
-            frame,
-            ptz,
-            equations.own,
-            PriorSource::Paint,
-        ))
-    };
-    ptz.iter()
-        .zip(taken)
-        .enumerate()
-        .filter_map(of_frame)
-        .collect()
-}
-
-impl JointAdjustment {
-    /// The pose prior of each frame from its own paint.
-    pub fn paint_priors(&self) -> Vec<PosePrior> {
-        paint_priors(&self.base, &self.ptz, &self.taken)
-    }
 }
 
 /// How far paint may lie from its line in the first round of a joint adjustment.
@@ -226,17 +184,17 @@ pub(super) fn adjust_jointly(
         .skip_while(|(_, reach_px)| *reach_px > widest_px)
     {
         // Assign paint to lines. Frames with too little of it leave and do not come back.
-        let near = |(paint, ptz): (&FramePaint, &Option<Ptz>)| {
-            let camera = ptz.map(|ptz| PtzCamera::new(base, ptz));
-            let observations = camera.map_or_else(Vec::new, |camera| {
-                near_lines(&field, &map, &camera, paint, reach_px * scale, scale)
-            });
-            FrameClicks {
-                observations,
-                start: None,
-            }
+        let lines = LineAssignment {
+            field: &field,
+            map: &map,
+            reach_px,
+            scale,
         };
-        taken = paint.iter().zip(&ptz).map(near).collect();
+        taken = paint
+            .iter()
+            .zip(&ptz)
+            .map(|(paint, ptz)| lines.clicks_of_frame(paint, &base, *ptz))
+            .collect();
         for (ptz, taken) in ptz.iter_mut().zip(&taken) {
             *ptz = ptz.filter(|_| taken.observations.len() >= MIN_PLACES);
         }
@@ -267,7 +225,7 @@ pub(super) fn adjust_jointly(
         };
         // The observations contain the position of their line in the world, which depends on the
         // crown.
-        taken = on_field(taken, &crowned);
+        taken = move_to_field(taken, &crowned);
         field = crowned;
         if CONNECTED_AFTER.contains(&round) {
             ptz = adjust_to_matches(&base, &ptz, &taken, matches, size);
@@ -334,12 +292,8 @@ fn apart(
     ptz: &[Option<Ptz>],
     position_m: impl Fn(&[Option<Ptz>]) -> Option<Vec3>,
 ) -> Option<Vec3> {
-    let without = |is_left_out: &dyn Fn(usize) -> bool| {
-        let of_rest = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| !is_left_out(frame));
-        position_m(&ptz.iter().enumerate().map(of_rest).collect::<Vec<_>>())
-    };
     // Even frames against odd ones.
-    let [one, other] = [1, 0].map(|half| without(&|frame| frame % 2 == half));
+    let [one, other] = [1, 0].map(|half| position_m(&leave_out(ptz, |frame| frame % 2 == half)));
     if let Some((one, other)) = one.zip(other) {
         return Some(one - other);
     }
@@ -348,20 +302,19 @@ fn apart(
         .filter(|frame| ptz[*frame].is_some())
         .collect();
     let squares = part.iter().try_fold(Vec3::zeros(), |sum, left_out| {
-        let off_m = without(&|frame| frame == *left_out)? - whole_m;
+        let off_m = position_m(&leave_out(ptz, |frame| frame == *left_out))? - whole_m;
         Some(sum + off_m.component_mul(&off_m))
     });
     let share = 1.0 - (part.len().max(1) as f64).recip();
     Some(2.0 * (squares? * share).map(f64::sqrt))
 }
 
-/// Moves the assigned paint to the same lines of a field with another crown or size.
-fn on_field(mut taken: Vec<FrameClicks>, field: &FieldModel) -> Vec<FrameClicks> {
-    for frame in &mut taken {
-        let moved = |seen: &Observation| seen.with_element(field, seen.element?);
-        frame.observations = frame.observations.iter().filter_map(moved).collect();
-    }
-    taken
+/// The cameras of all frames but some.
+fn leave_out(ptz: &[Option<Ptz>], is_left_out: impl Fn(usize) -> bool) -> Vec<Option<Ptz>> {
+    ptz.iter()
+        .enumerate()
+        .map(|(frame, ptz)| ptz.filter(|_| !is_left_out(frame)))
+        .collect()
 }
 
 /// Runs the adjustment. None with too few frames, or if it diverged or put the camera below the
@@ -394,55 +347,6 @@ fn options(loss: Loss) -> AdjustOptions {
         max_iterations: 8,
         ..AdjustOptions::default()
     }
-}
-
-/// The distance of an image point from the projected line, px; none if the line is behind the
-/// camera. The direction of the line in the picture is a finite difference over 0.1 m.
-fn beside_px(camera: &PtzCamera, line: &OnLine, image: ImagePoint) -> Option<f64> {
-    const STEP_M: f64 = 0.1;
-    let at = camera.image_from_world(line.at).ok()?;
-    let further = camera
-        .image_from_world(line.at + STEP_M * line.tangent.normalize())
-        .ok()?;
-    let along = further.offset_from(at).try_normalize(0.0)?;
-    Some(image.offset_from(at).perp(&along).abs())
-}
-
-/// Assigns each point of paint to the line that the camera sees nearest to it, if within
-/// `reach_px`; at most [`OF_LINE`] per line, evenly subsampled.
-fn near_lines(
-    field: &FieldModel,
-    map: &PitchMap,
-    camera: &PtzCamera,
-    paint: &FramePaint,
-    reach_px: f64,
-    scale: f64,
-) -> Vec<Observation> {
-    let mut of_line: Vec<Vec<Observation>> = vec![Vec::new(); field.lines.len()];
-    let eye_m = camera.base().position_m;
-    for (place, image) in paint.iter().enumerate() {
-        let ground = map.ground(|z_m| camera.plane_from_image(*image, z_m));
-        let Some(near) = ground.and_then(|ground| map.nearest(ground, eye_m)) else {
-            continue;
-        };
-        // The nearest line is found by angle from the camera; the gate is in pixels, the unit of
-        // the adjustment.
-        let off_px = beside_px(camera, &near, *image).unwrap_or(f64::INFINITY);
-        if off_px > reach_px {
-            continue;
-        }
-        of_line[near.line].extend(Observation::from_paint(
-            field,
-            near.line,
-            *image,
-            SIGMA_PX * scale,
-            place,
-        ));
-    }
-    of_line
-        .into_iter()
-        .flat_map(|places| subsample(places, OF_LINE))
-        .collect()
 }
 
 #[cfg(test)]

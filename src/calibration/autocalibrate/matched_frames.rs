@@ -6,9 +6,9 @@
 //! the frames, and the paint that several of them show in one direction.
 
 use super::error::Stop;
+use super::panorama::Panorama;
 use super::progress::report;
 use super::sampled_frames::SampledFrame;
-use super::search::Panorama;
 use super::{Abstention, AutocalibrationError, AutocalibrationProgress};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline_core::progress::{Progress, Share};
@@ -85,11 +85,11 @@ impl MatchedFrames {
     ) -> Result<Self, Abstention> {
         // Frames of different sizes are different cameras, even if they match. The groups come
         // largest first.
-        let is_of_one_size = |pair: &&ViewGraphEdge| {
-            frames[pair.first].image_size() == frames[pair.second].image_size()
-        };
-        let of_one_size: Vec<ViewGraphEdge> =
-            matches.iter().filter(is_of_one_size).cloned().collect();
+        let of_one_size: Vec<ViewGraphEdge> = matches
+            .iter()
+            .filter(|pair| frames[pair.first].image_size() == frames[pair.second].image_size())
+            .cloned()
+            .collect();
         let group = groups(frames.len(), &of_one_size)
             .into_iter()
             .next()
@@ -164,15 +164,16 @@ impl MatchedFrames {
 /// The matches between the frames of a group (ascending), renumbered within it. Matches with other
 /// frames are left out.
 pub(super) fn renumber_matches(matches: &[ViewGraphEdge], group: &[usize]) -> Vec<ViewGraphEdge> {
-    let number = |frame: usize| group.binary_search(&frame).ok();
-    let renumber = |pair: &ViewGraphEdge| {
-        Some(ViewGraphEdge {
-            first: number(pair.first)?,
-            second: number(pair.second)?,
-            ..pair.clone()
+    matches
+        .iter()
+        .filter_map(|pair| {
+            Some(ViewGraphEdge {
+                first: group.binary_search(&pair.first).ok()?,
+                second: group.binary_search(&pair.second).ok()?,
+                ..pair.clone()
+            })
         })
-    };
-    matches.iter().filter_map(renumber).collect()
+        .collect()
 }
 
 /// Sorts persistent points by frame.

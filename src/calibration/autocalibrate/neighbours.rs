@@ -22,6 +22,7 @@ use super::joint::{FirstReach, JointStart};
 use super::matched_frames::{FramePaint, MatchedFrames};
 use rayon::prelude::*;
 use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 
 /// Moves a hypothesis to a neighbouring field size as long as that raises the score by
@@ -95,13 +96,12 @@ pub(super) fn try_neighbouring_distances(
         .map(Hypothesis::score)
         .fold(hypothesis.score(), f64::max);
     neighbours.retain(|neighbour| neighbour.score() >= MIN_SCORE * best_score);
-    let residual_px = |of: &Hypothesis| of.camera.evidence.residual_px;
     let mut nearest = neighbours
         .into_iter()
-        .min_by(|a, b| residual_px(a).total_cmp(&residual_px(b)))?;
+        .min_by(|a, b| a.residual_px().total_cmp(&b.residual_px()))?;
     // What contradicts a stated size was found with both sizes, and is not measured again.
     nearest.camera.evidence.other_size_m = hypothesis.camera.evidence.other_size_m;
-    (MIN_RESIDUAL_RATIO * residual_px(&nearest) < residual_px(hypothesis)).then_some(nearest)
+    (MIN_RESIDUAL_RATIO * nearest.residual_px() < hypothesis.residual_px()).then_some(nearest)
 }
 
 /// The camera moved towards a point or away from it by a factor on the distance, with focal lengths
@@ -123,9 +123,6 @@ fn from_other_distance(present: &JointStart, middle_m: Vec3, factor: f64) -> Joi
 
 /// The mean of the paint on the ground within the field, in `world`, m.
 fn middle_of_paint(cameras: &JointStart, paint: &[FramePaint]) -> Option<Vec3> {
-    let field = &cameras.field;
-    let is_on_field =
-        |at: &Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m;
     let (mut sum, mut count) = (Vec3::zeros(), 0.0);
     for (ptz, paint) in cameras.ptz.iter().zip(paint) {
         let Some(ptz) = *ptz else { continue };
@@ -133,12 +130,17 @@ fn middle_of_paint(cameras: &JointStart, paint: &[FramePaint]) -> Option<Vec3> {
         let on_ground = paint
             .iter()
             .filter_map(|image| camera.plane_from_image(*image, 0.0));
-        for ground in on_ground.filter(is_on_field) {
+        for ground in on_ground.filter(|at| is_on_field(at, &cameras.field)) {
             sum += ground;
             count += 1.0;
         }
     }
     (count > 0.0).then(|| sum / count)
+}
+
+/// Whether a point of the ground lies within the border of a field.
+fn is_on_field(at: &Vec3, field: &FieldModel) -> bool {
+    at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m
 }
 
 #[cfg(test)]

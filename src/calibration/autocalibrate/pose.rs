@@ -30,11 +30,23 @@ impl PanoramaPose {
     /// The pose after a shift (m) and a rotation about the camera by a rotation vector (rad), both
     /// in `world`.
     pub fn move_by(&self, shift_m: Vec3, turn: Vec3) -> Self {
-        let world_from_panorama =
-            nearest_rotation(&(from_rotation_vector(turn) * self.world_from_panorama));
+        self.shift_by(shift_m).turn_by(turn)
+    }
+
+    /// The pose after a shift in `world`, m.
+    pub fn shift_by(&self, shift_m: Vec3) -> Self {
         Self {
             position_m: self.position_m + shift_m,
-            world_from_panorama,
+            ..*self
+        }
+    }
+
+    /// The pose after a rotation about the camera by a rotation vector in `world`, rad.
+    pub fn turn_by(&self, turn: Vec3) -> Self {
+        let turned = from_rotation_vector(turn) * self.world_from_panorama;
+        Self {
+            world_from_panorama: nearest_rotation(&turned),
+            ..*self
         }
     }
 
@@ -218,22 +230,12 @@ pub(super) fn fit_pose(
     let mut pose = start;
     for reach_deg in ROUNDS_DEG {
         let sigma = angular_scale(pose.position_m.z) * reach_deg.to_radians();
-        // Assign each direction to its nearest line.
-        let correspondence = |direction: &Vec3| {
-            let line = pose.line_at(*direction, map)?;
-            let correspondence = PaintCorrespondence {
-                direction_in_panorama: *direction,
-                line,
-                sigma,
-            };
-            let off = correspondence.value(&pose)?[0].abs();
-            (off < 3.0 * sigma).then_some(correspondence)
-        };
-        // Refine the pose for this assignment, with the loss in units of the reach.
+        // Assign each direction to its nearest line, and refine the pose for this assignment, with
+        // the loss in units of the reach.
         let problem = UprightPoseProblem {
             correspondences: directions_in_panorama
                 .iter()
-                .filter_map(correspondence)
+                .filter_map(|direction| assign_to_line(*direction, &pose, map, sigma))
                 .collect(),
             upright: Upright(UPRIGHT_SIGMA.radians()),
             loss: Loss::Cauchy { c: 1.0 },
@@ -254,4 +256,21 @@ pub(super) fn fit_pose(
         .state;
     }
     pose
+}
+
+/// A direction of paint with the line that the pose sees nearest to it, if within three times
+/// `sigma` (rad).
+fn assign_to_line(
+    direction_in_panorama: Vec3,
+    pose: &PanoramaPose,
+    map: &PitchMap,
+    sigma: f64,
+) -> Option<PaintCorrespondence> {
+    let correspondence = PaintCorrespondence {
+        direction_in_panorama,
+        line: pose.line_at(direction_in_panorama, map)?,
+        sigma,
+    };
+    let off = correspondence.value(pose)?[0].abs();
+    (off < 3.0 * sigma).then_some(correspondence)
 }

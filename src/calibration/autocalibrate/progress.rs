@@ -91,16 +91,20 @@ impl AutocalibrationProgress {
 
 impl fmt::Display for AutocalibrationProgress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let count = |number: usize| thousands(number);
         match *self {
             Self::Looking { done, of } => {
-                write!(f, "looking at frame {} of {}", count(done), count(of))
+                write!(
+                    f,
+                    "looking at frame {} of {}",
+                    thousands(done),
+                    thousands(of)
+                )
             }
             Self::Tying { done, of } => write!(
                 f,
                 "matching pairs of frames, {} of {}",
-                count(done),
-                count(of)
+                thousands(done),
+                thousands(of)
             ),
             Self::Gathering => f.write_str("collecting the painted lines"),
             Self::Refining => f.write_str("adjusting the base to the paint of every frame"),
@@ -108,23 +112,33 @@ impl fmt::Display for AutocalibrationProgress {
                 write!(
                     f,
                     "trying {} positions, round {} of {of}",
-                    count(places),
+                    thousands(places),
                     (done + 1).min(of)
                 )
             }
             Self::Adjusting { done, of } => {
-                write!(f, "adjusting, {} of {} positions", count(done), count(of))
+                write!(
+                    f,
+                    "adjusting, {} of {} positions",
+                    thousands(done),
+                    thousands(of)
+                )
             }
             Self::Sizing { done, of } => {
                 write!(
                     f,
                     "trying other field sizes, {} of {} positions",
-                    count(done),
-                    count(of)
+                    thousands(done),
+                    thousands(of)
                 )
             }
             Self::Snapping { done, of } => {
-                write!(f, "aligning {} of {} frames", count(done), count(of))
+                write!(
+                    f,
+                    "aligning {} of {} frames",
+                    thousands(done),
+                    thousands(of)
+                )
             }
         }
     }

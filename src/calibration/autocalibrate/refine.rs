@@ -69,11 +69,14 @@ pub(super) fn refine_base(
 
     // Collect the frames of the hypothesis that may take part. Neither clicks nor cameras that the
     // document already has are used.
-    let takes_part = |frame: &&AutocalibratedFrame| {
-        let frame = &document.frames[frame.index];
-        frame.is_used_for_base() && frame.image_size == of_document.image_size
-    };
-    let frames: Vec<&AutocalibratedFrame> = found.frames.iter().filter(takes_part).collect();
+    let frames: Vec<&AutocalibratedFrame> = found
+        .frames
+        .iter()
+        .filter(|frame| {
+            let frame = &document.frames[frame.index];
+            frame.is_used_for_base() && frame.image_size == of_document.image_size
+        })
+        .collect();
     let indices: Vec<usize> = frames.iter().map(|frame| frame.index).collect();
     let known = KnownFrames {
         start: KnownCameras {

@@ -254,6 +254,7 @@ pub fn hypothesis(field: &FieldModel) -> Hypothesis {
             ptz,
             uncertainty: None,
             snapped: None,
+            line_check: None,
         });
     let camera = AutocalibratedCamera {
         base: base(),

@@ -43,10 +43,10 @@ impl FocalScale {
 impl RotationsByFocalScale {
     /// From rotations and their focal scales, in per cent of the scale that fits the matches best.
     pub fn new(levels: impl IntoIterator<Item = (u32, RelativeRotations)>) -> Self {
-        let of_level = |(percent, rotations): (u32, RelativeRotations)| {
-            ((f64::from(percent) / 100.0).ln(), rotations)
-        };
-        let mut levels: Vec<_> = levels.into_iter().map(of_level).collect();
+        let mut levels: Vec<(f64, RelativeRotations)> = levels
+            .into_iter()
+            .map(|(percent, rotations)| ((f64::from(percent) / 100.0).ln(), rotations))
+            .collect();
         levels.sort_by(|a, b| a.0.total_cmp(&b.0));
         Self { levels }
     }
@@ -57,41 +57,13 @@ impl RotationsByFocalScale {
         let (first, last) = (self.levels.first()?, self.levels.last()?);
         let log_scale = log_scale.clamp(first.0, last.0);
         let above = self.levels.iter().position(|level| level.0 >= log_scale)?;
-        // Between two levels everything is linear in the log scale; focal lengths are interpolated
-        // as logarithms, pans the short way round.
         let (to, to_rotations) = &self.levels[above];
         let Some((from, from_rotations)) = above.checked_sub(1).map(|below| &self.levels[below])
         else {
             return Some(to_rotations.clone());
         };
         let share = (log_scale - from) / (to - from);
-        let between = |from: f64, to: f64| from + share * (to - from);
-        let of_frame = |(from, to): (&Ptz, &Ptz)| Ptz {
-            pan: from.pan + (to.pan - from.pan).wrap() * share,
-            tilt: from.tilt + (to.tilt - from.tilt) * share,
-            focal_px: between(from.focal_px.ln(), to.focal_px.ln()).exp(),
-        };
-        let lens = FocalCurve {
-            value: between(from_rotations.lens.value, to_rotations.lens.value),
-            per_1000_px: between(
-                from_rotations.lens.per_1000_px,
-                to_rotations.lens.per_1000_px,
-            ),
-            ..from_rotations.lens
-        };
-        let ptz = from_rotations
-            .ptz
-            .iter()
-            .zip(&to_rotations.ptz)
-            .map(of_frame)
-            .collect();
-        let residual_px = between(from_rotations.residual_px, to_rotations.residual_px);
-        Some(RelativeRotations {
-            ptz,
-            lens,
-            image_size: from_rotations.image_size,
-            residual_px,
-        })
+        Some(interpolate_rotations(from_rotations, to_rotations, share))
     }
 
     /// The focal scale that fits the matches best, with its 1-σ; unknown with fewer than three
@@ -134,6 +106,43 @@ impl RotationsByFocalScale {
             sigma: parabola[2].sqrt().recip().clamp(least, most),
         }
     }
+}
+
+/// Rotations between those at two focal scales, at a share of the way from the one to the other.
+///
+/// Between two scales everything is linear in the log scale; focal lengths are interpolated as
+/// logarithms, pans the short way round.
+fn interpolate_rotations(
+    from: &RelativeRotations,
+    to: &RelativeRotations,
+    share: f64,
+) -> RelativeRotations {
+    let ptz = from
+        .ptz
+        .iter()
+        .zip(&to.ptz)
+        .map(|(from, to)| Ptz {
+            pan: from.pan + (to.pan - from.pan).wrap() * share,
+            tilt: from.tilt + (to.tilt - from.tilt) * share,
+            focal_px: interpolate(from.focal_px.ln(), to.focal_px.ln(), share).exp(),
+        })
+        .collect();
+    let lens = FocalCurve {
+        value: interpolate(from.lens.value, to.lens.value, share),
+        per_1000_px: interpolate(from.lens.per_1000_px, to.lens.per_1000_px, share),
+        ..from.lens
+    };
+    RelativeRotations {
+        ptz,
+        lens,
+        image_size: from.image_size,
+        residual_px: interpolate(from.residual_px, to.residual_px, share),
+    }
+}
+
+/// The number at a share of the way from one to another.
+fn interpolate(from: f64, to: f64, share: f64) -> f64 {
+    from + share * (to - from)
 }
 
 #[cfg(test)]

@@ -88,14 +88,19 @@ impl SearchPlaces {
 
 /// Points of the half y ≤ 0 of a rectangle around the origin, about `step_m` apart.
 fn ring([half_length, half_width]: [f64; 2], step_m: f64) -> Vec<[f64; 2]> {
-    let steps = |length: f64| (length / step_m).ceil().max(1.0) as usize;
+    let across = num_steps(half_width, step_m);
+    let along = num_steps(2.0 * half_length, step_m);
     let share = |step: usize, of: usize| step as f64 / of as f64;
-    let (across, along) = (steps(half_width), steps(2.0 * half_length));
     let down = (0..across).map(|step| [-half_length, -half_width * share(step, across)]);
     let right =
         (0..along).map(|step| [half_length * (2.0 * share(step, along) - 1.0), -half_width]);
     let up = (0..across).map(|step| [half_length, -half_width * (1.0 - share(step, across))]);
     down.chain(right).chain(up).collect()
+}
+
+/// The number of steps of at most `step_m` into which a length is divided.
+fn num_steps(length_m: f64, step_m: f64) -> usize {
+    (length_m / step_m).ceil().max(1.0) as usize
 }
 
 #[cfg(test)]

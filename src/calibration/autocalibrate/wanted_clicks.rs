@@ -34,14 +34,18 @@ pub(super) fn wanted_clicks(matched: &MatchedFrames, clicked: usize) -> Option<W
 /// The number of cells of the picture in which paint lies.
 fn cells_filled(paint: &FramePaint, size: ImageSize) -> usize {
     let [columns, rows] = CELLS;
-    let cell = |x: f64, of: u32, cells: f64| (x * cells / f64::from(of)) as u32;
     let cells = paint.iter().map(|at| {
         (
-            cell(at.x, size.width, columns),
-            cell(at.y, size.height, rows),
+            cell_of(at.x, size.width, columns),
+            cell_of(at.y, size.height, rows),
         )
     });
     cells.collect::<BTreeSet<_>>().len()
+}
+
+/// The number of the column or row of a coordinate (px) in a picture of a size (px).
+fn cell_of(at_px: f64, size_px: u32, num_cells: f64) -> u32 {
+    (at_px * num_cells / f64::from(size_px)) as u32
 }
 
 #[cfg(test)]

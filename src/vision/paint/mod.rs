@@ -19,6 +19,7 @@ mod agreement;
 mod alignment;
 mod check;
 mod colours;
+mod contrast;
 mod crossing;
 mod directions;
 #[cfg(test)]
@@ -49,6 +50,7 @@ mod unexplained;
 pub use across::Ridge;
 pub use agreement::Agreement;
 pub use check::{LineCheck, check_lines, overlays_apart_px};
+pub use contrast::LineContrast;
 pub use error::SnapError;
 pub use find::{FindError, FindOptions, PaintSearchResult, find_camera};
 pub use ground::GroundPicture;

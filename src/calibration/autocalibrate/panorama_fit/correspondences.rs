@@ -74,12 +74,12 @@ impl<'a> PaintSamples<'a> {
         let cameras: Vec<_> = (0..rotations.ptz.len())
             .map(|frame| rotations.camera(frame))
             .collect();
-        let direction = |sample: &PaintSample| {
+        let directions = self.samples.iter().map(|sample| {
             cameras[sample.frame]
                 .world_direction_from_image(sample.image)
                 .ok()
-        };
-        Some(self.samples.iter().map(direction).collect())
+        });
+        Some(directions.collect())
     }
 }
 

@@ -30,9 +30,7 @@ use super::field_prior::FieldPrior;
 use super::matched_frames::FramesAtScale;
 use super::pose::{PanoramaPose, angular_scale};
 use super::rotations_by_focal_scale::{FocalScale, RotationsByFocalScale};
-use correspondences::{
-    Correspondence, PaintProblem, PaintSamples, match_paint_to_lines, subsample_per_line,
-};
+use correspondences::{PaintProblem, PaintSamples, match_paint_to_lines, subsample_per_line};
 use parameters::{FieldFamily, Parameters, priors};
 use touchline_core::camera::{BaseAngles, CameraBase};
 use touchline_core::field::FieldModel;
@@ -183,9 +181,11 @@ fn explained_share(
     // Without a gate and without the subsample per line, so that fits with different gates are
     // comparable.
     let all = match_paint_to_lines(at, paint, family, f64::INFINITY)?;
-    let is_explained =
-        |pair: &&Correspondence| pair.value(at).is_some_and(|off| off[0].abs() < within);
-    Some(all.iter().filter(is_explained).count() as f64 / paint.samples.len().max(1) as f64)
+    let explained = all
+        .iter()
+        .filter(|pair| pair.value(at).is_some_and(|off| off[0].abs() < within))
+        .count();
+    Some(explained as f64 / paint.samples.len().max(1) as f64)
 }
 
 #[cfg(test)]
