@@ -56,6 +56,24 @@ pub(super) fn find_lines_in_mean(
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
 ) -> LinesInMean {
+    let mut found = LinesInMean::default();
+    let profiles = sum_profiles(camera, matched, picture);
+    for (line, profile) in profiles.iter().enumerate() {
+        match is_line(profile) {
+            Some(true) => found.seen.push(line),
+            Some(false) => found.absent.push(line),
+            None => {}
+        }
+    }
+    found
+}
+
+/// The profiles across the lines of the field, summed over all frames.
+fn sum_profiles(
+    camera: &AutocalibratedCamera,
+    matched: &MatchedFrames,
+    picture: PictureOfFrame<'_>,
+) -> Vec<Profile> {
     let num_lines = camera.field.lines.len();
     let mut sums = vec![[LineContrast::default(); NUM_PLACES]; num_lines];
     for frames in camera.frames.chunks(MAX_PICTURES_IN_MEMORY) {
@@ -77,15 +95,7 @@ pub(super) fn find_lines_in_mean(
             }
         }
     }
-    let mut found = LinesInMean::default();
-    for (line, profile) in sums.iter().enumerate() {
-        match is_line(profile) {
-            Some(true) => found.seen.push(line),
-            Some(false) => found.absent.push(line),
-            None => {}
-        }
-    }
-    found
+    sums
 }
 
 /// The profiles across the lines of the field in the picture of one frame.
@@ -180,12 +190,17 @@ mod tests {
     fn lines_below_the_noise_are_seen_in_the_mean_of_all_frames() {
         let pictures = faint_pictures(&soccer().assumed, 0.03);
         let found = look_turned(&pictures, 0.0);
-        assert!(
-            found.seen.len() >= 12 && found.absent.len() <= 2,
-            "{found:?}"
-        );
-        let points = MarkingPixels::detect(&GroundPicture::new(&pictures[3], &[])).points;
-        assert!(points.len() < 50, "no picture shows them: {}", points.len());
+        assert!(found.seen.len() >= 3 * found.absent.len(), "{found:?}");
+        assert!(found.seen.len() >= 9, "{found:?}");
+        // A detector sees next to nothing of them in one picture.
+        let num_detected = |picture: &Picture| {
+            MarkingPixels::detect(&GroundPicture::new(picture, &[]))
+                .points
+                .len()
+        };
+        let plain = draw_picture(&soccer().assumed, ptz()[3]);
+        let (faint, plain) = (num_detected(&pictures[3]), num_detected(&plain));
+        assert!(10 * faint < plain, "{faint} of {plain}");
     }
 
     #[test]

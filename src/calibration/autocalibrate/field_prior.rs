@@ -9,10 +9,10 @@ use touchline_core::solve::base::{
 };
 use touchline_documents::document::{CROWN, CameraId, DocumentAt, FieldSize};
 
-/// Lengths within this distance of the assumed one are usual, in 1-σ of the prior: a soccer pitch of
-/// 97.5 to 112.5 m by 57 to 79 m. A size that is not stated is searched among these alone. On a
-/// drawn clip whose far touchline is thinner than a pixel, the foot of the boards 10 m behind it was
-/// taken for the touchline while all sizes that the rules allow were searched: 88.8 ± 0.3 m.
+/// Lengths within this distance of the assumed one are usual, in 1-σ of the prior: a soccer pitch
+/// of 97.5 to 112.5 m by 57 to 79 m. A size that is not stated is searched among these alone. On a
+/// drawn clip whose far touchline is thinner than a pixel, the foot of the boards 10 m behind it
+/// was taken for the touchline while all sizes that the rules allow were searched: 88.8 ± 0.3 m.
 const USUAL_SIGMAS: f64 = 3.0;
 
 /// A length this near to a limit of what is usual was stopped by it, m.

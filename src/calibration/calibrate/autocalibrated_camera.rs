@@ -50,8 +50,8 @@ pub struct AutocalibratedFrame {
     /// The camera aligned to the painted lines of its own picture; none if these do not decide, or
     /// if neighbouring frames contradict them.
     pub snapped: Option<Snapped>,
-    /// The probability, from the line check of its own picture, that the aligned camera is right, or
-    /// that of all frames together where it could not be aligned. None without a picture, or if
+    /// The probability, from the line check of its own picture, that the aligned camera is right,
+    /// or that of all frames together where it could not be aligned. None without a picture, or if
     /// neighbouring frames contradict the alignment.
     pub line_check: Option<f64>,
 }

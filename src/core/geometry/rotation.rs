@@ -76,7 +76,7 @@ pub fn angle_between(a: &Mat3, b: &Mat3) -> Angle {
 /// The angle between two directions of any length but zero; exact for small angles, where an arc
 /// cosine is not.
 #[must_use]
-pub fn angle_between_directions(a: &Vec3, b: &Vec3) -> Angle {
+pub(crate) fn angle_between_directions(a: &Vec3, b: &Vec3) -> Angle {
     Angle::from_radians(a.cross(b).norm().atan2(a.dot(b)))
 }
 

@@ -5,8 +5,8 @@
 //!
 //! A camera predicts where the field's lines appear. At samples along each predicted line the
 //! picture was searched across the line, and ridges of paint were found at some offsets
-//! ([`LineObservations`]). Find the small change u of the camera after which the lines lie on the ridges
-//! and the clicks near their landmarks.
+//! ([`LineObservations`]). Find the small change u of the camera after which the lines lie on the
+//! ridges and the clicks near their landmarks.
 //!
 //! # Method
 //!

@@ -30,8 +30,8 @@ const ALONG_PX: [f64; 3] = [-2.0, 0.0, 2.0];
 const MAX_CONTRAST: f64 = 6.0;
 
 impl LineContrast {
-    /// Adds a place: a sample of a line, moved by `offset_px` along its normal. The turf beside it is
-    /// `scale` times as far away as in a small picture. Places with anything but turf on either
+    /// Adds a place: a sample of a line, moved by `offset_px` along its normal. The turf beside it
+    /// is `scale` times as far away as in a small picture. Places with anything but turf on either
     /// side do not count.
     pub fn add(&mut self, ground: &GroundPicture, sample: &LineSample, offset_px: f64, scale: f64) {
         let along = Vec2::new(-sample.normal.y, sample.normal.x);

@@ -19,8 +19,8 @@ pub struct Counters {
     pub short_files: usize,
     /// Lines of more than [`LONG_LINE`] characters.
     pub long_lines: usize,
-    /// Functions whose name is a bare participle: `judged`, `found_near`; `found_camera` is not, as it
-    /// says what it returns.
+    /// Functions whose name is a bare participle: `judged`, `found_near`; `found_camera` is not, as
+    /// it says what it returns.
     pub participles: usize,
     /// Words of the dialect that the glossary replaces, in names and comments.
     pub dialect: usize,
