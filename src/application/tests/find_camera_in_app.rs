@@ -53,7 +53,7 @@ fn found_camera(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
             ptz: ptz(index),
             uncertainty: None,
             snapped: None,
-            line_check: None,
+            unaligned_score: None,
         })
         .collect();
     let field = touchline_core::field::builtin("soccer")

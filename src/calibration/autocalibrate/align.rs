@@ -16,15 +16,14 @@ use super::error::Stop;
 use super::hypothesis::Hypothesis;
 use super::matched_frames::MatchedFrames;
 use super::progress::report;
-use super::sampled_frames::{MAX_PICTURES_IN_MEMORY, PictureOfFrame, read_pictures};
+use super::sampled_frames::{MAX_PICTURES_IN_MEMORY, PictureOfFrame};
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::{Loss, Uncertainty};
-use touchline_vision::media::Picture;
 use touchline_vision::paint::{
     GroundPicture, SnapError, SnapOptions, Snapped, check_lines, overlays_apart_px, snap,
 };
@@ -88,30 +87,32 @@ fn align_to_pictures(
                 of,
             },
         )?;
-        let indices: Vec<usize> = some.iter().map(|frame| frame.index).collect();
-        let pictures: BTreeMap<usize, Picture> =
-            read_pictures(&indices, picture).into_iter().collect();
-        some.par_iter_mut().for_each(|frame| {
-            let masks = matched
-                .number_of(frame.index)
-                .map(|number| &matched.masks[number]);
-            let Some((picture, masks)) = pictures.get(&frame.index).zip(masks) else {
-                return;
-            };
-            let ground = GroundPicture::new(picture, masks);
-            // What the picture says of the camera counts even where it is not aligned.
-            let options = SnapOptions::default();
-            let aligned = snap(&ground, field, base, frame.ptz, &[], &options);
-            let score = match &aligned {
-                Ok(snapped) => snapped.check.score,
-                Err(SnapError::NotBorneOut { score }) => *score,
-                Err(_) => check_lines(&ground, field, &PtzCamera::new(*base, frame.ptz)).score,
-            };
-            frame.line_check = Some(score);
-            frame.snapped = aligned.ok();
+        let aligned = matched.look_at_pictures(some, picture, |frame, ground| {
+            align_to_picture(&PtzCamera::new(*base, frame.ptz), field, ground)
         });
+        for (frame, aligned) in some.iter_mut().zip(aligned) {
+            (frame.snapped, frame.unaligned_score) = match aligned {
+                Some(Ok(alignment)) => (Some(alignment), None),
+                Some(Err(score)) => (None, Some(score)),
+                None => continue,
+            };
+        }
     }
     Ok(())
+}
+
+/// Aligns a camera to the painted lines of its picture. Where that fails, returns the score of the
+/// line check instead: what the picture says of the camera counts all the same.
+fn align_to_picture(
+    camera: &PtzCamera,
+    field: &FieldModel,
+    ground: &GroundPicture,
+) -> Result<Snapped, f64> {
+    let options = SnapOptions::default();
+    snap(ground, field, camera.base(), camera.ptz(), &[], &options).map_err(|error| match error {
+        SnapError::NotBorneOut { score } => score,
+        _ => check_lines(ground, field, camera).score,
+    })
 }
 
 /// All matched frames, placed by their pose priors and by the matches between them.
@@ -148,7 +149,7 @@ impl ConstrainedFrames {
             ptz: held.ptz,
             uncertainty: self.uncertainty(held),
             snapped: None,
-            line_check: None,
+            unaligned_score: None,
         };
         matched
             .indices
@@ -199,13 +200,7 @@ impl ConstrainedFrames {
                 overlays_apart_px(&camera, snapped.ptz, self.image_size)
                     <= MAX_CONTRADICTION_PX * scale
             };
-            if frame
-                .snapped
-                .as_ref()
-                .is_some_and(|snapped| !agrees(snapped))
-            {
-                (frame.snapped, frame.line_check) = (None, None);
-            }
+            frame.snapped = frame.snapped.take().filter(agrees);
         }
         // Directions come from all frames, so they are collected before uncertain frames go.
         hypothesis.camera.paint = placed.paint_directions(hypothesis);

@@ -7,13 +7,10 @@
 //! side. A line that is not there has no peak, or one beside its place.
 
 use super::matched_frames::MatchedFrames;
-use super::sampled_frames::{MAX_PICTURES_IN_MEMORY, PictureOfFrame, read_pictures};
+use super::sampled_frames::{MAX_PICTURES_IN_MEMORY, PictureOfFrame};
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
-use rayon::prelude::*;
-use std::collections::BTreeMap;
 use touchline_core::camera::PtzCamera;
 use touchline_core::markings::{SampleOptions, sample_lines};
-use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, LineContrast};
 
 /// Minimum contrast of a line, grey levels. In the mean of 30 frames, turf varies by 0.02 to 0.6,
@@ -77,17 +74,11 @@ fn sum_profiles(
     let num_lines = camera.field.lines.len();
     let mut sums = vec![[LineContrast::default(); NUM_PLACES]; num_lines];
     for frames in camera.frames.chunks(MAX_PICTURES_IN_MEMORY) {
-        let indices: Vec<usize> = frames.iter().map(|frame| frame.index).collect();
-        let pictures: BTreeMap<usize, Picture> =
-            read_pictures(&indices, picture).into_iter().collect();
-        let of_frame = |frame: &AutocalibratedFrame| {
-            let masks = &matched.masks[matched.number_of(frame.index)?];
-            let ground = GroundPicture::new(pictures.get(&frame.index)?, masks);
-            Some(profiles(camera, frame, &ground))
-        };
         // Added in the order of the frames, so that the sum does not depend on the threads.
-        let of_frames: Vec<Vec<Profile>> = frames.par_iter().filter_map(of_frame).collect();
-        for of_frame in of_frames {
+        let of_frames = matched.look_at_pictures(frames, picture, |frame, ground| {
+            profiles(camera, frame, ground)
+        });
+        for of_frame in of_frames.into_iter().flatten() {
             for (sum, profile) in sums.iter_mut().zip(of_frame) {
                 for (sum, contrast) in sum.iter_mut().zip(profile) {
                     *sum += contrast;
@@ -147,8 +138,10 @@ mod tests {
         IMAGE_SIZE, draw_picture, hypothesis, matched_views, ptz, soccer,
     };
     use super::*;
+    use rayon::prelude::*;
     use touchline_core::field::FieldModel;
     use touchline_core::geometry::Angle;
+    use touchline_vision::media::Picture;
     use touchline_vision::paint::MarkingPixels;
 
     const TURF: [f64; 3] = [60.0, 120.0, 60.0];

@@ -102,7 +102,7 @@ impl FieldPrior {
         levels
     }
 
-    /// Fields that are one step longer, shorter, wider or narrower than a field, within the rules.
+    /// Fields that are one step longer, shorter, wider or narrower than a field, within the limits.
     /// They keep its crown.
     pub fn neighbouring_sizes(&self, field: &FieldModel) -> Vec<FieldModel> {
         let Some(open) = &self.open else {
@@ -118,15 +118,10 @@ impl FieldPrior {
             let allowed = params[param].min_m..=params[param].max_m;
             allowed
                 .contains(&moved[param])
-                .then(|| open.field_with_lengths(&moved))
+                .then(|| self.resize(field, &moved))
                 .flatten()
         });
-        moved
-            .map(|moved| FieldModel {
-                crown_m: field.crown_m,
-                ..moved
-            })
-            .collect()
+        moved.collect()
     }
 
     /// A field with the assumed value of each length that its frames do not show.
@@ -143,9 +138,14 @@ impl FieldPrior {
             }
         };
         let values: Vec<f64> = sizes.iter().map(value).collect();
+        self.resize(field, &values)
+    }
+
+    /// A field with other lengths, in their order, and its own crown.
+    fn resize(&self, field: &FieldModel, values_m: &[f64]) -> Option<FieldModel> {
         Some(FieldModel {
             crown_m: field.crown_m,
-            ..self.with_lengths(&values)?
+            ..self.with_lengths(values_m)?
         })
     }
 
@@ -205,19 +205,14 @@ impl FieldPrior {
             image_width_px,
             options,
         };
-        let crowned = |values: &[f64]| {
-            Some(FieldModel {
-                crown_m: field.crown_m,
-                ..open.field_with_lengths(values)?
-            })
-        };
-        let mut sizes = fit_field_size(&crowned, &open.params_of(field), &start)?;
+        let resize = |values: &[f64]| self.resize(field, values);
+        let mut sizes = fit_field_size(&resize, &open.params_of(field), &start)?;
         // The fit starts from the size of `field`; report the deviation from what the document
         // assumes.
         for (size, param) in sizes.iter_mut().zip(&open.params) {
             size.assumed_m = param.assumed_m;
         }
-        let field = crowned(&sizes.iter().map(|size| size.value_m).collect::<Vec<_>>())?;
+        let field = resize(&sizes.iter().map(|size| size.value_m).collect::<Vec<_>>())?;
         Some((field, sizes))
     }
 }

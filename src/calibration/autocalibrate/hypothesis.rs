@@ -65,7 +65,7 @@ impl Hypothesis {
                     ptz: (*ptz)?,
                     uncertainty: None,
                     snapped: None,
-                    line_check: None,
+                    unaligned_score: None,
                 })
             });
         let camera = AutocalibratedCamera {

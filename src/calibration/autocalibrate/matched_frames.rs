@@ -8,12 +8,18 @@
 use super::error::Stop;
 use super::panorama::Panorama;
 use super::progress::report;
-use super::sampled_frames::SampledFrame;
+use super::sampled_frames::{PictureOfFrame, SampledFrame, read_pictures};
 use super::{Abstention, AutocalibrationError, AutocalibrationProgress};
+use crate::calibrate::AutocalibratedFrame;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::Features;
-use touchline_vision::paint::{GroundDirections, MarkingPixels, PersistentPoint, persistent_paint};
+use touchline_vision::media::Picture;
+use touchline_vision::paint::{
+    GroundDirections, GroundPicture, MarkingPixels, PersistentPoint, persistent_paint,
+};
 use touchline_vision::track::{
     RelativeRotations, TurnOptions, ViewGraphEdge, adjust_rotations, groups, match_frames_pairwise,
 };
@@ -120,6 +126,25 @@ impl MatchedFrames {
     /// The number within the group of a frame, from its index in the document.
     pub fn number_of(&self, index: usize) -> Option<usize> {
         self.indices.iter().position(|other| *other == index)
+    }
+
+    /// Looks at the pictures of some frames in parallel, each made ready with its masks. None for a
+    /// frame whose picture cannot be read. All these pictures are in memory at a time.
+    pub fn look_at_pictures<T: Send>(
+        &self,
+        frames: &[AutocalibratedFrame],
+        picture: PictureOfFrame<'_>,
+        look: impl Fn(&AutocalibratedFrame, &GroundPicture) -> T + Sync,
+    ) -> Vec<Option<T>> {
+        let indices: Vec<usize> = frames.iter().map(|frame| frame.index).collect();
+        let pictures: BTreeMap<usize, Picture> =
+            read_pictures(&indices, picture).into_iter().collect();
+        let of_frame = |frame: &AutocalibratedFrame| {
+            let masks = &self.masks[self.number_of(frame.index)?];
+            let ground = GroundPicture::new(pictures.get(&frame.index)?, masks);
+            Some(look(frame, &ground))
+        };
+        frames.par_iter().map(of_frame).collect()
     }
 
     /// The rotations and the panorama of paint with all focal lengths at `focal_percent` per cent

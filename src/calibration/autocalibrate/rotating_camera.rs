@@ -254,7 +254,7 @@ pub fn hypothesis(field: &FieldModel) -> Hypothesis {
             ptz,
             uncertainty: None,
             snapped: None,
-            line_check: None,
+            unaligned_score: None,
         });
     let camera = AutocalibratedCamera {
         base: base(),

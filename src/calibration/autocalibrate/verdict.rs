@@ -65,8 +65,11 @@ fn aligned_share(camera: &AutocalibratedCamera) -> f64 {
 
 /// Whether the frames together confirm a camera with which too few of them agree one by one.
 pub(super) fn is_confirmed_in_mean(camera: &AutocalibratedCamera, lines: &LinesInMean) -> bool {
-    let checks = camera.frames.iter().filter_map(|frame| frame.line_check);
-    let mean_check = checks.sum::<f64>() / camera.evidence.frames.max(1) as f64;
+    let scores = camera
+        .frames
+        .iter()
+        .filter_map(AutocalibratedFrame::line_check_score);
+    let mean_check = scores.sum::<f64>() / camera.evidence.frames.max(1) as f64;
     let num_lines = lines.seen.len() + lines.absent.len();
     mean_check >= MIN_MEAN_CHECK
         && num_lines >= MIN_LINES_IN_MEAN
@@ -189,7 +192,7 @@ mod tests {
             "no line check"
         );
         for frame in &mut camera.frames {
-            frame.line_check = Some(0.78);
+            frame.unaligned_score = Some(0.78);
         }
         assert!(is_confirmed_in_mean(&camera, &lines(9, 2)));
         assert!(
@@ -200,7 +203,7 @@ mod tests {
             !is_confirmed_in_mean(&camera, &lines(5, 0)),
             "too few lines"
         );
-        camera.frames[0].line_check = None;
+        camera.frames[0].unaligned_score = None;
         assert!(
             !is_confirmed_in_mean(&camera, &lines(9, 2)),
             "0.67 in the mean"

@@ -50,13 +50,19 @@ pub struct AutocalibratedFrame {
     /// The camera aligned to the painted lines of its own picture; none if these do not decide, or
     /// if neighbouring frames contradict them.
     pub snapped: Option<Snapped>,
-    /// The probability, from the line check of its own picture, that the aligned camera is right,
-    /// or that of all frames together where it could not be aligned. None without a picture, or if
-    /// neighbouring frames contradict the alignment.
-    pub line_check: Option<f64>,
+    /// The score of the line check that says how likely the camera is by its own picture, where
+    /// that could not be aligned; none without a picture.
+    pub unaligned_score: Option<f64>,
 }
 
 impl AutocalibratedFrame {
+    /// The probability, from the line check of its own picture, that its camera is right. None
+    /// without a picture, or if neighbouring frames contradict the alignment.
+    pub(crate) fn line_check_score(&self) -> Option<f64> {
+        let aligned = self.snapped.as_ref().map(|alignment| alignment.check.score);
+        aligned.or(self.unaligned_score)
+    }
+
     /// Pan, tilt and focal length from its own picture if that decides, else from all frames
     /// together.
     pub(crate) fn best_ptz(&self) -> Ptz {

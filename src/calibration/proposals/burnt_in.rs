@@ -6,8 +6,8 @@ use super::TrainingSample;
 use super::training_sample::FeatureRays;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
-use touchline_core::geometry::ImagePoint;
-use touchline_documents::document::{CameraId, Document, Extra, MaskSource, RangedMask};
+use touchline_core::geometry::{ImagePoint, PixelBox};
+use touchline_documents::document::{Camera, CameraId, Document, Extra, MaskSource, RangedMask};
 use touchline_vision::features::{Features, burnt_in};
 
 /// If the labels of two references move a point of the picture by more than this, the camera moved,
@@ -28,6 +28,31 @@ pub struct FoundMask {
 }
 
 impl FoundMask {
+    /// A mask for a graphic of a camera that was found in `frames`. Its range reaches to the frames
+    /// of the video just inside the two of `between`, which do not show it; it is open where there
+    /// is none.
+    pub(super) fn new(
+        camera: &Camera,
+        pixel_box: PixelBox,
+        [before, after]: [Option<u64>; 2],
+        frames: [usize; 2],
+        features: usize,
+    ) -> Self {
+        let mask = RangedMask {
+            pixel_box,
+            from: before.map(|before| before + 1),
+            to: after.map(|after| after.saturating_sub(1)),
+            source: MaskSource::Found,
+            extra: Extra::new(),
+        };
+        Self {
+            camera: camera.id.clone(),
+            mask,
+            frames,
+            features,
+        }
+    }
+
     /// Adds the graphic to the masks of its camera.
     pub fn mask_in(&self, document: &mut Document) {
         if let Some(camera) = document.camera_mut(&self.camera) {

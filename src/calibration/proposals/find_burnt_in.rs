@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use touchline_core::camera::PtzCamera;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Camera, Document, Extra, MaskSource, RangedMask};
+use touchline_documents::document::{Camera, Document};
 use touchline_vision::features::{
     BurntInGraphic, Features, ReducedPicture, StaticGraphic, burnt_in, standing_graphics,
 };
@@ -133,18 +133,13 @@ fn by_edges(
                 .and_then(|place| seen.get(place)),
         )?;
         let after = bound(last, seen.get(graphic.last + 1))?;
-        found.push(FoundMask {
-            camera: camera.id.clone(),
-            mask: RangedMask {
-                pixel_box: graphic.pixel_box,
-                from: before.map(|before| before + 1),
-                to: after.map(|after| after.saturating_sub(1)),
-                source: MaskSource::Found,
-                extra: Extra::new(),
-            },
-            frames: [first, last],
-            features: graphic.edges(),
-        });
+        found.push(FoundMask::new(
+            camera,
+            graphic.pixel_box,
+            [before, after],
+            [first, last],
+            graphic.edges(),
+        ));
     }
     Some(found)
 }
@@ -227,16 +222,11 @@ fn mask_of_graphic(
     let after = sampled
         .get(graphic.last + 1)
         .and_then(|after| document.frames[*after].video_frame_index());
-    FoundMask {
-        camera: camera.id.clone(),
-        mask: RangedMask {
-            pixel_box: graphic.pixel_box,
-            from: before.map(|before| before + 1),
-            to: after.map(|after| after.saturating_sub(1)),
-            source: MaskSource::Found,
-            extra: Extra::new(),
-        },
-        frames: [graphic.first, graphic.last].map(|picture| sampled[picture]),
-        features: graphic.features,
-    }
+    FoundMask::new(
+        camera,
+        graphic.pixel_box,
+        [before, after],
+        [graphic.first, graphic.last].map(|picture| sampled[picture]),
+        graphic.features,
+    )
 }

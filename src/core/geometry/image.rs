@@ -82,11 +82,8 @@ impl ImageSize {
     }
 
     /// The centre of one cell of such a grid, px.
-    pub(crate) fn cell_centre(
-        self,
-        [column, row]: [u32; 2],
-        [columns, rows]: [u32; 2],
-    ) -> ImagePoint {
+    #[must_use]
+    pub fn cell_centre(self, [column, row]: [u32; 2], [columns, rows]: [u32; 2]) -> ImagePoint {
         ImagePoint::new(
             cell_centre_px(column, columns, self.width),
             cell_centre_px(row, rows, self.height),

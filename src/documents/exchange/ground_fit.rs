@@ -26,8 +26,8 @@ pub fn fit_image_from_ground(
     field: &FieldModel,
 ) -> Option<Mat3> {
     let camera = pinhole.ptz_camera()?;
-    let pixels =
-        (0..GRID).flat_map(|column| (0..GRID).map(move |row| cell_centre(column, row, size)));
+    let pixels = (0..GRID)
+        .flat_map(|column| (0..GRID).map(move |row| size.cell_centre([column, row], [GRID; 2])));
     let half_m = [0.5 * field.length_m, 0.5 * field.width_m];
 
     // Only pixels that show the field itself: the grid would otherwise be dominated by distant
@@ -45,14 +45,6 @@ pub fn fit_image_from_ground(
     // The direct linear transform leaves the sign open: choose the one with positive depths.
     let depth = fitted.row(2) * Vec3::new(pairs[0].0.x, pairs[0].0.y, 1.0);
     Some(fitted * depth[0].signum())
-}
-
-/// The middle of a cell of the grid over the picture, px.
-fn cell_centre(column: u32, row: u32, size: ImageSize) -> ImagePoint {
-    ImagePoint::new(
-        (f64::from(column) + 0.5) / f64::from(GRID) * f64::from(size.width),
-        (f64::from(row) + 0.5) / f64::from(GRID) * f64::from(size.height),
-    )
 }
 
 /// The point (x, y) of the field's plan that a pixel shows, m.

@@ -122,11 +122,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
         small.clone(),
         ui.palette().weak,
     );
-    let on_line = click
-        .target
-        .as_ref()
-        .is_some_and(|target| target.line().is_some());
-    let kind = if on_line {
+    let kind = if click.is_on_line() {
         Symbol::OnLine
     } else {
         Symbol::Landmark

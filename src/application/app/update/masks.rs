@@ -5,7 +5,7 @@ use super::App;
 use crate::app::choices::{MaskList, MaskScope, Scope};
 use crate::app::session::Level;
 use touchline_core::geometry::PixelBox;
-use touchline_documents::document::{Document, Extra, Frame, MaskSource, RangedMask, Step};
+use touchline_documents::document::{Document, Extra, MaskSource, RangedMask, Step};
 
 /// Minimum size of a drawn mask, px. A smaller box is an accidental drag.
 const SMALLEST_MASK_PX: f64 = 3.0;
@@ -152,7 +152,7 @@ fn put_mask(
     let Some(frame) = document.frames.get(shown) else {
         return;
     };
-    let (here, camera) = (index_in_video(frame), frame.camera.clone());
+    let (here, camera) = (frame.video_frame_index(), frame.camera.clone());
     // The first and last frame of the range; none for a mask of single frames. A range that the
     // mask has already is cut at the shown frame.
     let range = match scope {
@@ -165,7 +165,7 @@ fn put_mask(
                 .iter()
                 .map(|&index| {
                     let frame = document.frames.get(index)?;
-                    index_in_video(frame)
+                    frame.video_frame_index()
                 })
                 .collect();
             numbers.map(|numbers| (numbers.iter().min().copied(), numbers.iter().max().copied()))
@@ -188,9 +188,4 @@ fn put_mask(
     } else {
         camera.ranged_masks.push(RangedMask { from, to, ..mask });
     }
-}
-
-/// The index of a frame in its video. `None` for a still image.
-fn index_in_video(frame: &Frame) -> Option<u64> {
-    frame.video.as_ref().map(|video| video.frame_index)
 }
