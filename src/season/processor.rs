@@ -44,6 +44,8 @@ pub fn processor_class() -> String {
 /// The processor's architecture; on x86-64 with its level, because the C library and OpenCV choose
 /// their functions by the sets that the levels comprise.
 fn instruction_set() -> String {
+    // The levels v2 to v4 of the x86-64 psABI, by those of their sets that decide about arithmetic.
+    // A level includes all below it.
     #[cfg(target_arch = "x86_64")]
     {
         let has_v2 = is_x86_feature_detected!("sse4.2") && is_x86_feature_detected!("popcnt");
@@ -82,6 +84,7 @@ fn hash_of_libraries() -> String {
             LIBRARIES.iter().any(|library| name.starts_with(library))
         })
         .collect();
+    // Sorted hashes, without names and paths: where a system keeps its libraries does not matter.
     let hashes: BTreeSet<String> = libraries
         .iter()
         .filter_map(|library| sha256_of_file(library).ok())
@@ -95,6 +98,7 @@ fn hash_of_libraries() -> String {
 
 /// The version of the ffmpeg that is on the path, as it states it; `none` without one.
 fn ffmpeg_version() -> String {
+    // A program that cannot be started counts as none, and gives the class of a machine without it.
     let output = Command::new("ffmpeg")
         .arg("-version")
         .stdin(Stdio::null())

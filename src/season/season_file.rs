@@ -24,10 +24,9 @@
 //! the line in it and the way to mend it.
 
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::io;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 use toml::Spanned;
@@ -45,13 +44,13 @@ const MAX_NAME_BYTES: usize = 100;
 const USUAL_FIELD: &str = "soccer";
 
 /// Numbers of frames from which cameras may be found.
-const LOOK_AT: Range<usize> = 3..301;
+const LOOK_AT: RangeInclusive<usize> = 3..=300;
 
 /// Lengths of a shard that are allowed, s.
-const WINDOW_S: Range<f64> = 1.0..3600.0;
+const WINDOW_S: RangeInclusive<f64> = 1.0..=3600.0;
 
 /// Numbers of images that a shard may have.
-const IMAGES: Range<usize> = 1..100_001;
+const IMAGES: RangeInclusive<usize> = 1..=100_000;
 
 /// A season: its matches, in the order of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -204,6 +203,9 @@ pub enum SeasonMistake {
     ForestAlone,
 }
 
+// The file as TOML has it. Unknown keys are refused, because a misspelt option would else be
+// ignored; values whose mistakes are found later keep their places in the text (`Spanned`).
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SeasonText {
@@ -290,8 +292,9 @@ impl SeasonFile<'_> {
         Ok(season)
     }
 
-    fn parse<T: DeserializeOwned>(&self) -> Result<T, SeasonError> {
+    fn parse(&self) -> Result<SeasonText, SeasonError> {
         toml::from_str(self.text).map_err(|error| {
+            // A message of the parser may have several lines; all messages here have one.
             let span = error.span().unwrap_or(0..0);
             let message = error.message().lines().collect::<Vec<_>>().join("; ");
             self.mistake(&span, SeasonMistake::Toml(message))
@@ -305,6 +308,8 @@ impl SeasonFile<'_> {
         fields: &BTreeMap<String, FieldSpec>,
     ) -> Result<Match, SeasonError> {
         let frames = self.existing(&text.frames)?;
+        // A mistake in the name is reported at the line of the name, or of the frames that it is
+        // taken from. The same line stands for the match in later messages.
         let (name, span) = if let Some(name) = text.name {
             (name.get_ref().clone(), name.span())
         } else {
@@ -345,6 +350,8 @@ impl SeasonFile<'_> {
             let name = found.name.clone();
             return Err(self.at_line(found.line, SeasonMistake::SameName { name, other }));
         }
+        // Two paths may lead to one video. A path that cannot be resolved is compared as it is
+        // written.
         let real = found.frames.canonicalize();
         let real = real.unwrap_or_else(|_| found.frames.clone());
         if let Some(other) = lines.of_frames.insert(real, found.line) {
@@ -366,6 +373,8 @@ impl SeasonFile<'_> {
                 let mistake = SeasonMistake::OwnTemplate { template };
                 return Err(self.mistake(&venue.field.span(), mistake));
             }
+            // The field is built once here and dropped: a wrong parameter is reported with its
+            // line, not by a shard on another machine.
             spec.model(folder_of(self.path))
                 .map_err(|error| self.mistake(&venue.field.span(), error.into()))?;
             let name = venue.name.get_ref().clone();
@@ -377,6 +386,7 @@ impl SeasonFile<'_> {
         Ok(fields)
     }
 
+    /// The usual options, with those that a text states in their place.
     fn options(
         &self,
         usual: ShardOptions,
@@ -395,8 +405,8 @@ impl SeasonFile<'_> {
                 let mistake = SeasonMistake::Range {
                     option: "window_s",
                     found: options.window_s,
-                    least: WINDOW_S.start,
-                    most: WINDOW_S.end,
+                    least: *WINDOW_S.start(),
+                    most: *WINDOW_S.end(),
                 };
                 return Err(self.mistake(&window_s.span(), mistake));
             }
@@ -408,7 +418,7 @@ impl SeasonFile<'_> {
         &self,
         option: &'static str,
         count: &Spanned<usize>,
-        range: &Range<usize>,
+        range: &RangeInclusive<usize>,
     ) -> Result<usize, SeasonError> {
         let found = *count.get_ref();
         if range.contains(&found) {
@@ -417,8 +427,8 @@ impl SeasonFile<'_> {
         let mistake = SeasonMistake::Range {
             option,
             found: found as f64,
-            least: range.start as f64,
-            most: (range.end - 1) as f64,
+            least: *range.start() as f64,
+            most: *range.end() as f64,
         };
         Err(self.mistake(&count.span(), mistake))
     }
@@ -445,6 +455,8 @@ impl SeasonFile<'_> {
     }
 
     fn line_of(&self, span: &Range<usize>) -> usize {
+        // A span that does not fit the text, which the parser never gives, counts as the first
+        // line.
         let before = self.text.get(..span.start).unwrap_or_default();
         1 + before.matches('\n').count()
     }
@@ -457,6 +469,8 @@ struct Lines {
     of_frames: BTreeMap<PathBuf, usize>,
 }
 
+/// Whether a folder of any system may have this name: no separators, no signs that Windows
+/// reserves, and neither blanks nor dots at the ends, which Windows drops or which hide a folder.
 fn is_folder_name(name: &str) -> bool {
     !name.is_empty()
         && name.len() <= MAX_NAME_BYTES
@@ -495,7 +509,7 @@ mod tests {
         let path = folder.path().join("season.toml");
         let text = "
             [options]
-            window_s = 30
+            window_s = 3600
             [[venue]]
             name = 'Park'
             field = 'soccer'
@@ -523,7 +537,7 @@ mod tests {
         assert_eq!(second.project, Some(folder.path().join("p.json")));
         assert_eq!(second.field.params["length_m"], 101.5);
         let usual = ShardOptions {
-            window_s: 30.0,
+            window_s: 3600.0,
             ..ShardOptions::default()
         };
         assert_eq!(first.options, usual);

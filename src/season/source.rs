@@ -13,6 +13,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use thiserror::Error;
+use touchline_documents::document::generator;
 use touchline_documents::store::write_atomically;
 use touchline_vision::media::{FrameSource, MediaError, sha256_of_bytes, sha256_of_file};
 
@@ -84,11 +85,13 @@ struct Kept {
 /// # Errors
 /// The frames cannot be read, or there is none.
 pub fn examine_source(path: &Path) -> Result<SourceState, SourceError> {
+    // Names, sizes and times are read before the contents and again after them. A change in between
+    // then shows, and the hash is not kept.
     let kept_at = sidecar_path(path);
     let files = files_of(path)?;
     if let Some(kept) = read_kept(&kept_at)
         && kept.files == files.hash
-        && kept.program == program()
+        && kept.program == generator()
     {
         return Ok(kept.state);
     }
@@ -107,13 +110,13 @@ pub fn examine_source(path: &Path) -> Result<SourceState, SourceError> {
         num_frames: source.len(),
         fps,
     };
-    // Written only if nothing changed meanwhile, and long enough after the last change.
+    // A time in the future, of a clock that is wrong, never counts as settled.
     let is_settled = SystemTime::now()
         .duration_since(files.newest)
         .is_ok_and(|age| age > SETTLED);
     if is_settled && files_of(path).is_ok_and(|now| now.hash == files.hash) {
         let kept = Kept {
-            program: program(),
+            program: generator(),
             files: files.hash,
             state: state.clone(),
         };
@@ -141,10 +144,6 @@ pub fn place_of_source(path: &Path) -> Result<(PathBuf, String), SourceError> {
         return Err(SourceError::NotUtf8 { path: real });
     };
     Ok((folder.to_path_buf(), name.to_owned()))
-}
-
-fn program() -> String {
-    touchline_documents::document::generator()
 }
 
 fn sidecar_path(path: &Path) -> PathBuf {
@@ -181,6 +180,8 @@ fn files_of(path: &Path) -> Result<Files, SourceError> {
             path: image.clone(),
             source,
         })?;
+        // The zero bytes separate the parts: no name contains one. A time before 1970 counts as
+        // 1970, which still gives the same text for the same file.
         let since = modified.duration_since(UNIX_EPOCH).unwrap_or_default();
         let name = image.file_name().unwrap_or_default().to_string_lossy();
         // Writing to a string cannot fail.
@@ -193,6 +194,7 @@ fn files_of(path: &Path) -> Result<Files, SourceError> {
     })
 }
 
+/// The hash of a folder's images by their names and contents, in the order of the listing.
 fn hash_of_images(images: &[PathBuf]) -> Result<String, MediaError> {
     let mut text = String::new();
     for image in images {

@@ -57,6 +57,7 @@ impl CameraText {
     #[must_use]
     pub fn format(self, camera: &PtzCamera) -> String {
         let ptz = camera.ptz();
+        // x_cam = R (x_world − C): the image of the origin is t = −R C.
         let translation_m = camera.cam_from_world_point(Vec3::zeros());
         let axis = |unit: Vec3| camera.cam_from_world_point(unit) - translation_m;
         // The columns of the rotation are the axes of the world in the camera's frame.

@@ -5,9 +5,6 @@
 //! is available, and why not. An [`super::Action`] is more general: it has arguments, and one of
 //! its variants is a command.
 
-use super::command_kind::CommandKind;
-use super::menu_group::MenuGroup;
-
 /// Something that the user can start by menu, key or palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(
@@ -138,6 +135,68 @@ pub enum Command {
     Messages,
     DismissNotices,
     About,
+}
+
+/// What a command acts on. Determines whether the command is available during a blind round, or
+/// while another page covers the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommandKind {
+    /// The application itself; labels are neither shown nor changed.
+    Application,
+    /// The zoom, of the picture or of the quality page's time axis.
+    Zoom,
+    /// A blind round.
+    Round,
+    /// The shown picture or the selection in it; not available while another page covers it.
+    Picture,
+    /// The document as a whole, another frame, a panel.
+    Document,
+}
+
+impl CommandKind {
+    /// Whether the command is available during a blind round, because it neither shows the label
+    /// nor leaves the round.
+    #[must_use]
+    pub const fn is_blind(self) -> bool {
+        matches!(self, Self::Application | Self::Zoom | Self::Round)
+    }
+}
+
+/// The menu that lists a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the menu's own titles")]
+pub enum MenuGroup {
+    File,
+    Edit,
+    Frame,
+    Camera,
+    View,
+    Help,
+}
+
+impl MenuGroup {
+    /// All menus, in order.
+    pub const ALL: [Self; 6] = [
+        Self::File,
+        Self::Edit,
+        Self::Frame,
+        Self::Camera,
+        Self::View,
+        Self::Help,
+    ];
+
+    /// The menu's title.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Edit => "Edit",
+            Self::Frame => "Frame",
+            Self::Camera => "Camera",
+            Self::View => "View",
+            Self::Help => "Help",
+        }
+    }
 }
 
 /// A row of the table of commands.

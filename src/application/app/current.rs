@@ -113,6 +113,8 @@ impl Current {
             *self = Self::default();
             return;
         };
+        // Three parts with inputs of their own: a pointer that moves changes only the preview, and
+        // a drag changes the frame many times a second.
         let shown = (session.frame, open.document.version());
         let changed = self.basis.shown != Some(shown);
         if changed {
@@ -132,11 +134,8 @@ impl Current {
             self.basis.trial = trial;
         }
         // A different estimate is a different allocation.
-        let same = match (proposed, &self.basis.proposed) {
-            (Some(now), Some(before)) => Arc::ptr_eq(now, before),
-            (now, before) => now.is_none() && before.is_none(),
-        };
-        if changed || !same {
+        let is_same = proposed.map(Arc::as_ptr) == self.basis.proposed.as_ref().map(Arc::as_ptr);
+        if changed || !is_same {
             self.proposal =
                 proposed.and_then(|found| WithProposal::derive(open, session.frame, found));
             self.basis.proposed = proposed.cloned();
@@ -187,6 +186,7 @@ impl Current {
             }
             _ => None,
         };
+        // Fetched again, because the solve above needed the document for itself.
         let Some(frame) = open.document.frames.get(index) else {
             return Self::default();
         };
@@ -222,6 +222,7 @@ impl Current {
             .for_frame(index)
             .filter(disagrees);
         let readiness = open.derived.lookup(&open.document).readiness(&frame.camera);
+        // Clicks that the estimate of the base found wrong, and those that this solve finds wrong.
         let mut disputed = frame
             .solution
             .as_ref()
@@ -262,6 +263,8 @@ impl Current {
         let Some(base) = self.base else {
             return camera_alone(&open.document, frame, field);
         };
+        // Solve a copy of the frame that has the trial click: the document changes only when the
+        // user places it.
         let trial = trial?;
         let mut with = frame.clone();
         match trial.replaced {
@@ -377,6 +380,7 @@ fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
             click: Click::new(target.clone(), session.points.hover?),
             replaced: None,
         }),
+        // A name that another click has would make two clicks on one landmark: no trial.
         Mode::Naming(naming) => {
             let at = frame.clicks.get(naming.click)?.image;
             let chosen = naming.chosen().filter(|chosen| chosen.in_use.is_none())?;
@@ -410,6 +414,8 @@ pub(super) fn rank_names(
         .document
         .camera_of(frame)
         .and_then(|camera| camera.base_for(frame));
+    // A click that the field lacks makes the observations invalid; the name is then ranked without
+    // the other clicks.
     let neighbours = solved_neighbours(&open.document, frame_index);
     let named = observations(&others, &field).unwrap_or_default();
     // The frame's camera. First from the other clicks. If none of them is named, the proposed
@@ -469,20 +475,31 @@ fn ptz_in_other_shots(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
     };
+    nearest_on_both_sides(open, frame_index, ELSEWHERE, |other| {
+        vouches_in_other_shot(other, frame)
+    })
+    .into_iter()
+    .filter_map(|at| Some(open.frame(at)?.ptz.as_ref()?.ptz()))
+    .collect()
+}
+
+/// The indices of the nearest frames for which `wanted` is true: up to `most` before a frame, and
+/// up to `most` after it.
+fn nearest_on_both_sides(
+    open: &OpenProject,
+    frame_index: usize,
+    most: usize,
+    wanted: impl Fn(&Frame) -> bool,
+) -> Vec<usize> {
     let mut found = Vec::new();
     for forward in [false, true] {
         let mut at = frame_index;
-        for _ in 0..ELSEWHERE {
-            let next = open.find(at, forward, |other| vouches_in_other_shot(other, frame));
-            let Some(next) = next else {
+        for _ in 0..most {
+            let Some(next) = open.find(at, forward, &wanted) else {
                 break;
             };
             at = next;
-            found.extend(
-                open.frame(at)
-                    .and_then(|frame| frame.ptz.as_ref())
-                    .map(FramePtz::ptz),
-            );
+            found.push(at);
         }
     }
     found
@@ -516,30 +533,19 @@ fn neighbour_clicks(open: &OpenProject, frame_index: usize) -> Vec<NeighbourClic
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
     };
-    let mut clicks = Vec::new();
-    for forward in [false, true] {
-        let mut at = frame_index;
-        for _ in 0..REMEMBERED_FRAMES {
-            let labelled = open.find(at, forward, |other| {
-                other.camera == frame.camera && !other.clicks.is_empty()
-            });
-            let Some(found) = labelled else {
-                break;
-            };
-            at = found;
-            let named = open
-                .frame(found)
-                .into_iter()
-                .flat_map(|frame| &frame.clicks);
-            clicks.extend(named.filter_map(|click| {
-                Some(NeighbourClick {
-                    target: click.target.clone()?,
-                    image: click.image,
-                })
-            }));
-        }
-    }
-    clicks
+    let labelled = nearest_on_both_sides(open, frame_index, REMEMBERED_FRAMES, |other| {
+        other.camera == frame.camera && !other.clicks.is_empty()
+    });
+    let frames = labelled.into_iter().filter_map(|at| open.frame(at));
+    frames
+        .flat_map(|frame| &frame.clicks)
+        .filter_map(|click| {
+            Some(NeighbourClick {
+                target: click.target.clone()?,
+                image: click.image,
+            })
+        })
+        .collect()
 }
 
 #[cfg(test)]

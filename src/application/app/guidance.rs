@@ -59,6 +59,7 @@ pub fn next_step(app: &App) -> Guidance {
             "Click a point to look at its frame; {key} or Esc goes back to the picture."
         ));
     }
+    // From what the user is in the middle of to what the frame lacks.
     begun(app)
         .or_else(|| guide_base_estimate(app))
         .or_else(|| stretch(app))
@@ -281,6 +282,8 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
     if frame.is_snapped() {
         return Guidance::say(snapped_frame_text(app, frame));
     }
+    // While the clicks do not suffice, say what is missing, unless the frame shows a proposal,
+    // which the last arm explains.
     match &current.solution {
         Some(Ok(_)) => Guidance::say(
             match current

@@ -42,6 +42,7 @@ impl FromStr for Chord {
     type Err = ChordError;
 
     fn from_str(text: &str) -> Result<Self, ChordError> {
+        // The key is the last part. The key + itself is written "Plus".
         let mut parts: Vec<&str> = text.split('+').map(str::trim).collect();
         let key = parts
             .pop()
@@ -163,6 +164,7 @@ impl Keymap {
 
     /// Gives a command one key. Returns the command that had the key and loses it, if any.
     pub fn assign(&mut self, command: Command, chord: Chord) -> Option<Command> {
+        // A key starts one command only: whichever had it loses it, but keeps its other keys.
         let loser =
             Command::all().find(|other| *other != command && self.chords(*other).contains(&chord));
         if let Some(loser) = loser {

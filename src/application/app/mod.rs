@@ -10,8 +10,7 @@
 //! | [`Session`] | what the window shows and what the user is doing: neither saved nor undone |
 //! | [`OpenProject`] | the document, its history of undo, and the suggestions |
 //! | [`Operations`] | slow work on the open document, and its results |
-//! | [`Current`], [`Review`], [`Quality`] | values derived from the others after every action,
-//! never stored |
+//! | [`Current`], [`Review`], [`Quality`] | derived from the others after every action |
 //!
 //! [`scene`](crate::scene) derives from the state what is drawn, as plain data.
 
@@ -19,7 +18,6 @@ mod action;
 pub mod camera_text;
 mod choices;
 mod command;
-mod command_kind;
 mod current;
 mod derived;
 mod dialog;
@@ -28,7 +26,6 @@ mod filter;
 pub mod guidance;
 pub mod guide;
 mod keymap;
-mod menu_group;
 mod mode;
 pub mod naming;
 mod notice;
@@ -52,7 +49,6 @@ pub mod session;
 pub mod settings;
 mod shown;
 pub mod synonyms;
-mod tool;
 pub mod tour;
 mod trainer;
 mod update;
@@ -64,23 +60,20 @@ pub use action::{
     Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction,
 };
 pub use choices::{CameraChoice, MaskList, MaskScope};
-pub use command::Command;
-pub use command_kind::CommandKind;
+pub use command::{Command, CommandKind, MenuGroup};
 pub use current::Current;
 pub use derived::{FrameCounts, GoldWork};
 pub use effect::{Effect, Opening, OrphanOrder, Snapshot};
 pub use keymap::{Chord, ChordError, Keymap};
-pub use menu_group::MenuGroup;
 pub use open_project::OpenProject;
 pub use opened::{Opened, OutsideChoice};
 pub use operations::{LineCheckSummary, transfer};
 pub use proposed_base::WithProposal;
 pub use review_queue::{QueuedFrame, ReviewQueue};
 pub use sentence::sentence;
-pub use session::Question;
+pub use session::{Question, Tool};
 pub use settings::{Settings, WindowPlace};
 pub use shown::DisplayedValues;
-pub use tool::Tool;
 pub use trainer::{
     AnswerKey, ForestFacts, TrainerActivity, TrainerOrder, TrainerReport, TrainerState,
     TrainerStatus, UnusableReference, describe_estimate, describe_left,

@@ -280,6 +280,7 @@ fn rank_as_second_point(
     at: ImagePoint,
 ) -> Ranking {
     let id = landmark.id.as_str();
+    // The trial click gets an index behind the others, so that none has two positions.
     let last = scene.named.iter().map(|named| named.click).max();
     let next = last.map_or(0, |last| last + 1);
     let second = Observation::from_landmark(scene.field, id, at, scene.image_size, next).ok();
@@ -309,6 +310,9 @@ fn solve_with_second_point(
     };
     let solved = solve_frame(base, &observations, &context).ok()?;
 
+    // How far the camera would have moved since the best known one. If none is known, compare with
+    // an ordinary view of a broadcast; a camera outside of the ranges that any view has scores as
+    // if there were no evidence.
     let motion_from = |other: &Ptz| motion_between(other, &solved.ptz, scene.image_size);
     let score = if let Some(neighbour) = scene.neighbours.first() {
         motion_from(neighbour)
@@ -438,6 +442,8 @@ fn score_by_neighbour_clicks(
 /// sixth of it, or a zoom by a fifth; up to there a neighbouring frame vouches for a camera.
 fn motion_between(from: &Ptz, to: &Ptz, image_size: ImageSize) -> f64 {
     let third_px = f64::from(image_size.width) / 3.0;
+    // A turn by a small angle moves the picture by that angle times the focal length, px. 1.2 is
+    // the zoom by a fifth.
     let pan = to.pan.turn_from(from.pan).radians() * from.focal_px / third_px;
     let tilt = to.tilt.turn_from(from.tilt).radians() * from.focal_px / third_px;
     let zoom = (to.focal_px / from.focal_px).ln() / 1.2_f64.ln();
@@ -450,6 +456,7 @@ fn motion_between(from: &Ptz, to: &Ptz, image_size: ImageSize) -> f64 {
 fn distance_from_broadcast_view(ptz: &Ptz, base: &CameraBase, image_size: ImageSize) -> f64 {
     let field_centre = PanTilt::from_direction(base.base_from_world_point(Vec3::zeros()));
     let usual_pan = AngleRange::around(field_centre.pan, Angle::from_degrees(60.0));
+    // Zooms multiply, so that the focal length is compared by its logarithm: ln 1.4 ≈ 1/3.
     let focal_widths = ptz.focal_px / f64::from(image_size.width);
     distance_from_range(ptz.tilt.degrees(), -25.0, -3.0) / 5.0
         + usual_pan.distance(ptz.pan).degrees() / 20.0

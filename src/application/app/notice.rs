@@ -59,10 +59,12 @@ impl Messages {
         const WAITING: usize = 20;
         /// Maximum number of messages in the log.
         const REMEMBERED: usize = 200;
+        // The log has every message, also repeated ones: it shows what happened in which order.
         if self.log.len() >= REMEMBERED {
             self.log.remove(0);
         }
         self.log.push((level, text.clone()));
+        // A repeated message moves to the end under a new number, so that the window shows it anew.
         self.notices.retain(|notice| notice.text != text);
         self.last_id += 1;
         self.notices.push(Notice {

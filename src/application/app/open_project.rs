@@ -126,9 +126,11 @@ impl OpenProject {
     /// The changes since the last call, to be written to the journal; none if there are none.
     /// `kind` says what undo and redo make of the edit.
     pub(super) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
+        // Frames from which the user's work was removed show their suggestion again.
         for (position, frame) in self.project.not_shown_in(&self.document) {
             self.document.frames[position] = frame;
         }
+        // `take_in` writes nothing but the revisions of frames, from which nothing is derived.
         let edit = self
             .project
             .take_in(self.document.keeping_version(), name)?
@@ -153,6 +155,7 @@ impl OpenProject {
     /// Takes in proposals of forests as suggestions. Returns the edit for the journal; none if
     /// nothing changes. Proposals of any but the newest forest are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<Edit> {
+        // Reports of one forest may arrive after those of the next one, which knows more.
         let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
         self.forest_generation = self.forest_generation.max(newest);
         let current = proposals
@@ -186,6 +189,8 @@ impl OpenProject {
     /// Adds suggestions to a batch; this is no step of undo. Returns the edit for the journal; none
     /// if nothing changes.
     pub(super) fn suggest(&mut self, batch: BatchId, updates: &[SuggestionUpdate]) -> Option<Edit> {
+        // Change a copy: writing into the document raises its version, which costs all derived
+        // values, and often nothing changes.
         let mut document = self.document.clone();
         let edit = self.project.suggest(&mut document, batch, updates)?;
         *self.document = document;
@@ -339,6 +344,8 @@ impl OpenProject {
     /// whole history changes, and the result is true.
     pub(super) fn mark_shots(&mut self, shots: VideoShots, step: Step, num_below: usize) -> bool {
         let before = self.project.edits_in(&self.document);
+        // A step on top of the user's own would be the first to be undone, although the search was
+        // started before them. With steps to redo, a new step would drop those.
         let goes_beneath =
             num_below < self.history.num_done() || self.history.next_redo().is_some();
         if !goes_beneath {
@@ -355,6 +362,8 @@ impl OpenProject {
 
     /// Undoes the last step (`back`) or redoes the next one, and returns it.
     pub(super) fn undo(&mut self, back: bool) -> Option<Step> {
+        // The history has the users' work alone. Undo there, then show the suggestions in the
+        // frames that have no work afterwards.
         let mut edited = self.project.edits_in(&self.document);
         let step = if back {
             self.history.undo(&mut edited)

@@ -34,6 +34,7 @@ impl std::str::FromStr for FrameOrTime {
             return Err(wrong());
         }
         for (at, part) in parts.iter().enumerate() {
+            // `f64` also parses "inf", "nan" and "1e3", which users do not mean as times.
             let number: f64 = Some(*part)
                 .filter(|part| is_plain_number(part))
                 .and_then(|part| part.parse().ok())
@@ -60,6 +61,7 @@ fn is_plain_number(text: &str) -> bool {
 /// A time as text, such as "1:23.40" or "1:02:03.40".
 #[must_use]
 pub fn time_code(seconds: f64) -> String {
+    // Round once, before the parts are taken: 59.999 s is "1:00.00", not "0:60.00".
     let hundredths = (100.0 * seconds.max(0.0)).round() as u64;
     let (hours, minutes) = (hundredths / 360_000, hundredths / 6_000 % 60);
     let rest = format!("{:02}.{:02}", hundredths / 100 % 60, hundredths % 100);

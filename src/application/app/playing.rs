@@ -48,26 +48,46 @@ impl PlayClock {
         open: &OpenProject,
         is_there: impl Fn(usize) -> bool,
     ) -> usize {
-        let elapsed_s = (now_s - self.started_s) * self.speed;
         let last = open.document.frames.len().saturating_sub(1);
-        let mut due = self.shown;
-        while due < last && time_s(open, due + 1) - time_s(open, self.from) <= elapsed_s {
-            if !is_there(due + 1) {
-                *self = Self::start(now_s, due, self.speed);
+        // Several frames may be due since the last call: all but the last of them are skipped.
+        while self.shown < last && self.next_due_s(open) <= now_s {
+            let next = self.shown + 1;
+            if !is_there(next) {
+                *self = Self::start(now_s, self.shown, self.speed);
                 break;
             }
-            due += 1;
+            // Each video has its own times, so that the clock goes on from the first frame of the
+            // next one.
+            if !is_same_video(open, self.shown, next) {
+                *self = Self::start(self.next_due_s(open), next, self.speed);
+            }
+            self.shown = next;
         }
-        self.shown = due;
-        due
+        self.shown
     }
 
     /// The time until the next frame is due, s.
     #[must_use]
     pub fn until_next_s(&self, now_s: f64, open: &OpenProject) -> f64 {
-        let due_s = (time_s(open, self.shown + 1) - time_s(open, self.from)) / self.speed;
-        (self.started_s + due_s - now_s).max(0.0)
+        (self.next_due_s(open) - now_s).max(0.0)
     }
+
+    /// When the frame after the shown one is due, s, on the caller's clock.
+    fn next_due_s(&self, open: &OpenProject) -> f64 {
+        let next = self.shown + 1;
+        let next_s = if is_same_video(open, self.shown, next) {
+            time_s(open, next)
+        } else {
+            time_s(open, self.shown) + UNKNOWN_SPACING_S
+        };
+        self.started_s + (next_s - time_s(open, self.from)) / self.speed
+    }
+}
+
+/// Whether two frames are of the same video, or both of none.
+fn is_same_video(open: &OpenProject, one: usize, other: usize) -> bool {
+    let [one, other] = [one, other].map(|at| Some(&open.frame(at)?.video.as_ref()?.path));
+    one == other
 }
 
 /// The time of a frame, s from the start of its own video.
@@ -117,6 +137,26 @@ mod tests {
         assert_eq!(clock.frame_at(200.0, &open, |_| true), 9, "the end");
         let mut slow = PlayClock::start(0.0, 0, 0.5);
         assert_eq!(slow.frame_at(0.13, &open, |_| true), 1);
+    }
+
+    #[test]
+    fn the_next_video_is_played_at_its_own_rate() {
+        let mut open = open();
+        for index in 0..10_u64 {
+            let video = VideoFrame::new("second.mp4", index, Some(index as f64 / 25.0));
+            let frame = Frame::from_video(video, "main".into(), ImageSize::new(64, 36));
+            open.document.frames.push(frame.into());
+        }
+        let mut clock = PlayClock::start(100.0, 8, 1.0);
+        assert_eq!(clock.frame_at(100.05, &open, |_| true), 9);
+        assert!((clock.until_next_s(100.05, &open) - 0.03).abs() < 1e-9);
+        assert_eq!(clock.frame_at(100.09, &open, |_| true), 10);
+        assert_eq!(
+            clock.frame_at(100.11, &open, |_| true),
+            10,
+            "its times begin at zero again"
+        );
+        assert_eq!(clock.frame_at(100.17, &open, |_| true), 12);
     }
 
     #[test]

@@ -16,6 +16,7 @@ pub(super) struct Prepared {
 
 impl Prepared {
     pub(super) fn from_document(document: Document) -> Self {
+        // The window's first update then finds both for version 0, with which it begins as well.
         let mut derived = Derived::default();
         let document = Versioned::new(document);
         derived.counts(&document);

@@ -46,6 +46,7 @@ impl WithProposal {
         let solution = is_named.then(|| {
             calibrate(
                 &document,
+                // The copy has the same frames, so that their lookup is valid for it.
                 open.derived.lookup(&open.document),
                 frame,
                 &field,

@@ -92,6 +92,7 @@ impl App {
             }
             return true;
         }
+        // In another project the queue waits; `continue_queue` shows the frame once that is open.
         if let Some(project) = next
             && !self.show_queued_frame()
         {

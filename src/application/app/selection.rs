@@ -67,6 +67,7 @@ pub(super) fn after_click(
                 .collect();
         }
         Selecting::Toggle => {
+            // The shown frame is the first of a selection that begins here.
             if selected.is_empty() {
                 selected.insert(session.frame);
             }

@@ -8,12 +8,11 @@ pub use super::notice::{Level, Messages, Notice, in_row};
 use super::choices::QualityChoice;
 use super::guide::GuidePage;
 use super::review_choice::ReviewChoice;
-use super::tool::Tool;
 use super::tour::Tour;
 use super::video::VideoState;
 use super::{Command, TrainerState};
 use crate::scene::uncertainty::UncertaintyView;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{FrameId, RejectReason, Target};
@@ -97,6 +96,22 @@ pub struct PictureDisplay {
     pub tool: Tool,
 }
 
+/// What a press in the picture does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    /// Places a point, or drags the point, landmark or line under it.
+    #[default]
+    Point,
+    /// Selects and drags points and moves the picture; places nothing.
+    Select,
+    /// Places a point on a line.
+    Line,
+    /// Places a check point: it is left out of the solve, and its error is shown.
+    Check,
+    /// Draws a mask: a box that is excluded from feature detection.
+    Mask,
+}
+
 /// What has been written to disk, and what waits for it.
 #[derive(Debug, Default)]
 pub struct DiskState {
@@ -130,10 +145,11 @@ pub struct PendingAcceptance {
 }
 
 /// Revisions of the document that were copied to other folders.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Copies {
-    /// The revision that is being copied.
-    pub begun: Option<u64>,
+    /// The revision that is being copied to each folder. Several copies may be written at once, and
+    /// any of them may fail.
+    pub begun: BTreeMap<PathBuf, u64>,
     /// The latest revision that was copied.
     pub written: Option<u64>,
 }

@@ -214,6 +214,7 @@ impl WindowPlace {
     /// The same with numbers clamped to their ranges. None if the size is not plausible.
     fn within_limits(self) -> Option<Self> {
         let size = self.size;
+        // No desktop is larger than 20,000 points: such numbers are damage or a slip of the hand.
         let is_usable = size
             .iter()
             .all(|side| side.is_finite() && *side <= 20_000.0);

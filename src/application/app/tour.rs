@@ -167,6 +167,7 @@ impl Tour {
 
     /// Advances to the next step if the present one is done.
     pub(super) fn look(&mut self, seen: TourView) {
+        // A step is done when the document shows its result, however the user came there.
         let since = &self.since;
         let (done, next) = match self.step {
             TourStep::FirstPoint => (seen.named > since.named, TourStep::SecondPoint),

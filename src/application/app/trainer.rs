@@ -180,6 +180,7 @@ impl TrainerActivity {
         /// Minimum time from which a pace is estimated.
         const LEAST: Duration = Duration::from_secs(4);
         let (now, then) = (self.share()?, earlier.share()?);
+        // The pace since `earlier`, continued: the remaining share takes as long per part.
         let done = now.done.checked_sub(then.done).filter(|done| *done > 0)?;
         let is_paced = self.is_kind_of(earlier) && elapsed >= LEAST;
         is_paced.then(|| elapsed.mul_f64(now.of.saturating_sub(now.done) as f64 / done as f64))

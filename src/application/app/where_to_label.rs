@@ -35,6 +35,7 @@ pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> O
         (Some(which), None) | (None, Some(which)) => which,
         (Some(without), Some(unsure)) => format!("{without}, {unsure}"),
     };
+    // Advice needs features, hence a picture of at least one of the frames.
     let Some(LabelNext {
         frame,
         pan_deg,

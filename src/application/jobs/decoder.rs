@@ -118,12 +118,7 @@ impl Decoder {
     fn sharing(pictures: SharedPictures, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
         Ok(Self {
             worker: FrameWorker::spawn("decoder", wake, None, make_reader)?,
-            memory: Memory {
-                current: None,
-                cache: pictures,
-                failures: BTreeMap::new(),
-                unpolled: Vec::new(),
-            },
+            memory: Memory::new(pictures),
             requested: None,
         })
     }
@@ -147,9 +142,12 @@ impl Decoder {
         self.memory.current = Some(current.clone());
         let memory = &mut self.memory;
         self.worker.replace_queue(|reports| {
+            // Reports come first: a frame that has arrived is not missing any more.
             for report in reports {
                 memory.take_in(report);
             }
+            // Forget the failure of a frame only when the user comes to it. Otherwise each request
+            // would read a damaged neighbour again.
             if is_new {
                 memory.failures.remove(current);
             }
@@ -168,13 +166,9 @@ impl Decoder {
     pub fn clear(&mut self) {
         self.worker.replace_queue(|_| Choice::default());
         self.requested = None;
+        // The cache is emptied, not replaced: filmstrip, trainer and operations share it.
         self.memory.cache.clear();
-        self.memory = Memory {
-            current: None,
-            cache: self.memory.cache.clone(),
-            failures: BTreeMap::new(),
-            unpolled: Vec::new(),
-        };
+        self.memory = Memory::new(self.memory.cache.clone());
     }
 
     /// The reports that have arrived since the last call. Call it whenever the window is drawn.
@@ -221,6 +215,15 @@ impl Decoder {
 }
 
 impl Memory {
+    const fn new(cache: SharedPictures) -> Self {
+        Self {
+            current: None,
+            cache,
+            failures: BTreeMap::new(),
+            unpolled: Vec::new(),
+        }
+    }
+
     /// Takes in a report of the worker: keeps pictures and failures, and queues what the owner
     /// should see.
     fn take_in(&mut self, report: WorkReport) {
@@ -239,6 +242,7 @@ impl Memory {
                 DecoderReport::Failed { frame, error }
             }
             WorkReport::Panicked(frame, message) => {
+                // Also a failure, so that the frame is not requested, and panics, once more.
                 let path = frame.path().to_path_buf();
                 self.failures.insert(
                     frame.clone(),

@@ -56,6 +56,8 @@ fn draw(
 /// The folder of the demo: beside an installed program, or in the source tree where it was built.
 fn find_demo_folder() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
+    // `bin` and `share` of an installation are siblings; `target/release` lies two folders below
+    // the source tree.
     let beside = program.ancestors().skip(1).take(4);
     beside
         .flat_map(|folder| {
@@ -72,6 +74,7 @@ fn find_demo_folder() -> Option<PathBuf> {
 fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(to)?;
     let mut entries = std::fs::read_dir(from)?.collect::<std::io::Result<Vec<_>>>()?;
+    // `false` sorts before `true`: the project file comes after everything else.
     entries.sort_by_key(|entry| (entry.file_name() == PROJECT_FILE, entry.file_name()));
     for entry in entries {
         let target = to.join(entry.file_name());

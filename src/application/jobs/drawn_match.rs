@@ -149,6 +149,7 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
             .frames
             .push(true_frame(&frame, &camera, step, &drawn).into());
         // References are spread evenly: the share so far lags behind the ordered one.
+        // A frame with too little of the field in view leaves the lag to the next one.
         let due = order.references * (index + 1) as f64 > f64::from(references);
         if due && solve_as_reference(&mut frame, &project, &scene, &camera, &drawn, index) {
             references += 1;

@@ -56,6 +56,8 @@ impl FrameOrders {
             .into_iter()
             .filter(|frame| reading != Some(frame) && chosen.insert(frame.clone()))
             .collect();
+        // Compare files, not frames: what can be stopped is counting the frames of a video, and all
+        // its frames need that count.
         if let Some(reading) = &mut self.reading {
             reading.is_wanted = wanted
                 .iter()
@@ -99,8 +101,8 @@ impl FrameOrders {
         self.reading = None;
     }
 
-    /// Records that reading was stopped. If the frame has been requested again meanwhile, it
-    /// returns to the front of the queue.
+    /// Records that reading was stopped. If a frame of the same file has been requested again
+    /// meanwhile, the frame returns to the front of the queue.
     pub(super) fn give_up(&mut self) {
         if let Some(reading) = self.reading.take().filter(|reading| reading.is_wanted) {
             self.queue.push_front(reading.frame);

@@ -122,6 +122,8 @@ impl WorkerThread<'_> {
             let is_there = self
                 .mailbox
                 .wait_for(None, |orders| (!orders.is_empty()).then_some(()));
+            // The pick closure below locks this thread's own mailbox while the other one is locked.
+            // Nothing locks the two in the opposite order, so that no deadlock is possible.
             if let (WaitOutcome::Order(()), Some(first)) = (is_there, &self.yields_to) {
                 first.wait_for(None, |orders| {
                     (!orders.is_busy() || self.mailbox.is_closing()).then_some(())
@@ -139,6 +141,8 @@ impl WorkerThread<'_> {
 
     fn finish(&self, frame: FrameRef, result: Result<Picture, MediaError>) {
         match result {
+            // Only `counting` below stops a read. That is no failure of the frame, so nothing is
+            // reported.
             Err(MediaError::Stopped { .. }) => self.mailbox.update(|state| state.orders.give_up()),
             result => self
                 .mailbox

@@ -34,7 +34,6 @@ mod runner;
 mod saver;
 mod settings_file;
 mod shared_pictures;
-mod tasks;
 mod thumbnails;
 mod trainer;
 mod worker;

@@ -73,24 +73,19 @@ pub fn open_anything(
         progress.part(|step: CountProgress| format!("Counting frames: {}…", step.counted));
     let source = FrameSource::open_with_progress(&path, &counting)?;
     let every = NonZeroUsize::new(source.len().div_ceil(MOST_FRAMES)).unwrap_or(NonZeroUsize::MIN);
-    let read = AtomicUsize::new(0);
+    let used = source.len().div_ceil(every.get());
     let mut refused = None;
-    // Try each folder, the better one first, until one can be written.
+    // Try each folder, the better one first, until one can be written. The document is made anew
+    // for each, because its paths are relative to the folder.
     for folder in project_folders(&path) {
-        let reading = Progress::new(|()| {
-            let read = read.fetch_add(1, Ordering::Relaxed) + 1;
-            if read.is_multiple_of(REPORT_EVERY) {
-                return progress.report(format!("Reading frames: {read} of {}…", source.len()));
-            }
-            progress.check()
-        });
         let made = document_from_frames(
             &source,
             &folder,
             FieldSpec::new(DEFAULT_FIELD),
             every,
-            &reading,
+            &reading_progress(progress, used),
         );
+        // A cancelled reading gives the frames until then, which must not become a project.
         if progress
             .report("Writing the project…".to_owned())
             .is_break()
@@ -116,6 +111,7 @@ pub fn open_anything(
             let text = format!("There are {} frames: one in {every} is used.", source.len());
             notices.push((Level::Warning, text));
         }
+        // JSON has no other text than Unicode, so that such a path would name another file.
         if let Some(unwritable) = made.document.unwritable_path(&folder) {
             let reason =
                 format!("{unwritable}: a folder's name in it is not UTF-8; rename the folder");
@@ -138,6 +134,18 @@ pub fn open_anything(
         }
     }
     Err(refused.unwrap_or(JobError::NoPlace { path }))
+}
+
+/// The progress of reading `of` frames, as texts for the user.
+fn reading_progress<'p>(progress: &'p Progress<'_, String>, of: usize) -> Progress<'p, ()> {
+    let read = AtomicUsize::new(0);
+    Progress::new(move |()| {
+        let read = read.fetch_add(1, Ordering::Relaxed) + 1;
+        if read.is_multiple_of(REPORT_EVERY) {
+            return progress.report(format!("Reading frames: {read} of {of}…"));
+        }
+        progress.check()
+    })
 }
 
 fn write_project(folder: &Path, document: &Document) -> Result<(), JobError> {
@@ -265,6 +273,8 @@ fn open_document(
     held: Option<&Location>,
     mut notices: Vec<(Level, String)>,
 ) -> Result<Ready, JobError> {
+    // Compare before `store::open`: this process has the lock already, so that opening the document
+    // once more would give a read-only copy of it.
     let found = Location::find(path)?;
     if held.is_some_and(|held| held.is_same_document(&found)) {
         return Err(JobError::AlreadyOpen {
@@ -340,6 +350,22 @@ mod tests {
             second.store.is_none() && second.opened.read_only.is_some(),
             "two at once: the second only looks"
         );
+    }
+
+    #[test]
+    fn each_attempt_counts_its_frames_from_the_first() {
+        let texts = std::sync::Mutex::new(Vec::new());
+        let progress = Progress::new(|text: String| {
+            texts.lock().unwrap().push(text);
+            ControlFlow::Continue(())
+        });
+        for _ in 0..2 {
+            let reading = reading_progress(&progress, REPORT_EVERY + 10);
+            for _ in 0..REPORT_EVERY + 10 {
+                assert!(reading.report(()).is_continue());
+            }
+        }
+        assert_eq!(*texts.lock().unwrap(), ["Reading frames: 50 of 60…"; 2]);
     }
 
     #[test]

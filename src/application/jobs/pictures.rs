@@ -155,6 +155,7 @@ impl Pictures {
         self.decoder
             .pictures()
             .set_budget((app.settings.picture_memory_mib as usize) << 20);
+        // Thumbnails that have just arrived are of the document before.
         news.forget = self.follow(app.open());
         if news.forget {
             news.thumbnails.clear();
@@ -196,7 +197,8 @@ impl Pictures {
             self.direction = StepDirection::from_step(before, index);
         }
         self.shown = Some(index);
-        // The neighbours that a user is likely to visit next, as many as fit into memory.
+        // The neighbours that a user is likely to visit next, as many as fit into memory with 4
+        // bytes a pixel. Those of a video are read in blocks, because it is decoded forward only.
         let in_blocks = matches!(frame, FrameRef::Video { .. });
         let picture_bytes = open.frame(index).map_or(0, |frame| {
             4 * frame.image_size.width as usize * frame.image_size.height as usize
@@ -207,8 +209,10 @@ impl Pictures {
         }
         .within(self.decoder.cache_bytes(), picture_bytes);
         let plan = prefetch_plan(index, open.document.frames.len(), self.direction, options);
-        // Remember where the requested frames are in the document, for `decoded_frames` and `nearest`.
+        // Remember where the requested frames are in the document, for `decoded_frames` and
+        // `nearest`.
         let kept = self.decoder.pictures();
+        // Forget frames that are neither decoded nor requested, so that the list stays short.
         self.places.retain(|frame, _| kept.contains(frame));
         self.places.insert(frame.clone(), index);
         let mut neighbours = Vec::with_capacity(plan.len());

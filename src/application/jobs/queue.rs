@@ -29,6 +29,7 @@ pub(super) fn next_place(queue: &VecDeque<FrameRef>, last: Option<&FrameRef>) ->
     let from = urgent
         .saturating_sub(ON_THE_WAY_FRAMES)
         .max(stands_at.map_or(0, |at| at + 1));
+    // Of the queued frames in that range the earliest, because the decoder only goes forward.
     let on_the_way = queue
         .iter()
         .enumerate()

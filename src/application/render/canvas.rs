@@ -101,6 +101,7 @@ impl Canvas {
         layers: &[Layer],
     ) {
         self.draws.clear();
+        // A panel without extent, or a scale of zero or NaN: paint nothing.
         if view.size_px.contains(&0) || !(view.scale > 0.0) {
             return;
         }
@@ -162,6 +163,7 @@ impl Canvas {
                 vertices: fill.len() as u32,
             });
         }
+        // An invisible group would cost a texture and a pass. So would one with opacity NaN.
         for group in drawing.strokes.iter().filter(|group| group.opacity > 0.0) {
             self.append_group(group, bytes, groups);
         }
@@ -204,6 +206,7 @@ impl Canvas {
     /// Uploads the vertices, into a larger buffer if necessary.
     fn upload(&mut self, gpu: &Gpu<'_>, bytes: &[u8]) {
         let needed = bytes.len() as u64;
+        // Powers of two, so that a drawing that grows seldom needs another buffer.
         if needed > self.vertices.size() {
             self.vertices = vertex_buffer(gpu.device, needed.next_power_of_two());
         }
@@ -220,6 +223,7 @@ impl Canvas {
     ) {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let size_px = size_px.map(|side| side.min(limit));
+        // Textures of the frame before are used again while the canvas has the same size.
         self.targets.truncate(groups.len());
         self.targets.retain(|target| target.size_px == size_px);
         while self.targets.len() < groups.len() {
@@ -229,6 +233,8 @@ impl Canvas {
                 size_px,
             ));
         }
+        // Within a group the last core lies on top; the group's opacity is applied when its texture
+        // is composited in `paint`.
         for (group, target) in groups.iter().zip(&self.targets) {
             let mut pass = super::begin_pass(
                 gpu.encoder,

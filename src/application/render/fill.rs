@@ -33,13 +33,7 @@ pub(super) fn append_triangles(area: &Area, vertices: &mut Vec<FillVertex>) {
     let clear = [colour[0], colour[1], colour[2], 0];
     let count = corners.len();
     let outward: Vec<[f32; 2]> = (0..count)
-        .map(|i| {
-            half_px_outward(
-                corners[(i + count - 1) % count],
-                corners[i],
-                corners[(i + 1) % count],
-            )
-        })
+        .map(|i| half_px_outward(with_neighbours(&corners, i)))
         .collect();
     let inner = |i: usize| FillVertex {
         at: corners[i],
@@ -64,6 +58,7 @@ pub(super) fn append_triangles(area: &Area, vertices: &mut Vec<FillVertex>) {
 /// The corners without repetitions, ordered from +x towards +y around the polygon. `None` if they
 /// span no area.
 fn counter_clockwise(corners: &[[f32; 2]]) -> Option<Vec<[f32; 2]>> {
+    // A repeated corner has no edge, and an edge without length has no normal.
     let mut corners = corners.to_vec();
     corners.dedup();
     while corners.len() > 1 && corners.first() == corners.last() {
@@ -76,6 +71,8 @@ fn counter_clockwise(corners: &[[f32; 2]]) -> Option<Vec<[f32; 2]>> {
     if !finite || corners.len() < 3 || doubled_area == 0.0 {
         return None;
     }
+    // The y axis points down: a positive area runs clockwise on screen. Only the sign matters here,
+    // so that normals point outwards.
     if doubled_area < 0.0 {
         corners.reverse();
     }
@@ -93,7 +90,7 @@ fn turn(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
 
 /// The shift of a corner when both its edges move outwards by 0.5 px: (n + m) / |n + m|² for the
 /// unit normals n and m. |n + m|² is at least 0.25, so that acute corners do not become spikes.
-fn half_px_outward(before: [f32; 2], at: [f32; 2], after: [f32; 2]) -> [f32; 2] {
+fn half_px_outward([before, at, after]: [[f32; 2]; 3]) -> [f32; 2] {
     let (n, m) = (unit_normal(before, at), unit_normal(at, after));
     let sum = [n[0] + m[0], n[1] + m[1]];
     let squared = (sum[0] * sum[0] + sum[1] * sum[1]).max(0.25);
@@ -113,13 +110,10 @@ fn triangulate(corners: &[[f32; 2]]) -> Vec<[usize; 3]> {
     let mut rest: Vec<usize> = (0..corners.len()).collect();
     let mut triangles = Vec::with_capacity(corners.len() - 2);
     while rest.len() > 3 {
-        let count = rest.len();
-        let ear = (0..count).find(|&i| {
-            let [a, b, c] = [
-                rest[(i + count - 1) % count],
-                rest[i],
-                rest[(i + 1) % count],
-            ];
+        // Cut off an ear and go on with the rest. An ear is a convex corner that forms a triangle
+        // with its neighbours in which no other corner lies.
+        let ear = (0..rest.len()).find(|&i| {
+            let [a, b, c] = with_neighbours(&rest, i);
             turn(corners[a], corners[b], corners[c]) > 0.0
                 && !rest
                     .iter()
@@ -127,15 +121,21 @@ fn triangulate(corners: &[[f32; 2]]) -> Vec<[usize; 3]> {
         });
         // A polygon that crosses itself may have no ear left; then cut any corner.
         let i = ear.unwrap_or(0);
-        triangles.push([
-            rest[(i + count - 1) % count],
-            rest[i],
-            rest[(i + 1) % count],
-        ]);
+        triangles.push(with_neighbours(&rest, i));
         rest.remove(i);
     }
     triangles.push([rest[0], rest[1], rest[2]]);
     triangles
+}
+
+/// An item of a closed chain, between the one before it and the one after it.
+fn with_neighbours<T: Copy>(chain: &[T], i: usize) -> [T; 3] {
+    let count = chain.len();
+    [
+        chain[(i + count - 1) % count],
+        chain[i],
+        chain[(i + 1) % count],
+    ]
 }
 
 fn in_triangle(corners: &[[f32; 2]], p: usize, [a, b, c]: [usize; 3]) -> bool {
@@ -197,11 +197,7 @@ mod tests {
                 .iter()
                 .position(|&corner| corner == [10.0, 10.0])
                 .unwrap();
-            let shift = half_px_outward(
-                corners[(first + 3) % 4],
-                corners[first],
-                corners[(first + 1) % 4],
-            );
+            let shift = half_px_outward(with_neighbours(&corners, first));
             assert_eq!(shift, [0.5, 0.5]);
             square.reverse();
         }

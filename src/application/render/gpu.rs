@@ -42,6 +42,55 @@ pub(super) fn layout(
     })
 }
 
+/// A two-dimensional texture with one sample per pixel.
+pub(super) fn create_texture(
+    device: &wgpu::Device,
+    label: &str,
+    [width, height]: [u32; 2],
+    mip_level_count: u32,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+/// The bind group of a texture (binding 0) and of its sampler (binding 1), if it has one.
+pub(super) fn bind_texture(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    view: &wgpu::TextureView,
+    sampler: Option<&wgpu::Sampler>,
+) -> wgpu::BindGroup {
+    let texture = wgpu::BindGroupEntry {
+        binding: 0,
+        resource: wgpu::BindingResource::TextureView(view),
+    };
+    let sampler = sampler.map(|sampler| wgpu::BindGroupEntry {
+        binding: 1,
+        resource: wgpu::BindingResource::Sampler(sampler),
+    });
+    let entries: Vec<_> = std::iter::once(texture).chain(sampler).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(label),
+        layout,
+        entries: &entries,
+    })
+}
+
 /// The type of a uniform buffer.
 pub(super) const fn uniform() -> wgpu::BindingType {
     wgpu::BindingType::Buffer {

@@ -1,5 +1,6 @@
 //! Groups of strokes: drawn opaque into a texture of their own, then composited onto the canvas.
 
+use super::gpu::{bind_texture, create_texture};
 use crate::scene::drawing::StrokeGroup;
 use bytemuck::{Pod, Zeroable};
 
@@ -40,29 +41,10 @@ pub(super) struct GroupTarget {
 
 impl GroupTarget {
     pub fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, size_px: [u32; 2]) -> Self {
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("stroke group"),
-            size: wgpu::Extent3d {
-                width: size_px[0],
-                height: size_px[1],
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: GROUP_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let texture = create_texture(device, "stroke group", size_px, 1, GROUP_FORMAT, usage);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("stroke group"),
-            layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&view),
-            }],
-        });
+        let bind_group = bind_texture(device, "stroke group", layout, &view, None);
         Self {
             view,
             bind_group,

@@ -1,6 +1,6 @@
 //! A heat map over the picture: a small texture of levels, which the shader maps to colours.
 
-use super::gpu::Gpu;
+use super::gpu::{Gpu, bind_texture, create_texture};
 use super::stroke::rgba;
 use crate::scene::uncertainty::{HEAT_STOPS, HeatMap};
 use bytemuck::{Pod, Zeroable};
@@ -48,21 +48,9 @@ pub(super) fn bind(
         .iter()
         .flat_map(|level| level.to_le_bytes())
         .collect();
-    let size = wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: 1,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("heat map"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rg8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let format = wgpu::TextureFormat::Rg8Unorm;
+    let texture = create_texture(gpu.device, "heat map", heat.size, 1, format, usage);
     gpu.queue.write_texture(
         texture.as_image_copy(),
         &bytes,
@@ -71,15 +59,8 @@ pub(super) fn bind(
             bytes_per_row: Some(2 * width),
             rows_per_image: Some(height),
         },
-        size,
+        texture.size(),
     );
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("heat map"),
-        layout,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: wgpu::BindingResource::TextureView(&view),
-        }],
-    }))
+    Some(bind_texture(gpu.device, "heat map", layout, &view, None))
 }

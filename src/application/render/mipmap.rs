@@ -1,6 +1,6 @@
 //! Smaller copies of a picture, which prevent aliasing when it is drawn reduced.
 
-use super::gpu::{layout, module, sampler, texture};
+use super::gpu::{bind_texture, layout, module, sampler, texture};
 use touchline_shaders::MIPMAP;
 
 /// Computes the mip levels of a texture, each from the one before.
@@ -49,6 +49,7 @@ impl MipmapMaker {
             multiview_mask: None,
             cache: None,
         });
+        // Sampled at the corner that four pixels share, a linear filter gives their mean.
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("mipmap"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -71,20 +72,8 @@ impl MipmapMaker {
     ) {
         for smaller in 1..texture.mip_level_count() {
             let source = level_view(texture, smaller - 1);
-            let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("mipmap"),
-                layout: &self.layout,
-                entries: &[
-                    wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(&source),
-                    },
-                    wgpu::BindGroupEntry {
-                        binding: 1,
-                        resource: wgpu::BindingResource::Sampler(&self.sampler),
-                    },
-                ],
-            });
+            let bind_group =
+                bind_texture(device, "mipmap", &self.layout, &source, Some(&self.sampler));
             let target = level_view(texture, smaller);
             let mut pass = super::begin_pass(encoder, "mipmap", &target, wgpu::Color::TRANSPARENT);
             pass.set_pipeline(&self.pipeline);

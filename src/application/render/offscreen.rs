@@ -1,6 +1,6 @@
 //! Renders layers into pictures, without a window.
 
-use super::gpu::Gpu;
+use super::gpu::{Gpu, create_texture};
 use super::layer::Layer;
 use super::renderer::{CanvasId, Renderer};
 use super::text::write_labels;
@@ -133,6 +133,8 @@ impl Offscreen {
             let report = AdapterReport::from_info(&adapter.get_info());
             let request = adapter.request_device(&wgpu::DeviceDescriptor {
                 label: Some("off-screen"),
+                // The lowest limits that wgpu knows, so that old and software adapters give a
+                // device. Only the size of textures is the adapter's own.
                 required_limits: wgpu::Limits::downlevel_webgl2_defaults()
                     .using_resolution(adapter.limits()),
                 ..wgpu::DeviceDescriptor::default()
@@ -206,6 +208,8 @@ impl Offscreen {
             return self.tile(view, background, layers);
         }
         let mut picture = RgbaImage::new(width, height);
+        // Each tile is a canvas of its own with the picture shifted by the tile's position. Soft
+        // edges and dashes depend on positions in the picture, so that they meet at the borders.
         for top in (0..height).step_by(tile_px as usize) {
             for left in (0..width).step_by(tile_px as usize) {
                 let tile = View {
@@ -256,20 +260,9 @@ struct ReadbackTexture {
 
 impl ReadbackTexture {
     fn new(device: &wgpu::Device, width: u32, height: u32) -> Self {
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("off-screen"),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let texture = create_texture(device, "off-screen", [width, height], 1, FORMAT, usage);
+        // wgpu copies textures into buffers whose rows begin at multiples of 256 bytes.
         let bytes_per_row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("readback"),

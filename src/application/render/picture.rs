@@ -1,6 +1,6 @@
 //! Frames on the GPU: uploaded once and kept while they are likely to be shown again.
 
-use super::gpu::Gpu;
+use super::gpu::{Gpu, bind_texture, create_texture};
 use super::layer::{PictureKey, PictureLayer};
 use super::mipmap::MipmapMaker;
 use super::view::View;
@@ -47,7 +47,8 @@ pub(super) const PICTURE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_a
 impl PictureInstance {
     pub fn new(picture: &PictureLayer, texture_width: u32, view: &View) -> Self {
         let ImageSize { width, height } = picture.pixels.size();
-        // More than 1 if the picture is shown reduced.
+        // More than 1 if the picture is shown reduced. The texture is narrower than the picture if
+        // the device takes no texture of that size.
         let texels_per_px = texture_width as f32 / width.max(1) as f32 / view.scale;
         Self {
             size: [width as f32, height as f32],
@@ -116,22 +117,8 @@ impl PictureCache {
         let sampler = &self.sampler;
         let kept = self.kept.get_or_insert_mut(picture.key, || {
             let texture = upload(gpu.device, gpu.queue, &picture.pixels);
-            let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("picture"),
-                layout,
-                entries: &[
-                    wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(
-                            &texture.create_view(&wgpu::TextureViewDescriptor::default()),
-                        ),
-                    },
-                    wgpu::BindGroupEntry {
-                        binding: 1,
-                        resource: wgpu::BindingResource::Sampler(sampler),
-                    },
-                ],
-            });
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            let bind_group = bind_texture(gpu.device, "picture", layout, &view, Some(sampler));
             Kept {
                 texture,
                 bind_group,
@@ -162,23 +149,13 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) 
     let rgba = shrunk
         .as_ref()
         .map_or_else(|| picture.rgba(), |shrunk| shrunk.as_raw());
-    let size = wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: 1,
-    };
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("picture"),
-        size,
-        mip_level_count: width.max(height).ilog2() + 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_DST
-            | wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
+    // Mip levels down to 1 × 1 px. A mip level is a render target while it is made.
+    let levels = width.max(height).ilog2() + 1;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::COPY_DST
+        | wgpu::TextureUsages::RENDER_ATTACHMENT;
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let texture = create_texture(device, "picture", [width, height], levels, format, usage);
     // In bands, because wgpu's staging buffers are smaller than the largest pictures.
     let band = (BAND_BYTES / (4 * width as usize)).max(1) as u32;
     for (top, rows) in (0..height)
@@ -209,6 +186,8 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) 
     texture
 }
 
+/// A picture scaled to another size. Its pixels always have the length for its size, so that the
+/// black fallback is never used.
 fn shrink(picture: &media::Picture, width: u32, height: u32) -> RgbaImage {
     let size = picture.size();
     RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec()).map_or_else(

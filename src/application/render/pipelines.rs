@@ -50,9 +50,12 @@ impl Pipelines {
             &[texture_layout, (1, wgpu::ShaderStages::FRAGMENT, sampler())],
         );
         let group_layout = layout(device, "stroke group", &[texture_layout]);
+        // Everything but areas is a quad for each instance: the vertex shader places its four
+        // corners by the vertex index.
         let strip = wgpu::PrimitiveTopology::TriangleStrip;
         let stroke_layouts = [&view_layout];
-        // Rims and cores differ in the vertex shader only.
+        // Rims and cores differ in the vertex shader only. They are two pipelines, so that all rims
+        // of a group are drawn before its cores.
         let stroke = |vertex_entry| Parts {
             shader: STROKE,
             vertex_entry,
@@ -165,6 +168,7 @@ fn pipeline(device: &wgpu::Device, parts: &Parts<'_>) -> wgpu::RenderPipeline {
             topology: parts.topology,
             ..wgpu::PrimitiveState::default()
         },
+        // The order of the layers replaces a depth test, and the shaders smooth edges themselves.
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {

@@ -70,6 +70,7 @@ pub(super) fn append_segments(stroke: &Stroke, segments: &mut Vec<Segment>) {
 fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>) {
     let mut points = piece.to_vec();
     close_exactly(&mut points);
+    // Two equal neighbours have no direction.
     points.dedup();
     if points.len() < 2 {
         return;
@@ -92,6 +93,7 @@ fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>
     let (rim_width, rim_colour) = stroke.outline.map_or((0.0, [0; 4]), |outline| {
         (outline.width_pt, rgba(outline.colour))
     });
+    // The length so far places the dashes, so that they run on over the joins.
     let mut before_a = 0.0;
     for (i, pair) in points.windows(2).enumerate() {
         let (a, b) = (pair[0], pair[1]);
@@ -119,7 +121,8 @@ fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>
     }
 }
 
-/// Makes the last point equal to the first if they differ by less than 0.01 px.
+/// Makes the last point equal to the first if they differ by less than 0.01 px: the points of a
+/// circle are computed one by one, and the last differs from the first by rounding.
 fn close_exactly(points: &mut [[f32; 2]]) {
     if let [first, .., last] = points
         && (first[0] - last[0]).hypot(first[1] - last[1]) < 1e-2

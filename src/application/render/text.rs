@@ -39,6 +39,7 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
         return;
     }
     // Shift the label so that its plate lies within the canvas.
+    // The left and upper borders win where the canvas is too small for it.
     let padding = PADDING * scale.y;
     let text_width: f32 = label
         .text

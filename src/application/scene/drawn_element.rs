@@ -52,6 +52,7 @@ fn landmark_at(scene: &OverlayScene<'_>, at: ImagePoint, reach_px: f64) -> Optio
 
 fn line_at(scene: &OverlayScene<'_>, at: ImagePoint, reach_px: f64) -> Option<DrawnElement> {
     let mut nearest: Option<(usize, ImagePoint)> = None;
+    // The distance to beat begins at the reach, so that nothing farther is found.
     let mut least_px = reach_px;
     for line in lines_in_picture(scene) {
         for ends in line.points.windows(2) {

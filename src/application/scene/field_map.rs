@@ -1,7 +1,7 @@
 //! The field from above: the mapping from the field to the map, and the drawing.
 
 use super::drawing::{Area, Colour, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
-use super::overlay::{CHECK, CLICK, DISPUTED, OverlayScene, SELECTED};
+use super::overlay::{OverlayScene, marker_colour};
 use rayon::prelude::*;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{Curve, FieldLine, FieldModel};
@@ -214,15 +214,7 @@ fn append_clicked(scene: &OverlayScene<'_>, map: &FieldMap, over: &mut Drawing) 
             continue;
         };
         let selected = scene.selected == Some(index);
-        let colour = if scene.disputed.contains(&index) {
-            DISPUTED
-        } else if click.check {
-            CHECK
-        } else if selected {
-            SELECTED
-        } else {
-            CLICK
-        };
+        let colour = marker_colour(click, scene.disputed.contains(&index), selected);
         over.markers.push(Marker {
             at: map.drawing_point(landmark.nominal_m),
             shape: if click.check {
@@ -260,6 +252,7 @@ pub fn picture_from_above(
             for (column, pixel) in pixels.chunks_exact_mut(4).enumerate() {
                 let mut sum = [0.0; 4];
                 for (dx, dy) in SAMPLES {
+                    // The map is flat and the ground is not: lift the point before projecting it.
                     let on_map = ImagePoint::new(column as f64 + dx, row as f64 + dy);
                     let in_world = field.world_from_nominal(map.world_from_map(on_map));
                     let Ok(in_image) = camera.image_from_world(in_world) else {

@@ -1,11 +1,12 @@
 //! Where to click next: the landmarks in view, ranked by what a click on them would gain.
 
+use super::overlay::is_clicked;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, LandmarkId};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::markings::project_landmarks;
 use touchline_core::solve::FrameSolution;
-use touchline_documents::document::{Click, Target};
+use touchline_documents::document::Click;
 
 /// Minimum distance of a proposed landmark from the border of the picture, px at 1920 px width.
 /// Nearer ones are hard to click.
@@ -56,12 +57,9 @@ pub fn next_clicks(
         .into_iter()
         .map(|projected| (&field.landmarks[projected.landmark], projected.image))
         .filter(|(landmark, at)| {
-            landmark.nominal_m.z == 0.0 && is_well_inside(*at, image_size, margin_px)
-        })
-        .filter(|(landmark, _)| {
-            !clicks
-                .iter()
-                .any(|click| click.target == Some(Target::Landmark(landmark.id.clone())))
+            landmark.nominal_m.z == 0.0
+                && is_well_inside(*at, image_size, margin_px)
+                && !is_clicked(clicks, &landmark.id)
         })
         .filter_map(|(landmark, at)| {
             // In the linearised problem, the covariance after a click depends on its σ and
@@ -71,6 +69,7 @@ pub fn next_clicks(
                     .uncertainty
                     .with_click_at(camera, at, landmark.click_sigma_px * scale)?;
             let worst_corner_px = with.worst_corner_sigma_px(camera, image_size);
+            // If the frame has no uncertainty, the share is infinite or NaN: nothing is proposed.
             let share_left = worst_corner_px / now_px;
             (share_left < WORTHWHILE).then(|| NextClick {
                 id: landmark.id.clone(),

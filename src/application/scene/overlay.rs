@@ -9,7 +9,7 @@ use super::drawing::{
     Area, Colour, Dash, Drawing, Label, Marker, MarkerShape, Outline, Stroke, StrokeGroup,
 };
 use touchline_core::camera::PtzCamera;
-use touchline_core::field::FieldModel;
+use touchline_core::field::{FieldModel, LandmarkId};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 use touchline_core::markings::{
     MarkingOptions, MarkingPolyline, ProjectedLandmark, project_landmarks, project_lines,
@@ -128,6 +128,15 @@ pub fn click_colour(click: &Click, disputed: bool) -> Colour {
     }
 }
 
+/// The colour of a click's marker. The selection does not hide that a click is disputed, unnamed or
+/// a check.
+pub(super) fn marker_colour(click: &Click, disputed: bool, selected: bool) -> Colour {
+    match click_colour(click, disputed) {
+        CLICK if selected => SELECTED,
+        colour => colour,
+    }
+}
+
 /// The whole overlay: lines, landmarks, and the clicks on top.
 #[must_use]
 pub fn overlay(scene: &OverlayScene<'_>) -> Drawing {
@@ -201,6 +210,8 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let style = scene.style;
     let [r, g, b] = style.colour;
     let colour = Colour::rgb(r, g, b);
+    // Dashes grow with the line. The gap also has room for the round caps of both its dashes, which
+    // extend by half the width and the rim.
     let dash = (scene.standing == CameraStatus::Proposed).then_some(Dash {
         on_pt: 5.0 * style.width,
         off_pt: 4.0 * style.width + 2.0 * style.outline,
@@ -222,7 +233,8 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
         opacity: style.opacity,
         clip_px,
     });
-    // Clicked landmarks have the marker of their click.
+    // Clicked landmarks have the marker of their click. Markers belong to no group with an opacity,
+    // so that they get it as their alpha.
     if style.landmarks {
         let alpha = (255.0 * style.opacity.clamp(0.0, 1.0)) as u8;
         let unclicked = landmarks_without_click(scene).into_iter();
@@ -245,6 +257,7 @@ pub(super) fn lines_in_picture(scene: &OverlayScene<'_>) -> Vec<MarkingPolyline>
     let Some(camera) = scene.camera else {
         return Vec::new();
     };
+    // Curves deviate by at most 0.1 px of the canvas, and of the picture if that is shown reduced.
     let options = MarkingOptions {
         tolerance_px: 0.1 / scene.zoom.max(1.0),
         ..MarkingOptions::default()
@@ -260,12 +273,15 @@ pub(super) fn landmarks_without_click(scene: &OverlayScene<'_>) -> Vec<Projected
     let mut seen = project_landmarks(scene.field, camera, scene.image_size, 0.0);
     seen.retain(|projected| {
         let id = &scene.field.landmarks[projected.landmark].id;
-        !scene
-            .clicks
-            .iter()
-            .any(|click| click.target == Some(Target::Landmark(id.clone())))
+        !is_clicked(scene.clicks, id)
     });
     seen
+}
+
+/// Whether a click names a landmark.
+pub(super) fn is_clicked(clicks: &[Click], landmark: &LandmarkId) -> bool {
+    let mut targets = clicks.iter().filter_map(|click| click.target.as_ref());
+    targets.any(|target| matches!(target, Target::Landmark(id) if id == landmark))
 }
 
 fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
@@ -277,14 +293,9 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
         .filter(|(_, click)| click.image.is_finite())
     {
         let selected = scene.selected == Some(index);
-        let kind = click_colour(click, scene.disputed.contains(&index));
-        // The selection does not hide that a click is disputed, unnamed or a check.
-        let colour = if selected && kind == CLICK {
-            SELECTED
-        } else {
-            kind
-        };
-        // The residual: from the click to where the camera predicts its landmark.
+        let colour = marker_colour(click, scene.disputed.contains(&index), selected);
+        // The residual: from the click to where the camera predicts its landmark. A click on a line
+        // has none, because no point of the line is distinguished.
         if let Some(predicted) = predict_landmark(scene, click) {
             let times = if scene.style.residuals_times_ten {
                 10.0

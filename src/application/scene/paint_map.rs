@@ -58,8 +58,13 @@ impl PaintMapFrame {
         );
         for (ptz, size) in scene.frames {
             let camera = PtzCamera::new(*scene.base, *ptz);
-            for corner in size.corners() {
-                let Ok(ray) = camera.ray_from_image(corner) else {
+            // The extremes of pan lie in the corners. Those of tilt may lie in the middle of the
+            // upper or lower border: from there to a corner the tilt of a ray comes nearer to 0.
+            let [x, height] = [size.centre().x, f64::from(size.height)];
+            let middles = [ImagePoint::new(x, 0.0), ImagePoint::new(x, height)];
+            for point in size.corners().into_iter().chain(middles) {
+                // A point without a ray lies beyond the fold of the lens model.
+                let Ok(ray) = camera.ray_from_image(point) else {
                     continue;
                 };
                 for (range, degrees) in [
@@ -71,6 +76,7 @@ impl PaintMapFrame {
             }
         }
         let [wide, high] = [pan, tilt].map(|range| range[1] - range[0] + 2.0 * MARGIN_DEG);
+        // Without any ray the ranges are still infinite.
         if !(wide.is_finite() && high.is_finite()) {
             return None;
         }
@@ -87,10 +93,13 @@ impl PaintMapFrame {
     /// The point of the map for a ray, px.
     #[must_use]
     pub fn map_from_ray(&self, ray: PanTilt) -> ImagePoint {
-        // A pan beyond the left edge wraps to the far right.
-        let right = ray.pan.turn_from(self.left).degrees();
+        // Turn from the middle of the map: a turn is at most 180°, so that one from the left edge
+        // would not reach the right part of a wide map.
+        let middle_deg = 0.5 * f64::from(self.size.width) / self.px_per_degree;
+        let middle = self.left + Angle::from_degrees(middle_deg);
+        let right_deg = middle_deg + ray.pan.turn_from(middle).degrees();
         ImagePoint::new(
-            right * self.px_per_degree,
+            right_deg * self.px_per_degree,
             (self.top - ray.tilt).degrees() * self.px_per_degree,
         )
     }
@@ -159,7 +168,8 @@ pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Op
             rgba[at..at + 4].copy_from_slice(&colour);
         }
     };
-    // A square of the ground was seen if a frame shows its centre.
+    // A square of the ground was seen if a frame shows its centre. Squares, not pixels, because
+    // each is compared with all frames.
     for row in (0..height).step_by(SQUARE_PX) {
         for column in (0..width).step_by(SQUARE_PX) {
             let middle = 0.5 * SQUARE_PX as f64;
@@ -209,11 +219,12 @@ pub fn line_pieces(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Vec<Vec<
         let mut piece = Vec::new();
         for step in 0..=count as usize {
             let mut at = line.paint_centre.point_at(step as f64 / count);
-            // Pieces end where the line leaves the map.
+            // The paint lies on the crowned ground. The map shows rays, so no lens is involved.
             at.z = scene.field.ground_z(at.y);
             let at = frame.map_from_ray(PanTilt::from_direction(
                 scene.base.base_from_world_point(at),
             ));
+            // Pieces end where the line leaves the map.
             if frame.size.contains(at) {
                 piece.push(at);
             } else if !piece.is_empty() {
@@ -276,6 +287,29 @@ mod tests {
                 "{turned}"
             );
             assert_eq!(colours.contains(&LINE), turned == 0.0);
+        }
+    }
+
+    #[test]
+    fn a_map_contains_its_frames_also_if_it_is_wider_than_half_a_turn() {
+        let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
+        let frames = [0.0, -100.0, 100.0].map(|pan| (Ptz::from_degrees(pan, -13.0, 1400.0), SIZE));
+        let scene = PaintMapScene {
+            base: &base,
+            field: &field,
+            frames: &frames,
+            paint: &[],
+        };
+        let map = PaintMapFrame::from_scene(&scene).unwrap();
+        for (index, (ptz, size)) in frames.iter().enumerate() {
+            let camera = PtzCamera::new(base, *ptz);
+            let lowest = ImagePoint::new(size.centre().x, f64::from(size.height));
+            for at in size.corners().into_iter().chain([lowest]) {
+                let at = map.map_from_ray(camera.ray_from_image(at).unwrap());
+                assert!(map.size.contains(at), "frame {index}: {at:?} in {map:?}");
+            }
+            let middle = map.map_from_ray(camera.ray_from_image(size.centre()).unwrap());
+            assert_eq!(map.frame_at(&scene, middle), Some(index));
         }
     }
 

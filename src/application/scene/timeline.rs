@@ -77,6 +77,8 @@ impl Timeline {
             parts: vec![TimelinePart::default(); count],
             cuts: Vec::new(),
         };
+        // A cut is shown at the first frame of the document that lies in the new shot or after it.
+        // The document may lack the first frame of a shot, or the whole shot.
         let mut starts = VideoShots::from_document(document, video)
             .into_iter()
             .flat_map(|shots| shots.starts().collect::<Vec<_>>())
@@ -117,6 +119,8 @@ impl Timeline {
         if document.shots != before.shots || has_moved_frame {
             return None;
         }
+        // Sums can be added to but the greatest doubt cannot be taken back, so that whole parts are
+        // summarised again. `changed` is ascending, so that equal parts are neighbours.
         let mut timeline = self.clone();
         let count = self.parts.len();
         let mut parts: Vec<usize> = changed
@@ -136,7 +140,7 @@ impl Timeline {
     }
 
     /// The index of the first frame of a part; of the part behind the last one, the number of
-    /// frames.
+    /// frames. The least position for which `position * parts / frames` is the part.
     fn first_frame_of(&self, part: usize) -> usize {
         (part * self.frames).div_ceil(self.parts.len())
     }

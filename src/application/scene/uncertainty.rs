@@ -72,6 +72,7 @@ impl HeatMap {
         let levels = (0..rows)
             .into_par_iter()
             .flat_map_iter(|row| (0..columns).map(move |column| (row, column)));
+        // 16 bits a level: the shader draws contour lines, which would show the steps of 8 bits.
         let levels = levels
             .map(|(row, column)| {
                 let pixel = ImagePoint::new(
@@ -104,7 +105,8 @@ fn grid_position_px(index: u32, count: u32, length_px: u32) -> f64 {
 pub fn heat_level(sigma_px: f64, image_size: ImageSize) -> f64 {
     let (from_px, to_px) = HEAT_FROM_TO_PX;
     let share = (sigma_px / image_size.scale_from_1920() / from_px).ln() / (to_px / from_px).ln();
-    // NaN means unknown: show it as the most uncertain.
+    // A scale by factors: each colour stands for twice the 1-σ of the one before. NaN means
+    // unknown: show it as the most uncertain.
     if share.is_nan() {
         1.0
     } else {
@@ -143,7 +145,7 @@ pub fn band(
         let Some([left, right]) = sides(&points, uncertainty, camera) else {
             continue;
         };
-        // The area between the borders: one side forwards, the other backwards.
+        // The area between the borders as one polygon: one side forwards, the other backwards.
         let mut corners = left.clone();
         corners.extend(right.iter().rev());
         drawing.areas.push(Area {
@@ -183,6 +185,7 @@ fn sides(
         let before = points.get(index.wrapping_sub(1)).unwrap_or(point);
         let after = points.get(index + 1).unwrap_or(point);
         // The component of the covariance across the line: √(nᵀ Σ n), with the unit normal n.
+        // The direction at a point is that of its two neighbours; the ends have one.
         let along = after.offset_from(*before).try_normalize(1e-9)?;
         let across = Vec2::new(-along.y, along.x);
         let Some(covariance) = uncertainty.overlay_at(camera, *point) else {

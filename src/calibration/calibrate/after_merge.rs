@@ -38,6 +38,7 @@ pub fn solve_after_merge(
 ) -> Result<SolvedAfterMerge, FieldError> {
     let mut done = SolvedAfterMerge::default();
     let mut clicked = Vec::new();
+    // By index, because following a base changes the document while the loop runs.
     for index in 0..document.frames.len() {
         let frame = &document.frames[index];
         // A frame is up to date if one of the sides with the same frame has the merged document's
@@ -68,6 +69,8 @@ pub fn solve_after_merge(
             }
         }
     }
+    // Clicked frames come last and all at once. Where the clicks of a frame fit two cameras its
+    // neighbours decide, and these are then on their new base.
     if !clicked.is_empty() {
         solve_by_clicks(document, folder, &clicked, &Progress::default())?;
         done.solved = clicked.len();

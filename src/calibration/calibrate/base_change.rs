@@ -106,6 +106,7 @@ fn observe_frame(
     field: &FieldModel,
 ) -> Option<(usize, (FrameClicks, Option<Ptz>))> {
     let frame = &document.frames[index];
+    // The lens and the principal point of the camera are those of one picture size.
     if frame.image_size != camera.image_size || !frame.is_used_for_base() {
         return None;
     }

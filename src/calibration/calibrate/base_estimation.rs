@@ -1,7 +1,7 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
 use super::base_readiness::LANDMARKS_ALONE;
-use super::field_size::set_field_size;
+use super::field_size::{field_of_camera_mut, set_field_size};
 use super::on_paint::BasePaintAlignment;
 use super::own_cameras::cameras_from_lines;
 use super::solve_frames::{FrameFields, is_by_clicks, solve_frames};
@@ -249,6 +249,7 @@ impl BaseProblem {
         document: &Document,
         mut estimate: BaseEstimate,
     ) -> EstimatedBase {
+        // The estimator counts the frames that take part, readers count those of the document.
         for disputed in &mut estimate.disputed {
             disputed.frame = self.frames[disputed.frame];
         }
@@ -270,6 +271,8 @@ impl BaseProblem {
     /// The distance of the clicks on each landmark from its projection with the new base, crown and
     /// frame cameras. Landmarks are sorted by their median, the worst first.
     fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {
+        // The crown raises the middle of the field, so landmarks are projected from the surface
+        // that the estimate found.
         let field = self.field.with_crown_m(estimate.crown_m);
         // Residuals in px by landmark, with the indices of frame and click. Check clicks count for
         // nothing.
@@ -328,25 +331,21 @@ impl EstimatedBase {
     /// With several cameras, each gets a field of its own with its crown: they may be at different
     /// venues.
     pub fn write_camera(&self, document: &mut Document) {
+        // The size comes first: among several cameras it may give this one a field of its own,
+        // which then also gets the crown.
         set_field_size(document, &self.camera, &self.sizes);
-        let base = &self.estimate.base;
         // The shared field is copied to this camera only if its crown changes.
         let shared = (document.cameras.len() > 1).then(|| document.field.clone());
         let Some(camera) = document.camera_mut(&self.camera) else {
             return;
         };
-        camera.set_base(base);
+        camera.set_base(&self.estimate.base);
         if let Some(shared) = shared
             && shared.crown_m() != self.estimate.crown_m
         {
             camera.field.get_or_insert(shared);
         }
-        let field = if camera.field.is_some() {
-            camera.field.as_mut()
-        } else {
-            Some(&mut document.field)
-        };
-        if let Some(field) = field {
+        if let Some(field) = field_of_camera_mut(document, &self.camera) {
             field.set_crown_m(self.estimate.crown_m);
         }
     }
@@ -461,12 +460,12 @@ impl EstimatedBase {
         places: &[usize],
         progress: &Progress<'_, ()>,
     ) -> Result<(), FieldError> {
-        let Some(camera) = document.camera(&self.camera) else {
+        if document.camera(&self.camera).is_none() {
             return Ok(());
-        };
+        }
         let field = document
             .at(folder)
-            .model_of(camera.field.as_ref().unwrap_or(&document.field))?;
+            .model_of(document.field_of_camera(&self.camera))?;
         let before = before.camera(&self.camera).and_then(Camera::base);
         // Pan zero is a gauge. If the heading of the base changed, shift every pan by the
         // difference, so that a frame which is not solved again still looks in the same direction
@@ -496,6 +495,8 @@ impl EstimatedBase {
                 clicked.push(index);
             }
         }
+        // A frame is not compared with other cameras here: these may be at another place, and only
+        // this one has changed.
         if solve_frames(
             document,
             &clicked,
@@ -524,6 +525,8 @@ fn record_or_drop(frame: &mut Frame, solved: Result<&FrameSolution, &Calibration
             frame.ptz = None;
             frame.solution = None;
         }
+        // The other errors (no camera, no base, a name that the field lacks) say nothing about the
+        // camera that the frame has.
         Err(_) => {}
     }
 }
@@ -564,6 +567,7 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
     let adjusted = adjust_base(&clicks, &start.base, &start.ptz, &model, &options);
     Some(PtzCamera::new(adjusted.base, (*adjusted.ptz.first()?)?))
 }
+
 /// Describes the residuals of a frame with mirrored names.
 #[must_use]
 pub fn describe_mirrored(mirrored: &MirroredFrame) -> String {

@@ -59,6 +59,7 @@ impl BaseOnPaint {
     pub fn with_base(mut self, base: CameraBase, crown_m: f64) -> Self {
         self.estimated.estimate.base = base;
         self.estimated.estimate.crown_m = crown_m;
+        // The cameras of the adjustment are valid for the new base alone.
         self.estimated.estimate.frames.fill(None);
         self.estimated.sizes.clear();
         self
@@ -249,11 +250,10 @@ fn first_cameras(
         .map(|index| document.frames.get(*index)?.ptz.as_ref().map(FramePtz::ptz))
         .collect();
     // Without a click the estimation has priors alone to go by, and must not replace a base.
-    let has_clicks = problem
-        .clicks
-        .iter()
-        .any(|frame| !frame.observations.is_empty());
-    if let Some(base) = problem.previous.filter(|_| !has_clicks) {
+    if let Some(base) = problem
+        .previous
+        .filter(|_| problem.click_count() == 0)
+    {
         return Ok(KnownCameras {
             base,
             crown_m: problem.field.crown_m,
@@ -283,7 +283,9 @@ fn first_cameras(
                 by_clicks: true,
             })
         }
+        // A cancelled estimation must not pass for clicks that give no base.
         (Err(BaseEstimationError::Base(BaseError::Stopped)), _) => Err(BaseError::Stopped.into()),
+        // Clicks that give no base are no error: the paint can begin at the base that is there.
         (Err(_), Some(base)) => Ok(KnownCameras {
             base,
             crown_m: problem.field.crown_m,
@@ -291,5 +293,46 @@ fn first_cameras(
             by_clicks: false,
         }),
         (Err(error), None) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use touchline_core::camera::BaseAngles;
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Camera, Click, FieldSpec};
+
+    #[test]
+    fn check_clicks_alone_leave_the_base_of_the_document() {
+        const SIZE: ImageSize = ImageSize::new(1920, 1080);
+        let base = CameraBase::new(
+            Vec3::new(1.0, -62.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-4.0, -14.0, 2300.0), None));
+        let mut click = Click::landmark("centre_mark".into(), SIZE.centre());
+        click.check = true;
+        frame.clicks.push(click);
+        document.frames.push(frame.into());
+        let at = document.at(Path::new(""));
+        let problem = BaseProblem::with_solved(at, &"main".into()).unwrap();
+        assert_eq!(problem.frames, [0]);
+        let first = first_cameras(
+            &problem,
+            at,
+            &BaseOptions::default(),
+            &Progress::default(),
+        );
+        let first = first.unwrap();
+        assert!(!first.by_clicks);
+        assert_eq!(first.base.position_m, base.position_m);
     }
 }

@@ -98,6 +98,8 @@ pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel)
             .enumerate()
             .filter(|(_, frame)| frame.camera == *camera)
     };
+    // Frames that suffice are what the others are compared with. Of these, only frames that show
+    // enough landmarks can become such a frame.
     let wide: Vec<(usize, Option<Angle>)> = of_camera()
         .filter(|(_, frame)| is_wide(frame))
         .map(|(index, frame)| (index, pan_of(frame)))
@@ -153,6 +155,7 @@ impl AddAssign for BaseReadiness {
 
 impl SubAssign for BaseReadiness {
     fn sub_assign(&mut self, other: Self) {
+        // Only what was added before is subtracted, so no number falls below zero.
         *self = self.each(other, |a, b| a - b);
     }
 }

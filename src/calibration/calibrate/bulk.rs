@@ -203,6 +203,7 @@ impl BulkSolved {
 /// others get its numbers but keep masks drawn meanwhile.
 fn rebase_numbers(numbers: &Document, before: &Document, now: &Document) -> Document {
     let mut rebased = now.clone();
+    // A three-way merge by camera. One that only one of the documents has stays as it is now.
     for camera in &mut rebased.cameras {
         let (Some(set), Some(known)) = (numbers.camera(&camera.id), before.camera(&camera.id))
         else {

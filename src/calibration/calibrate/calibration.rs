@@ -3,9 +3,9 @@
 use super::FrameLookup;
 use super::from_proposal::inform;
 use thiserror::Error;
-use touchline_core::camera::Ptz;
+use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, LandmarkId};
-use touchline_core::geometry::ImageSize;
+use touchline_core::geometry::{ImageSize, mean};
 use touchline_core::solve::{
     FrameSolution, Observation, ObservationError, SolveContext, SolveError, check_identity,
     solve_frame,
@@ -53,6 +53,8 @@ pub fn observations(
         .clicks
         .iter()
         .enumerate()
+        // A click that has no name yet gives no equation. The index stays that of the click in the
+        // frame, by which residuals and warnings refer to it.
         .filter_map(|(index, click)| click.target.as_ref().map(|target| (index, click, target)))
         .map(|(index, click, target)| {
             let observation = match target {
@@ -81,6 +83,17 @@ pub fn observations(
             })
         })
         .collect()
+}
+
+/// Root mean square distance of clicks from what a camera projects, px; check clicks and those that
+/// it does not show do not count. None without any.
+pub(super) fn rms_of_clicks_px(clicks: &[Observation], camera: &PtzCamera) -> Option<f64> {
+    let used = clicks.iter().filter(|click| !click.check);
+    let squares: Vec<f64> = used
+        .filter_map(|click| click.distance_px(camera))
+        .map(|off_px| off_px * off_px)
+        .collect();
+    mean(&squares).map(f64::sqrt)
 }
 
 /// The observation of a click that was aligned to paint. Its variance has two parts: of the
@@ -122,6 +135,7 @@ pub fn calibrate(
         .ok_or_else(|| CalibrationError::UnknownCamera {
             camera: frame.camera.as_str().to_owned(),
         })?;
+    // With the frame's own lens, if it states one.
     let base = camera
         .base_for(frame)
         .ok_or_else(|| CalibrationError::NoBase {

@@ -152,7 +152,7 @@ impl Disagreements {
 
     fn change(&mut self, document: &Document, changed: &[usize]) {
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
-        // After this, `changed_since` returns none for older editions, and callers have to look at
+        // After this, `changes_since` returns none for older editions, and callers have to look at
         // all frames.
         if self.changed.len() >= REMEMBERED {
             self.changed.clear();
@@ -182,7 +182,7 @@ impl Disagreements {
                 _ => None,
             };
             let found = three.and_then(|three| compare(document, three));
-            // Edition and list grow together, so that `changed_since` can count from the end.
+            // Edition and list grow together, so that `changes_since` can count from the end.
             if found != self.found[index] {
                 self.edition += 1;
                 self.changed.push(index);
@@ -229,7 +229,7 @@ fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
 /// [`WITHIN`] frames apart.
 fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
     let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
-    if way(from, before, to, after)? > WITHIN {
+    if way(from, before, to, after)?.abs() > WITHIN {
         return None;
     }
     let own = document.ptz_camera(frame)?;
@@ -241,8 +241,9 @@ fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Di
     ))
 }
 
-/// Number of frames from one frame to another: of the video if both come from the same, of the
-/// document if they belong to a shot. None for stills, whose order says nothing about time.
+/// Number of frames from one frame to another, negative if the document has a video's frames in
+/// reverse order: of the video if both come from the same, of the document if they belong to a
+/// shot. None for stills, whose order says nothing about time.
 fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> Option<f64> {
     match (&from.video, &to.video) {
         (Some(from), Some(to)) if from.path == to.path => {
@@ -289,7 +290,7 @@ mod tests {
     use super::*;
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::geometry::{ImagePoint, Vec3};
-    use touchline_documents::document::{Clip, FieldSpec};
+    use touchline_documents::document::{Clip, FieldSpec, VideoFrame};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -381,6 +382,17 @@ mod tests {
                 .then(|| "rain".to_owned());
             known.update(&document);
             assert_eq!(known.edition(), edition, "a comment moves no camera");
+        }
+    }
+
+    #[test]
+    fn frames_far_apart_in_the_video_are_not_compared_in_either_order() {
+        for numbers in [[0, 1, 900], [900, 1, 0]] {
+            let mut document = document(&[0.0, 9.0, -4.0]);
+            for (frame, number) in document.frames.iter_mut().zip(numbers) {
+                frame.video = Some(VideoFrame::new("match.mp4", number, None));
+            }
+            assert_eq!(disagreements(&document), [None; 3], "{numbers:?}");
         }
     }
 

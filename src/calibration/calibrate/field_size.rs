@@ -10,19 +10,26 @@ pub(crate) fn set_field_size(document: &mut Document, camera: &CameraId, sizes: 
         return;
     }
     let shared = (document.cameras.len() > 1).then(|| document.field.clone());
-    let Some(known) = document.camera_mut(camera) else {
-        return;
-    };
-    if let Some(shared) = shared {
+    if let Some(shared) = shared
+        && let Some(known) = document.camera_mut(camera)
+    {
         known.field.get_or_insert(shared);
     }
-    let field = if known.field.is_some() {
-        known.field.as_mut()
+    if let Some(field) = field_of_camera_mut(document, camera) {
+        set_size(field, sizes);
+    }
+}
+
+/// The field that a camera looks at, its own or else the document's, to change it; none if the
+/// document has no such camera.
+pub(super) fn field_of_camera_mut<'a>(
+    document: &'a mut Document,
+    camera: &CameraId,
+) -> Option<&'a mut FieldSpec> {
+    if document.camera(camera)?.field.is_some() {
+        document.camera_mut(camera)?.field.as_mut()
     } else {
         Some(&mut document.field)
-    };
-    if let Some(field) = field {
-        set_size(field, sizes);
     }
 }
 

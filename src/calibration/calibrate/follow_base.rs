@@ -1,12 +1,16 @@
 //! What happens to frames without clicks when their camera's base has changed.
 
-use super::paint::LINE_CHECK;
+use super::paint::{LINE_CHECK, replace_warning};
 use super::refit::refit;
 use std::collections::BTreeSet;
+use touchline_core::geometry::Angle;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
     Camera, CameraId, Document, Frame, FrameStatus, SolutionSource,
 };
+
+/// Pans that differ by less are equal, degrees: the conversion to another gauge rounds.
+const SAME_PAN_DEG: f64 = 1e-9;
 
 /// The frames, by ascending index, whose camera has another base than in `before`, or that now
 /// belong to another camera.
@@ -97,7 +101,7 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
     let is_of_old_base = before
         .frames
         .get(index)
-        .is_some_and(|known| known.ptz == frame.ptz);
+        .is_some_and(|known| is_same_camera((&*document, &**frame), (before, &**known)));
     // A proposal that no person has accepted.
     if is_of_old_base && frame.is_suggestion() && frame.status != FrameStatus::Reference {
         withdraw(&mut document.frames[index]);
@@ -115,6 +119,29 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
         solution.proposed = None;
     }
     false
+}
+
+/// Whether a frame has the same pan, tilt and focal length in two documents, with pan in the gauge
+/// of each document's base: [`EstimatedBase::write_to`](super::EstimatedBase::write_to) converts
+/// the pans of all frames to the gauge of the new base.
+fn is_same_camera(now: (&Document, &Frame), before: (&Document, &Frame)) -> bool {
+    let (Some(ptz), Some(known)) = (&now.1.ptz, &before.1.ptz) else {
+        return now.1.ptz == before.1.ptz;
+    };
+    // The usual case, in which both bases are in the pan gauge of the conventions.
+    if ptz == known {
+        return true;
+    }
+    let headings = [now, before].map(|(document, frame)| {
+        let base = document.camera_of(frame).and_then(Camera::base);
+        base.map_or(Angle::ZERO, |base| base.angles().heading)
+    });
+    // The pan that looks in the same direction of the world from the present base. All other
+    // numbers, known and unknown keys included, have to be equal to the last digit.
+    let turned = known.ptz().pan + headings[1].turn_from(headings[0]);
+    let mut in_gauge = known.clone();
+    in_gauge.pan_deg = ptz.pan_deg;
+    in_gauge == *ptz && ptz.ptz().pan.turn_from(turned).degrees().abs() < SAME_PAN_DEG
 }
 
 /// Whether a frame's camera came from its picture. One from clicks is solved again; one that a
@@ -142,9 +169,7 @@ pub(super) fn forget_certainty(frame: &mut Frame) {
         solution.rms_px,
         solution.samples,
     ) = (None, None, None, None);
-    solution
-        .warnings
-        .retain(|warning| warning.code != LINE_CHECK);
+    replace_warning(solution, LINE_CHECK, None);
 }
 
 /// Removes what was proposed for a frame.
@@ -246,6 +271,27 @@ mod tests {
         let (before, mut after) = raised(None, FrameStatus::Draft);
         follow_all_bases(&mut after, &before);
         assert_eq!(after.frames, before.frames);
+    }
+
+    #[test]
+    fn a_proposal_whose_pan_was_turned_into_another_gauge_is_of_the_old_base() {
+        let (mut before, mut after) = raised(Some(SolutionSource::Forest), FrameStatus::Suggested);
+        let turned = BaseAngles {
+            heading: Angle::from_degrees(20.0),
+            ..BaseAngles::default()
+        };
+        let base = CameraBase {
+            base_from_world: turned.base_from_world(),
+            ..before.cameras[0].base().unwrap()
+        };
+        before.cameras[0].set_base(&base);
+        let mut other = after.clone();
+        for (document, pan_deg) in [(&mut after, 25.0), (&mut other, 26.0)] {
+            let ptz = Ptz::from_degrees(pan_deg, -14.0, 2300.0);
+            document.frames[0].ptz = Some(FramePtz::new(ptz, None));
+        }
+        assert_eq!(follow_all_bases(&mut after, &before), 1);
+        assert_eq!(follow_all_bases(&mut other, &before), 0, "found since");
     }
 
     #[test]

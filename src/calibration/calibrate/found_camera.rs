@@ -49,6 +49,8 @@ impl FoundCamera {
     /// Writes base, crown and suggestions into a document. Frames that a person has clicked in or
     /// decided on do not change.
     pub(super) fn write(&self, document: &mut Document) {
+        // While the search ran, frames may have been added, removed or moved: ids stay, indices do
+        // not.
         let frames = self
             .frames
             .iter()

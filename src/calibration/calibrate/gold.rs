@@ -35,6 +35,8 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
         .filter(|(_, frame)| !frame.gold && frame.why_not_gold().is_none())
         .collect();
     let mut chosen = Vec::new();
+    // A greedy choice: to find the frames that have the most landmarks together is a set cover
+    // problem.
     while pans.len() < CHOSEN && !open.is_empty() {
         // `max_by` returns the last of equal elements: reversed, that is the first frame.
         let best = (0..open.len()).rev().max_by(|a, b| {

@@ -179,6 +179,7 @@ impl KnownFrames<'_> {
                 ..seen
             };
             let sized_start = first.adjust(&sized, &seen_on_sized, &model, &options.adjust);
+            // Too few lines on the fitted field are no error: the assumed size stays.
             let with_size = PaintObservations::measure(&sized, &sized_start, &masks, picture).ok();
             let enough = LEAST_SHARE_WITH_SIZE * again.places as f64;
             if let Some(with_size) = with_size.filter(|with| with.places as f64 >= enough) {

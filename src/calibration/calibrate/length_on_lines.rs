@@ -141,6 +141,10 @@ fn length_by_camera(
     let agreeing = frames_of(document, &camera.id, |_, confidence| confidence >= CERTAIN);
     let doubted = looks(at, &doubted, picture);
     let agreeing = looks(at, &agreeing, picture);
+    // Pictures that cannot be read are left out, and what is left may be too little.
+    if doubted.len() < FEWEST {
+        return Ok(None);
+    }
     // Coarse search. The score of a length is the mean over the suspect frames.
     let assumed_m = unseen.assumed_length_m();
     let (min_m, max_m) = unseen.limits_m();
@@ -158,7 +162,7 @@ fn length_by_camera(
         .filter(|(_, length_m)| (length_m - best_m).abs() > PEAK_M)
         .map(|(worth, _)| *worth);
     let assumed_worth = mean_worth(&unseen, &doubted, assumed_m);
-    let is_peak = best >= PEAK * elsewhere.fold(assumed_worth, f64::max);
+    let is_peak = best > 0.0 && best >= PEAK * elsewhere.fold(assumed_worth, f64::max);
     if !is_peak {
         return Ok(None);
     }
@@ -202,7 +206,7 @@ fn length_by_camera(
         position_sigma_m: Vec3::zeros(),
         is_open: false,
     };
-    // The size is not marked as open: from now on the length counts as measured.
+    // The size is not marked as open: once it is written, the length counts as measured.
     let shifts = vec![(camera.id.clone(), unseen.base_shift(value_m))];
     let is_prescribed = *spec.size() != FieldSize::Assumed;
     Ok(Some(LengthOnLines {
@@ -343,5 +347,52 @@ pub fn take_length(document: &mut Document, found: &LengthOnLines) {
             base.position_m += shift;
             known.set_base(&base);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use touchline_core::camera::BaseAngles;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FramePtz, FrameStatus, Solution, SolutionWarning};
+
+    #[test]
+    fn pictures_that_cannot_be_read_give_no_length() {
+        const SIZE: ImageSize = ImageSize::new(640, 360);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&CameraBase::new(
+            Vec3::new(3.0, -62.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        ));
+        document.cameras.push(camera.into());
+        // Three frames in doubt, and four certain ones that show the right end alone.
+        for (pan_deg, confidence) in [
+            (13.0, 0.3),
+            (15.0, 0.3),
+            (17.0, 0.3),
+            (33.0, 0.97),
+            (35.0, 0.97),
+            (37.0, 0.97),
+            (39.0, 0.97),
+        ] {
+            let mut frame = Frame::from_image(&format!("{pan_deg}.png"), "main".into(), SIZE);
+            let ptz = Ptz::from_degrees(pan_deg, -12.0, 1066.0);
+            frame.ptz = Some(FramePtz::new(ptz, None));
+            frame.status = FrameStatus::Suggested;
+            frame.solution = Some(Solution {
+                confidence: Some(confidence),
+                warnings: vec![SolutionWarning::new(LENGTH_UNSEEN, "off".to_owned())],
+                ..Solution::default()
+            });
+            document.frames.push(frame.into());
+        }
+        let at = document.at(Path::new(""));
+        let unseen = unseen_length(at, &document.cameras[0]).unwrap();
+        assert!(unseen.is_some(), "the certain frames do not show the length");
+        assert_eq!(length_on_lines(at, &mut |_| None).unwrap(), None);
     }
 }

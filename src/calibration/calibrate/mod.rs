@@ -33,7 +33,6 @@ mod replacement;
 mod size_fit;
 mod solve_all;
 mod solve_frames;
-mod still_runs;
 mod unseen_length;
 mod which_camera;
 
@@ -95,5 +94,4 @@ pub(crate) use size_fit::OpenSize;
 pub use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub use solve_frames::{is_by_clicks, record_outcome};
-use still_runs::still_runs;
 pub use which_camera::{AssignError, add_camera_like, assign_to_camera};

@@ -6,6 +6,7 @@
 //! ([`camera_from_lines`]). The document then has a camera for each such frame.
 
 use super::base_readiness::LANDMARKS_ALONE;
+use super::calibration::rms_of_clicks_px;
 use super::observations;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -15,11 +16,11 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::progress::Progress;
+use touchline_core::solve::ObservationError;
 use touchline_core::solve::base::FrameClicks;
 use touchline_core::solve::from_lines::{
     CameraFromLines, FromLinesError, FromLinesOptions, LinePicture, camera_from_lines,
 };
-use touchline_core::solve::{Observation, ObservationError};
 use touchline_documents::document::{
     BetterName, Camera, CameraId, Document, Fields, Frame, FrameStatus, Solution, SolutionSource,
     SolutionWarning,
@@ -65,6 +66,8 @@ pub fn give_own_cameras(
     progress: &Progress<'_, ()>,
 ) -> Result<Option<OwnCameras>, FieldError> {
     let fields = Fields::from_document(document.at(folder))?;
+    // Frames are solved in the document as it was given, so that the batches do not change the
+    // result. A cancelled run goes back to it.
     let given = document.clone();
     let with_base: BTreeSet<&CameraId> = given
         .cameras
@@ -112,6 +115,8 @@ pub(super) fn cameras_from_lines(
     frames: &[FrameClicks],
     image_size: ImageSize,
 ) -> Vec<PtzCamera> {
+    // A start needs one good camera, and each takes 10 ms (`tests/benches/lines.md`), so some
+    // frames suffice. Frames with fewer equations than four landmarks give are not tried.
     let enough: Vec<&FrameClicks> = frames
         .iter()
         .filter(|frame| frame.equations() >= 2 * LANDMARKS_ALONE)
@@ -144,36 +149,20 @@ fn solve_alone(frame: &Frame, field: &FieldModel) -> Result<LineCameraFit, OwnCa
         observations: &clicks,
         image_size: frame.image_size,
     };
-    let found = camera_from_lines(&picture, &FromLinesOptions::default())?;
-    let camera = found.camera();
-    let distances_px = clicks
-        .iter()
-        .filter(|click| !click.check)
-        .filter_map(|click: &Observation| click.distance_px(&camera));
-    let squares: Vec<f64> = distances_px.map(|off_px| off_px * off_px).collect();
-    let rms_px = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
-    Ok(LineCameraFit {
-        camera: found,
-        rms_px,
-    })
+    let camera = camera_from_lines(&picture, &FromLinesOptions::default())?;
+    let rms_px = rms_of_clicks_px(&clicks, &camera.camera()).unwrap_or(0.0);
+    Ok(LineCameraFit { camera, rms_px })
 }
 
 /// Writes a frame's own camera into the document.
 fn record(document: &mut Document, index: usize, found: &LineCameraFit, names: &mut FreeNames) {
     let LineCameraFit { camera, rms_px } = found;
+    let known = document.camera_of(&document.frames[index]).cloned();
     let frame = &mut document.frames[index];
     let id = names.take(&frame.camera);
-    let mut own = Camera::new(id.clone(), frame.image_size);
-    if let Some(before) = document
-        .cameras
-        .iter()
-        .find(|camera| camera.id == frame.camera)
-    {
-        own = Camera {
-            id: id.clone(),
-            ..(**before).clone()
-        };
-    }
+    // Masks, field and whatever else the document states of the given camera stay with the frame.
+    let mut own = known.unwrap_or_else(|| Camera::new(id.clone(), frame.image_size));
+    own.id.clone_from(&id);
     own.set_base(&camera.base);
     document.cameras.push(own.into());
 
@@ -231,6 +220,8 @@ impl FreeNames {
 
     fn take(&mut self, like: &CameraId) -> CameraId {
         loop {
+            // The number grows over all names: to search from 1 for each would take quadratic time
+            // in documents of ten thousand pictures.
             let id = CameraId::from(format!("{like}-{}", self.next).as_str());
             self.next += 1;
             if self.taken.insert(id.clone()) {

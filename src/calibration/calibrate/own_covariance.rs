@@ -35,6 +35,7 @@ pub(crate) fn own_covariance(
         .solution
         .as_ref()
         .and_then(|solution| solution.own_covariance);
+    // A document of this program states it; one of another program may have clicks at least.
     stored
         .map(|stored| covariance_in_radians(&stored))
         .or_else(|| covariance_by_clicks(frame, camera, field?))
@@ -57,6 +58,7 @@ fn covariance_by_clicks(frame: &Frame, camera: &PtzCamera, field: &FieldModel) -
 
 /// The assumed covariance of a camera that states none.
 fn floor(frame: &Frame, camera: &PtzCamera) -> Mat3 {
+    // Without a covariance all that is known is the kind of the source.
     let source = frame.source();
     if source == Some(SolutionSource::Markings) {
         return covariance_on_paint(camera, frame.image_size);

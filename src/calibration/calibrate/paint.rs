@@ -99,6 +99,7 @@ fn snap_on_ground(
     {
         return Err(SnapFrameError::HasLens);
     }
+    // Clicks constrain the alignment where paint is sparse; each is weighted by its σ.
     let clicks = observations(frame, field)?;
     let snapped = snap(ground, field, camera.base(), camera.ptz(), &clicks, options)?;
     let distortion = snapped.own_lens.unwrap_or(camera.base().distortion);
@@ -259,6 +260,7 @@ pub(crate) fn paint_evidence(check: &LineCheck) -> PaintEvidence {
         predicted: check.predicted,
         found: check.found,
         bare: check.bare,
+        // Without any paint found these distances are infinite, which JSON cannot express.
         offset_px: Some(check.offset_px).filter(|offset| offset.is_finite()),
         bias_px: Some(check.bias_px).filter(|bias| bias.is_finite()),
         halves_px: Some(check.halves_px).filter(|halves| halves.is_finite()),
@@ -311,23 +313,26 @@ fn record_not_found_by_paint(frame: &mut Frame, reason: &FindFrameError) {
 }
 
 fn warn_once(frame: &mut Frame, code: &str, message: String) {
-    let solution = frame.solution.get_or_insert_default();
+    replace_warning(frame.solution.get_or_insert_default(), code, Some(message));
+}
+
+/// Replaces the warnings with a code by one with this message, or by none.
+pub(super) fn replace_warning(solution: &mut Solution, code: &str, message: Option<String>) {
     solution.warnings.retain(|warning| warning.code != code);
-    solution.warnings.push(SolutionWarning::new(code, message));
+    let warning = message.map(|message| SolutionWarning::new(code, message));
+    solution.warnings.extend(warning);
 }
 
 /// Writes a line check into a frame, with a warning if the paint contradicts its camera.
 pub fn record_line_check(frame: &mut Frame, check: &LineCheck) {
     let solution = frame.solution.get_or_insert_default();
     solution.line_check = Some(paint_evidence(check));
-    solution
-        .warnings
-        .retain(|warning| warning.code != LINE_CHECK);
-    if check.verdict() == LineVerdict::Contradicts {
-        solution
-            .warnings
-            .push(SolutionWarning::new(LINE_CHECK, against(check)));
-    }
+    let is_contradicted = check.verdict() == LineVerdict::Contradicts;
+    replace_warning(
+        solution,
+        LINE_CHECK,
+        is_contradicted.then(|| against(check)),
+    );
 }
 
 /// The warning for the user where the paint contradicts a camera.

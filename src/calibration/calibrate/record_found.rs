@@ -1,6 +1,6 @@
 //! Writes the result of autocalibration into its document.
 
-use super::field_size::set_field_size;
+use super::field_size::{field_of_camera_mut, set_field_size};
 use super::{AutocalibratedCamera, record_snapped};
 use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;
@@ -13,22 +13,16 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Autocali
         return;
     };
     of_document.set_base(&found.base);
+    // The size may give this camera a field of its own, so the crown is written after it.
     set_field_size(document, camera, &found.sizes);
-    let Some(of_document) = document.camera_mut(camera) else {
-        return;
-    };
-    let field = if of_document.field.is_some() {
-        of_document.field.as_mut()
-    } else {
-        Some(&mut document.field)
-    };
-    if let Some(field) = field {
+    if let Some(field) = field_of_camera_mut(document, camera) {
         field.set_crown_m(found.field.crown_m);
     }
     for of_found in &found.frames {
         let Some(frame) = document.frames.get_mut(of_found.index) else {
             continue;
         };
+        // A person accepted this frame; the search does not overrule that.
         if frame.status == FrameStatus::Reference {
             continue;
         }

@@ -4,10 +4,11 @@
 //! tilt and focal length are solved for again such that these stay where they were as well as the
 //! new base allows.
 
+use super::paint::replace_warning;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, median_high};
 use touchline_core::solve::{ClickResidual, Observation, SolveContext, solve_frame};
-use touchline_documents::document::{Camera, Document, Frame, SolutionWarning};
+use touchline_documents::document::{Camera, Document, Frame};
 
 /// Columns and rows of the grid of pixels that are to keep their ground points.
 const COLUMNS: u32 = 7;
@@ -41,6 +42,7 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
     let Some((ptz, off_px)) = ptz_on_base(&known, &base, frame.image_size) else {
         return;
     };
+    // `get_mut` marks the frame as changed, so it is called only once there is a change.
     let Some(frame) = document.frames.get_mut(index) else {
         return;
     };
@@ -54,13 +56,13 @@ fn tell(frame: &mut Frame, off_px: f64) {
     let Some(solution) = &mut frame.solution else {
         return;
     };
-    solution.warnings.retain(|warning| warning.code != CODE);
-    if off_px > TOLERATED_PX * frame.image_size.scale_from_1920() {
-        let message = format!(
+    let is_off = off_px > TOLERATED_PX * frame.image_size.scale_from_1920();
+    let message = is_off.then(|| {
+        format!(
             "The base changed after this frame was accepted: its lines moved by up to {off_px:.0} px. Check it again."
-        );
-        solution.warnings.push(SolutionWarning::new(CODE, message));
-    }
+        )
+    });
+    replace_warning(solution, CODE, message);
 }
 
 /// Pan, tilt and focal length on another base that keep the ground in place on the picture, and the
@@ -76,6 +78,7 @@ pub(crate) fn ptz_on_base(
         .enumerate()
         .map(|(click, (image, ground))| Observation::from_point(ground, image, sigma_px, click))
         .collect();
+    // A picture of stands or sky has no ground to keep in place.
     if observations.len() < FEWEST {
         return None;
     }

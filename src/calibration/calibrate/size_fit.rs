@@ -69,6 +69,7 @@ impl BaseProblem {
             base,
             ptz,
             model,
+            // Widths of pictures scale the priors of the lens, which are stated for 1920 px.
             image_width_px: self.image_size.width,
             options: &AdjustOptions::default(),
         };

@@ -51,6 +51,7 @@ pub fn solve_document(
     let Some(solved) = solve_frames(document, &enough, fields, record_if_solved, progress) else {
         return Ok(Vec::new());
     };
+    // Frames that were not solved have too few clicks; the others get their outcome by index.
     let mut outcomes: Vec<SolveOutcome> = document
         .frames
         .iter()

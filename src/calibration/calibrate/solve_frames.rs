@@ -64,6 +64,7 @@ pub(super) fn solve_frames(
                 .as_ref()
                 .is_ok_and(|solved| !solved.alternatives.is_empty());
             again.extend(is_undecided.then_some(index));
+            // The solutions are in the document; only their outcome is returned.
             settled.push(solved.map(drop));
         }
     }
@@ -78,6 +79,7 @@ pub(super) fn solve_frames(
         .map(|&index| solve_one(document, &lookup, index, fields, &of_cameras))
         .collect();
     for (index, solved) in again.into_iter().zip(second) {
+        // A frame that the second pass cannot solve keeps its solution of the first.
         if let Ok(solved) = solved {
             settle(&mut document.frames[index], Ok(&solved));
         }

@@ -105,6 +105,7 @@ pub(super) fn check_assigned(
         .ok_or_else(|| AssignError::UnknownCamera {
             camera: camera.as_str().to_owned(),
         })?;
+    // All frames are checked before the first one changes.
     for frame in frames
         .iter()
         .filter_map(|index| document.frames.get(*index))
@@ -143,6 +144,8 @@ pub(super) fn assign_frames(
         })
         .collect();
     for &index in &given {
+        // Two cameras may have the same base, for instance one that was copied: a camera pose is
+        // then valid for both.
         let same_base = document
             .camera_of(&document.frames[index])
             .and_then(Camera::base)
@@ -175,11 +178,7 @@ pub(super) fn assign_frames(
                 FrameStatus::Suggested | FrameStatus::Reference
             )
         {
-            let status = if frame.clicks.is_empty() {
-                FrameStatus::New
-            } else {
-                FrameStatus::Draft
-            };
+            let status = frame.undecided_status();
             document.frames[index].status = status;
         }
     }

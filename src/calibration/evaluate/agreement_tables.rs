@@ -91,6 +91,8 @@ pub fn agreement_tables(agreement: &Agreement, write: fn(&Table) -> String) -> S
     {
         let _ = writeln!(text, "{}: {}.", frame.name, describe_names(frame));
     }
+    // An empty line ends the paragraph, so that Markdown does not take the table for its
+    // continuation.
     text.push('\n');
     text.push_str(&write(&agreement_by_landmark(agreement)));
     text
@@ -121,6 +123,7 @@ fn describe_names(frame: &FrameAgreement) -> String {
 #[must_use]
 pub fn agreement_json(agreement: &Agreement) -> Value {
     let disputes: Vec<Value> = agreement.frames.iter().flat_map(disputes_json).collect();
+    // By axis: x points right and y down in the picture.
     let [right, down] = agreement
         .noise_by_axis
         .map(|noise| noise.as_ref().map(noise_json));

@@ -49,6 +49,8 @@ pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Repo
             ])
         })
         .collect();
+    // A frame that the estimate could not solve has no IoU. It is drawn at 0, so that a program
+    // does not look better for the hard frames that it leaves out.
     if !points.is_empty() {
         let unscored = evaluation
             .frames
@@ -177,6 +179,7 @@ fn summary_table(group: &FrameGroup) -> Table {
 /// The row of [`summary_table`] for one measure.
 fn summary_row(name: &str, summary: &Summary, more_is_better: bool) -> Vec<Cell> {
     let [low, high] = summary.mean_interval.map(|end| Cell::from(end).to_string());
+    // The worst tenth are the lowest values where more is better, and the highest ones of errors.
     let (tenth, worst) = if more_is_better {
         (summary.p10, summary.min)
     } else {
@@ -210,6 +213,7 @@ fn group_table(groups: &[FrameGroup]) -> Table {
         ("frames", "frames"),
         ("scored", "with a camera"),
     ]);
+    // A column that no group fills is left out: a truth of clicks alone has no rotation.
     let shown = SHOWN
         .into_iter()
         .filter(|measure| groups.iter().any(|group| group.measure(*measure).is_some()));

@@ -5,7 +5,7 @@
 //! ground (z = 0); their distance is the error. Without given points, those of a regular grid in
 //! which the true camera sees the field are taken.
 
-use super::evaluation::EvaluationError;
+use super::evaluation::{EvaluationError, fields_of};
 use super::matching::match_frames;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -63,16 +63,13 @@ pub fn compare_on_ground(
     estimate: DocumentAt<'_>,
     points: Option<&PicturePoints>,
 ) -> Result<GroundComparison, EvaluationError> {
-    let fields = Fields::from_document(truth).map_err(|source| EvaluationError::Field {
-        which: "truth",
-        source,
-    })?;
     let comparison = Comparison {
         truth,
         estimate,
-        fields,
+        fields: fields_of(truth, "truth")?,
         points,
     };
+    // Frames are compared in parallel; `collect` returns them in the truth's order.
     let partners = match_frames(truth, estimate);
     let compared: Vec<(FrameOnGround, usize)> = partners
         .par_iter()
@@ -118,6 +115,9 @@ impl Comparison<'_> {
             || Cow::Owned(pair.grid()),
             |points| Cow::Borrowed(points.for_frame(frame, index)),
         );
+        // The truth decides which points show ground. Where only the estimate sees none, the error
+        // is infinite and not left out: a camera that looks into the sky would otherwise score
+        // best.
         let distances_m = pair.distances_m(&points);
         let without_ground = points.len() - distances_m.len();
         let name = frame.name();
@@ -159,6 +159,7 @@ impl GroundError {
     #[must_use]
     pub fn from_distances(distances_m: &[f64]) -> Option<Self> {
         let mut sorted = distances_m.to_vec();
+        // Infinite distances are sorted to the end and count in both quantiles.
         sorted.sort_by(f64::total_cmp);
         (!sorted.is_empty()).then(|| Self {
             count: sorted.len(),

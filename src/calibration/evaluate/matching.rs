@@ -12,33 +12,14 @@ use touchline_documents::document::{DocumentAt, Frame, resolve_path};
 /// once. Frames with different SHA-256 never match, because names recur from match to match.
 pub(super) fn match_frames(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
     let mut partners = vec![None; wanted.frames.len()];
+    // A frame that a stronger identity has matched takes no part in the weaker ones.
     let mut given = vec![false; offered.frames.len()];
     for identity in [by_place, by_digest, by_path, by_name] {
-        // Index the frames that are still unmatched in both documents by this identity.
-        let mut open: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-        for (index, frame) in offered
-            .frames
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| !given[*index])
-        {
-            if let Some(key) = identity(frame, offered.folder) {
-                open.entry(key).or_default().push(index);
-            }
-        }
-        let mut by_key: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-        for (index, frame) in wanted
-            .frames
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| partners[*index].is_none())
-        {
-            if let Some(key) = identity(frame, wanted.folder) {
-                by_key.entry(key).or_default().push(index);
-            }
-        }
+        let open = index_by(identity, offered, |index| !given[index]);
+        let by_key = index_by(identity, wanted, |index| partners[index].is_none());
         // Match keys with exactly one frame on either side. Ambiguous ones are left to the next
-        // identity.
+        // identity, which may separate them: a guess would compare a camera with that of another
+        // picture.
         for (key, asking) in by_key {
             if let ([asking], Some([partner])) = (&asking[..], open.get(&key).map(Vec::as_slice))
                 && may_be_same_picture(&wanted.frames[*asking], &offered.frames[*partner])
@@ -49,6 +30,23 @@ pub(super) fn match_frames(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> V
         }
     }
     partners
+}
+
+/// The indices of those frames of a document that are open, by what identifies them.
+fn index_by(
+    identity: fn(&Frame, &Path) -> Option<String>,
+    document: DocumentAt<'_>,
+    is_open: impl Fn(usize) -> bool,
+) -> BTreeMap<String, Vec<usize>> {
+    let mut by_key: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (index, frame) in document.frames.iter().enumerate() {
+        if is_open(index)
+            && let Some(key) = identity(frame, document.folder)
+        {
+            by_key.entry(key).or_default().push(index);
+        }
+    }
+    by_key
 }
 
 /// Whether two frames may show the same picture: their SHA-256 are equal, or one is not stated.
@@ -76,9 +74,9 @@ fn by_place(frame: &Frame, folder: &Path) -> Option<String> {
     }
 }
 
-/// The image's SHA-256, if stated.
+/// The image's SHA-256 in small letters, if stated: programs write its digits in either case.
 fn by_digest(frame: &Frame, _: &Path) -> Option<String> {
-    frame.sha256.clone()
+    frame.sha256.as_deref().map(str::to_ascii_lowercase)
 }
 
 /// The path as written in the document.
@@ -128,8 +126,10 @@ mod tests {
         // By digest: a renamed file.
         let (mut one, mut other) = (document(&["1.jpg"]), document(&["x.jpg", "y.jpg"]));
         one.frames[0].sha256 = Some("ab".to_owned());
-        other.frames[1].sha256 = Some("ab".to_owned());
-        assert_eq!(match_frames(one.at(a), other.at(b)), [Some(1)]);
+        for stated in ["ab", "AB"] {
+            other.frames[1].sha256 = Some(stated.to_owned());
+            assert_eq!(match_frames(one.at(a), other.at(b)), [Some(1)]);
+        }
         // Another match with the same names.
         other.frames[0].sha256 = Some("cd".to_owned());
         other.frames[1].sha256 = None;

@@ -105,6 +105,7 @@ pub fn learn_forest(
         &progress.part(LearningProgress::Training),
     ) {
         Ok(model) => Ok(Some(LearntForest { model, studied })),
+        // Cancellation is the caller's wish and no error.
         Err(LearnError::Stopped(Stopped::Cancelled)) => Ok(None),
         Err(error) => Err(explain_failure(error, pictures.document, studied)),
     }
@@ -163,6 +164,8 @@ pub fn propose_on_lines(
     let min_confidence = forest.options.pose.min_confidence;
     let has_say = evidence.judge(at, reader, &mut proposals, min_confidence);
     // Answers by coarse features that are no longer certain are replaced by those by fine ones.
+    // There is an answer for every frame up to the cancellation and in the same order, so the
+    // places of `proposals` are those of `frames`.
     let doubtful: Vec<usize> = (0..proposals.len())
         .filter(|&place| resolutions[place] == Resolution::Coarse && needs_fine(&proposals[place]))
         .collect();
@@ -173,6 +176,8 @@ pub fn propose_on_lines(
     });
     // If it is cancelled, the answers stay as doubtful as they are.
     let mut again = again.unwrap_or_default();
+    // The few doubtful answers alone would not show whether the paint is evidence. All of them
+    // together have decided that above.
     if has_say {
         evidence
             .with_lines_as_evidence()
@@ -210,6 +215,7 @@ fn propose_or_report(
 ) -> Proposal {
     let (document, generation) = (pictures.document, forest.generation);
     let model = (forest.model, generation);
+    // The query only reads what it is given, so a panic leaves nothing half changed behind it.
     let proposal = catch_unwind(AssertUnwindSafe(|| {
         propose(document, index, features, model, &forest.options)
     }));
@@ -260,6 +266,7 @@ fn propose_by_look(
     forest: &ForestRequest<'_>,
     look: FrameWithFeatures<'_, ByResolution>,
 ) -> ByResolution {
+    // Where no features could be extracted, finer ones would fail as well.
     let resolution = look
         .found
         .as_ref()
@@ -300,6 +307,7 @@ pub fn label_frames(
     progress: &Progress<'_, usize>,
 ) -> Result<Vec<Proposal>, FieldError> {
     let PictureFiles { folder, store } = files;
+    // The references are checked before any answer is recorded, on the document as it was given.
     let evidence = LineEvidence::from_document(document.at(folder), reader, snap)?;
     let pictures = FramePictures {
         document,

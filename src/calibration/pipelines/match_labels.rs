@@ -224,6 +224,7 @@ pub fn find_camera(
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
+    // Two candidates are an answer as well, with the click that decides between them.
     let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, progress)?;
     if matches!(by_clicks, AutocalibrationAnswer::Abstained { .. }) {
         camera_without_clicks(at, camera, sampled_frames, picture, progress)
@@ -258,6 +259,7 @@ pub fn label_match(
         Ok(found) => found,
         Err(why) => return Ok(MatchLabels::NoCamera(why)),
     };
+    // The camera is written at once, because the frames of further cameras are split off from it.
     record_found(labelling.document, camera, &first);
     // The search is over and cannot be cancelled; the following steps check for themselves.
     let _ = progress.report(MatchEvent::Found {
@@ -267,24 +269,26 @@ pub fn label_match(
     });
     // Further cameras, then the frames that were not sampled.
     let cameras = labelling.find_other_cameras(camera.clone(), first)?;
-    let open = count_without_camera(labelling.document);
-    if options.label_the_rest && open > 0 {
+    let open = frames_without_camera(labelling.document);
+    if options.label_the_rest && !open.is_empty() {
         labelling.label_the_rest(&cameras)?;
     }
-    let unanswered = count_without_camera(labelling.document);
+    // Counted frame by frame, and not as a difference of two counts: a refined base may also take
+    // the camera from a frame that had one.
+    let frames = &labelling.document.frames;
+    let answered = open.iter().filter(|&&index| frames[index].ptz.is_some());
     Ok(MatchLabels::Labelled(LabelledMatch {
         cameras,
-        answered: open - unanswered,
-        unanswered,
+        answered: answered.count(),
+        unanswered: frames_without_camera(labelling.document).len(),
     }))
 }
 
-fn count_without_camera(document: &Document) -> usize {
-    document
-        .frames
-        .iter()
-        .filter(|frame| frame.ptz.is_none())
-        .count()
+/// The indices of a document's frames that have no camera.
+fn frames_without_camera(document: &Document) -> Vec<usize> {
+    (0..document.frames.len())
+        .filter(|&index| document.frames[index].ptz.is_none())
+        .collect()
 }
 
 /// Trains a forest on those frames of found cameras that are aligned to their own paint, as if the
@@ -464,14 +468,15 @@ impl Labelling<'_> {
         let store = FeatureStore::in_memory();
         let at = self.document.at(self.folder);
         let progress = self.progress.part(MatchEvent::Learning);
+        // The features are extracted once for training and queries, and are of no use afterwards,
+        // so they stay in memory.
         let Some(learnt) = learn_from_found(at, found, &mut *self.reader, &store, &progress)?
         else {
             return Ok(());
         };
         // Query it for the frames without a camera, and align the answers to their paint.
-        let open: Vec<usize> = (0..self.document.frames.len())
-            .filter(|&index| self.document.frames[index].ptz.is_none())
-            .collect();
+        let open = frames_without_camera(self.document);
+        // There is one forest, so its generation distinguishes nothing.
         let forest = ForestRequest {
             model: &learnt.model,
             generation: 0,

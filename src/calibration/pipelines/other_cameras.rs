@@ -1,8 +1,9 @@
 //! Further cameras of a video or folder: frames that match none of a camera's frames belong to
 //! another camera.
 
+use crate::calibrate::add_camera_like;
 use std::collections::BTreeMap;
-use touchline_documents::document::{Camera, CameraId, Document};
+use touchline_documents::document::{CameraId, Document};
 
 /// Minimum number of frames for a separate camera.
 const FEWEST: usize = 6;
@@ -19,8 +20,7 @@ pub(super) fn split_off(
     if others.len() < FEWEST {
         return None;
     }
-    let known = document.camera(camera)?.clone();
-    // The next free id: main, main_2, main_3, … The new camera inherits the masks.
+    // The next free id: main, main_2, main_3, …
     let mut number = 2;
     let id = loop {
         let id = CameraId::from(format!("{}_{number}", first_name(camera)).as_str());
@@ -29,15 +29,16 @@ pub(super) fn split_off(
         }
         number += 1;
     };
-    let mut other = Camera::new(id.clone(), known.image_size);
-    (other.masks, other.ranged_masks) = (known.masks.clone(), known.ranged_masks.clone());
-    document.cameras.push(other.into());
+    // Cameras of one video or folder stand in the same stadium: they share graphics and field.
+    add_camera_like(document, &id, camera).ok()?;
     // Assign the frames that were not sampled. A frame between two sampled frames of the new camera
     // goes to it. Before the first and after the last sampled frame, the nearest one decides.
     let mut is_other: BTreeMap<usize, bool> =
         looked_at.iter().map(|index| (*index, false)).collect();
     is_other.extend(others.iter().map(|index| (*index, true)));
     for index in 0..document.frames.len() {
+        // A sampled frame is its own neighbour on both sides, so it gets the camera that it was
+        // found to have.
         let before = is_other
             .range(..=index)
             .next_back()
@@ -67,15 +68,15 @@ fn first_name(camera: &CameraId) -> &str {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, Frame};
+    use touchline_documents::document::{Camera, FieldSpec, Frame};
 
     #[test]
     fn frames_between_two_of_another_camera_are_its_own() {
         let size = ImageSize::new(64, 36);
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
+        let mut main = Camera::new("main".into(), size);
+        main.field = Some(FieldSpec::new("futsal"));
+        document.cameras.push(main.into());
         for index in 0..24 {
             document
                 .frames
@@ -91,6 +92,8 @@ mod tests {
         );
         let id = split_off(&mut document, &"main".into(), &looked_at, &others).unwrap();
         assert_eq!(id.as_str(), "main_2");
+        let field = &document.camera(&id).unwrap().field;
+        assert_eq!(*field, document.cameras[0].field, "the same stadium");
         let of_other: Vec<usize> = (0..24)
             .filter(|index| document.frames[*index].camera == id)
             .collect();

@@ -99,6 +99,8 @@ pub fn track_clips(
     let mut without_base = BTreeMap::new();
     if options.refine_base {
         for camera in cameras_of(clips) {
+            // Why a camera gets no base is reported with its clips, where the user looks for their
+            // cameras.
             let given = give_first_base(document, folder, camera, &BaseOptions::default());
             without_base.extend(given.err().map(|why| (camera, why)));
         }
@@ -178,6 +180,8 @@ impl Tracking<'_> {
                 .frames
                 .iter()
                 .find_map(|frame| known.frames.get(frame.place?));
+            // All frames of a clip are of one camera and show its field, so the first one stands
+            // for them.
             let Some((span, first)) = clip.span().zip(first) else {
                 continue;
             };
@@ -211,6 +215,8 @@ impl Tracking<'_> {
                 Err(TrackClipError::Stopped) => break,
                 Err(error) => {
                     let error = self.with_reason(clip, error);
+                    // A clip that fails gives no frame a camera. Pictures that the document leaves
+                    // out do not count.
                     frames.missed += clip
                         .frames
                         .iter()
@@ -294,6 +300,8 @@ impl Tracking<'_> {
             last = mean_confidence(&tracked);
             if last >= best - CONFIDENCE_NOISE && frames_again.tracked >= frames.tracked {
                 document.clone_from(&tracked);
+                // The best confidence so far is the measure for all later passes, so that small
+                // losses do not add up.
                 (best, frames) = (best.max(last), frames_again);
             }
         }
@@ -358,6 +366,8 @@ impl Tracking<'_> {
             &mut picture,
             &Progress::default(),
         );
+        // Too little paint, or clicks that give no base: the base that is there stays. A field that
+        // is not valid has ended the first pass already.
         let Ok(found) = found else { return Ok(None) };
         let seen = found.seen.clone();
         let known = refined.camera(camera).and_then(Camera::base);
@@ -379,6 +389,8 @@ fn is_same_base(known: &CameraBase, refined: &CameraBase) -> bool {
     const SAME_SIGMAS: f64 = 0.1;
     const SAME_K1: f64 = 0.001;
     let moved_m = (refined.position_m - known.position_m).norm();
+    // Both lenses at the focal length to which the known one refers: curves with other reference
+    // lengths may be the same lens.
     let k1 = |base: &CameraBase| base.distortion.at(known.distortion.at_focal_px);
     moved_m < SAME_SIGMAS * refined.sigma.position_m.norm()
         && (k1(refined) - k1(known)).abs() < SAME_K1

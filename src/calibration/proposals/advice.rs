@@ -100,6 +100,8 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
     // The weight of a direction: how much its frames need a label, times how new the view is.
     for (to, direction) in needing.directions() {
         let half_view = direction.half_view();
+        // Without a known coverage every view is new. A view that shows no field gets no weight: a
+        // label there helps nowhere.
         let novelty = coverage.map_or(Some(1.0), |coverage| {
             coverage.novelty(AngleRange::around(HorizontalView::towards(to), half_view))
         });
@@ -109,7 +111,8 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
         weights.push((to, weight));
         (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half_view.degrees());
     }
-    // The mean width of a view.
+    // The mean width of a view. Where no frame has a weight it is 0 / 0, and `max` returns the
+    // width of a direction in place of NaN.
     let view_deg = (2.0 * half_view_deg / whole).max(DIRECTION_DEG);
     // Of equal gains, the smallest pan.
     let gains = weights

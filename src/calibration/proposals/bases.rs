@@ -45,6 +45,7 @@ pub fn adopt_bases(
         let known = known.ok_or_else(|| BaseMismatch::Unknown {
             camera: forest.camera.clone(),
         })?;
+        // A forest may have been trained on more cameras than this document has.
         let Some(camera) = document.camera_mut(&id) else {
             continue;
         };

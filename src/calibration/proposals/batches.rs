@@ -109,6 +109,8 @@ impl FramePictures<'_> {
         // Videos are decoded here in sequence; extraction, and reading of images, runs in parallel
         // after that.
         for batch in frames.chunks(BATCH) {
+            // Nothing is read of an image yet. A picture of a video is decoded, in order, unless
+            // the store has its features.
             let begun = batch.iter().map(|&index| {
                 let frame = &*self.document.frames[index];
                 let resolution = first(frame);
@@ -121,6 +123,8 @@ impl FramePictures<'_> {
                 }
             });
             let begun = begun.collect();
+            // The frames that need fine features keep their place in the batch, so that all results
+            // can be put in the order of the frames again.
             let (mut done, mut again, mut places) = (Vec::new(), Vec::new(), Vec::new());
             let worked = self.work_on(begun, &work, &needs_fine)?;
             for (place, (&index, worked)) in batch.iter().zip(worked).enumerate() {
@@ -139,6 +143,7 @@ impl FramePictures<'_> {
                     }
                 }
             }
+            // A result from fine features is final.
             let fine = self.work_on(again, &work, &|_: &T| false)?;
             done.extend(
                 places
@@ -160,6 +165,8 @@ impl FramePictures<'_> {
     ) -> Option<Vec<FrameWorkOutcome<T>>> {
         let ended = AtomicBool::new(false);
         let worked = begun.into_par_iter().map(|begun| {
+            // A result that is computed in vain does no harm, so the flag needs no stronger
+            // ordering.
             if ended.load(Ordering::Relaxed) {
                 return None;
             }
@@ -197,6 +204,8 @@ impl FramePictures<'_> {
             let mut begun = Vec::with_capacity(batch.len());
             for &index in batch {
                 let frame = &*self.document.frames[index];
+                // The decoder of a video is used by one thread and in order; images are read below,
+                // in parallel.
                 let of_video = frame
                     .image
                     .is_none()

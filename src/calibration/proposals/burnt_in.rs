@@ -108,6 +108,8 @@ pub(super) fn leave_out_burnt_in(
             // A graphic in the first or the last picture has a range that is open at that end.
             let is_open_before = graphic.first == 0;
             let is_open_after = graphic.last + 1 == frames.len();
+            // `burnt_in` counts the pictures of this camera; `frames` has their indices in the
+            // document.
             let ends = [graphic.first, graphic.last].map(|picture| frames[picture]);
             let [from, to] = ends.map(|index| document.frames[index].video_frame_index());
             let mask = RangedMask {
@@ -125,6 +127,8 @@ pub(super) fn leave_out_burnt_in(
             });
         }
         // The coarse features show the same graphics and are only left out.
+        // References without coarse features stay in the list, so that its places are those of
+        // `of_camera`.
         let none = Features::default();
         let coarse: Vec<&Features> = of_camera
             .iter()

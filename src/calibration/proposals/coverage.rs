@@ -153,6 +153,7 @@ impl Coverage {
         let gaps: Vec<usize> = (0..self.columns)
             .filter(|column| self.is_gap(*column))
             .collect();
+        // `max_by_key` returns the last of equals: reversed, that is the first run.
         let runs = gaps.chunk_by(|a, b| a + 1 == *b);
         let widest = runs.rev().max_by_key(|run| run.len())?;
         let middle = (widest.first()? + widest.last()? + 1) as f64 / 2.0 / self.columns as f64;
@@ -194,6 +195,8 @@ impl ReferenceView {
                 .ray_from_image(corner)
                 .map_or(-1.0, |ray| ray.direction().dot(&middle))
         });
+        // A corner beyond the fold of the lens has no ray. A cosine of −1 then lets all rays pass
+        // to the exact test.
         let reach = cosines.fold(1.0, f64::min);
         Some(Self {
             camera,
@@ -238,6 +241,8 @@ fn outline(field: &FieldModel, base: &CameraBase) -> Vec<PanTilt> {
 fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
     // Intersect the ray with z = 0; the crown is neglected.
     let direction = base.base_from_world.transpose() * ray.direction();
+    // A ray that is parallel to the ground gives an infinite or undefined distance, for which no
+    // comparison below is true.
     let distance = -base.position_m.z / direction.z;
     let at = base.position_m + direction * distance;
     distance > 0.0

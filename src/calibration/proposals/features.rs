@@ -94,6 +94,8 @@ impl FramePictures<'_> {
         if frame.image.is_some() {
             return ExtractionInput::Image(picture);
         }
+        // A video is identified by its file and the number of the frame, because hashing it would
+        // read all of it. One that cannot be identified is decoded each time.
         let key = frame
             .picture_source(self.folder)
             .and_then(|source| source.video_identity());
@@ -143,6 +145,8 @@ impl FramePictures<'_> {
         resolution: Resolution,
         picture: &mut Option<Picture>,
     ) -> Result<FrameFeatures, PictureError> {
+        // The file is hashed even if the document states a hash: features of another picture under
+        // the same name would be wrong without a sign.
         let path = frame.image_path(self.folder).ok_or(PictureError::None)?;
         let sha256 = sha256_of_file(&path)?;
         // Compare with the hash that the document states, if any.
@@ -201,6 +205,7 @@ impl FramePictures<'_> {
             &self.options_at(frame, resolution),
         )?;
         let time = start.elapsed();
+        // Several threads may extract the same features; the store keeps the first.
         let features = match key {
             Some(key) => self.store.put(key, features),
             None => Arc::new(features),

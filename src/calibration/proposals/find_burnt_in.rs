@@ -155,6 +155,7 @@ fn last_without(
     [shown, without]: [usize; 2],
     progress: &Progress<'_, ()>,
 ) -> Option<usize> {
+    // Both frames are of this camera, so they are found; the search is over places in its list.
     let [mut shown, mut without] =
         [shown, without].map(|frame| of_camera.binary_search(&frame).unwrap_or_default());
     while shown.abs_diff(without) > 1 {

@@ -80,6 +80,8 @@ impl KeyWindow {
 
     /// The window with these key frames of a run; none without a frame between them.
     fn from_keys(clip: &ClipFrames, run: &[usize], keys: &[usize]) -> Option<Self> {
+        // The clip of a window has all pictures of the video between its keys, because points are
+        // tracked from each to the next; only those that the document has get a camera.
         let (from, to) = (*keys.first()?, *keys.last()?);
         let between: Vec<usize> = run
             .iter()

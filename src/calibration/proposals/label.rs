@@ -12,6 +12,8 @@ use touchline_vision::relocalize::{Label, Misfit};
 /// that is stored with it.
 pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCamera) -> Label {
     let source = frame.source();
+    // Clicks give the misfit besides, which shows whether a label is worse than its covariance
+    // says.
     let is_by_clicks = matches!(
         source,
         None | Some(SolutionSource::Clicks | SolutionSource::Import)

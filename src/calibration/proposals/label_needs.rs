@@ -126,6 +126,7 @@ impl LabelNeeds {
     fn add(&mut self, index: usize, frame: &Frame) {
         self.unanswered += usize::from(frame.is_unanswered());
         self.uncertain += usize::from(is_uncertain(frame));
+        // Both counts are part of the advice, so they are a change even if no direction is.
         self.edition += u64::from(frame.is_unanswered() || is_uncertain(frame));
         let shot = self.shots.entry(shot_of(frame)).or_default();
         shot.looks

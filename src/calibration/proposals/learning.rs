@@ -158,6 +158,7 @@ fn study_look(
     };
     let field = fields.map(|fields| &**fields.for_frame(document, frame));
     let coarse = look.earlier.and_then(SampleInProgress::coarse);
+    // Errors are results of single references here: the others are trained on all the same.
     let sample = found
         .map_err(TrainingSampleError::from)
         .and_then(|fine| training_sample(document, field, (index, frame), &fine, coarse));
@@ -186,6 +187,7 @@ fn training_sample(
     let pointed = camera
         .ptz_camera(frame)
         .ok_or(TrainingSampleError::Unsolved)?;
+    // Rays of the old picture's label do not belong to the features of the new picture.
     if fine.changed {
         return Err(TrainingSampleError::Changed);
     }
@@ -298,14 +300,13 @@ fn without_frames(document: &Document) -> Document {
         ..document.clone()
     };
     // The field of the document and those of single cameras.
+    // Only cameras with a field are borrowed to be changed, because that copies a shared camera.
     let of_cameras = kept
         .cameras
         .iter_mut()
-        .filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
-    for field in of_cameras
-        .filter_map(|camera| camera.field.as_mut())
-        .chain([&mut kept.field])
-    {
+        .filter(|camera| camera.field.is_some())
+        .filter_map(|camera| camera.field.as_mut());
+    for field in of_cameras.chain([&mut kept.field]) {
         if field.is_file()
             && let Some(name) = Path::new(&field.template).file_name()
         {

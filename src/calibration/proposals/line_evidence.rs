@@ -107,18 +107,15 @@ impl LineEvidence {
         proposals: &mut [Proposal],
         min_confidence: f64,
     ) -> bool {
+        // References that a person accepted are on no paint: the pictures do not show the lines of
+        // this field, or they cannot be seen.
         if self.proven == Some(false) {
             return false;
         }
         let mut found: Vec<Option<PaintAnswer>> = vec![None; proposals.len()];
         // Videos are read one frame after the other with the shared decoder, images in parallel.
         for (proposal, found) in proposals.iter_mut().zip(&mut found) {
-            if at
-                .document
-                .frames
-                .by_id(&proposal.frame)
-                .is_some_and(|frame| frame.image.is_none())
-            {
+            if is_of_image(at, proposal) == Some(false) {
                 *found = self.ask(at, reader, proposal);
             }
         }
@@ -126,12 +123,7 @@ impl LineEvidence {
             .par_iter_mut()
             .zip(&mut found)
             .for_each(|(proposal, found)| {
-                if at
-                    .document
-                    .frames
-                    .by_id(&proposal.frame)
-                    .is_some_and(|frame| frame.image.is_some())
-                {
+                if is_of_image(at, proposal) == Some(true) {
                     *found = self.ask(at, &mut FrameReader::new(), proposal);
                 }
             });
@@ -284,6 +276,13 @@ fn is_borne_out(
         image_size,
     );
     check.verdict() == LineVerdict::Supports && apart_px <= BESIDE_PX * image_size.scale_from_1920()
+}
+
+/// Whether the picture of a proposal's frame is an image file; none if the document has no such
+/// frame.
+fn is_of_image(at: DocumentAt<'_>, proposal: &Proposal) -> Option<bool> {
+    let frame = at.document.frames.by_id(&proposal.frame)?;
+    Some(frame.image.is_some())
 }
 
 /// The picture of a frame, without its masked pixels.

@@ -26,7 +26,8 @@ pub(super) struct LabelCandidate {
 /// The frames of a camera that need a label and have a known view.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NeedingFrames {
-    /// The direction of each frame, by its index in the document: see [`HorizontalView::direction`].
+    /// The direction of each frame, by its index in the document: see
+    /// [`HorizontalView::direction`].
     frames: BTreeMap<usize, i64>,
     directions: BTreeMap<i64, Direction>,
 }
@@ -50,6 +51,7 @@ const PARTS: f64 = (1 << 30) as f64;
 impl NeedingFrames {
     /// Sets or removes the need of a frame. Returns whether that changed anything.
     pub(super) fn put(&mut self, index: usize, needing: Option<LabelCandidate>) -> bool {
+        // The direction in which the frame is listed, which may differ from that of the new view.
         let to = self.frames.get(&index).copied();
         let known = to.and_then(|to| Some((to, *self.directions.get(&to)?.frames.get(&index)?)));
         if known.map(|(_, known)| known) == needing {

@@ -23,6 +23,7 @@ impl QueryOrder {
     /// current one come first.
     #[must_use]
     pub fn new(document: &Document, current: usize, wanted: impl Fn(usize) -> bool) -> Self {
+        // `wanted` is called once for each frame.
         let is_wanted: Vec<bool> = (0..document.frames.len()).map(&wanted).collect();
         let distance = |index: &usize| (index.abs_diff(current), *index);
         let mut taken = vec![false; is_wanted.len()];

@@ -251,6 +251,7 @@ impl Project {
                 });
             self.suggestions.put(&frame.id, batch, suggestion);
         }
+        // `edits_in` compares with the view before, so it is called before that is replaced.
         self.edited = self.edits_in(now);
         self.view = now.clone();
         Some(edit)
@@ -386,6 +387,7 @@ impl Project {
     /// Replaces the view, with the same edits, and returns the edit to journal; none if the view
     /// does not change.
     fn go_on_to(&mut self, view: Document, name: &str) -> Option<Edit> {
+        // The journal records the view, so the edit is computed before the view is replaced.
         let edit = Edit::between(&self.view, &view, name);
         self.view = view;
         Some(edit).filter(|edit| !edit.is_empty())

@@ -208,6 +208,8 @@ impl Proposal {
                 (Some(answer.ptz.clone()), solution)
             }
             Err(reason) => {
+                // The reason takes the place of the camera, so that the user sees why there is
+                // none.
                 let warnings = vec![SolutionWarning::new(reason.code(), reason.to_string())];
                 (
                     None,
@@ -247,6 +249,8 @@ impl Proposal {
     /// forest stays if there is no answer or a less confident one.
     #[must_use]
     pub fn may_replace_camera_of(&self, frame: &Frame) -> bool {
+        // A camera without a stated confidence has nothing to compare with, and gives way to any
+        // answer.
         let earlier = frame
             .solution
             .as_ref()

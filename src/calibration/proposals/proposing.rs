@@ -19,6 +19,7 @@ pub fn propose(
     let request = FrameRequest::from_frame(document, frame);
     let mut timings = Timings::default();
     let outcome = found.map_err(NoProposal::from).and_then(|found| {
+        // The times are those of the steps that were reached, also if a later one gives no answer.
         timings.features = found.time;
         let camera = frame.camera.as_str();
         let forest = model
@@ -54,6 +55,7 @@ pub fn propose(
 }
 
 fn answer(pose: &Pose, base: &CameraBase, image_size: ImageSize) -> Answer {
+    // Documents state the lens of a frame only where there is one.
     let lens = Some(base.distortion.radial_at(pose.ptz.focal_px)).filter(|lens| !lens.is_none());
     Answer {
         ptz: FramePtz::new(pose.ptz, lens),

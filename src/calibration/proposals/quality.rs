@@ -129,6 +129,8 @@ impl Quality {
 
     /// Bounds the confidences of a forest by what was measured on its own references.
     pub fn bound(&self, document: &Document, model: &mut ForestModel) {
+        // All tested references are of one camera. Nothing was measured of the others, and their
+        // confidences stay.
         let measured = self
             .tested
             .first()
@@ -185,6 +187,8 @@ pub fn measure(
         .copied()
         .filter(|&index| document.frames[index].camera == camera.id)
         .collect();
+    // Features are not stored by the collection; those of the queried references are extracted
+    // again, or come from the store.
     let collected = Collected::from(
         pictures,
         reader,
@@ -272,6 +276,8 @@ impl Collected {
         progress: &Progress<'_, ()>,
     ) -> Option<Self> {
         let mut collected = Self::default();
+        // The features of a batch are dropped as soon as its samples are copied, which bounds the
+        // memory.
         for few in training_frames.chunks(BATCH) {
             let ReferenceSamples {
                 training_samples, ..
@@ -337,6 +343,7 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
     } else {
         LeftOutBy::Neighbours
     };
+    // Quadratic in the references, of which there are at most a thousand.
     let groups = (0..frames.len()).map(|tested| {
         let others = 0..frames.len();
         let left_out = match &times_s {
@@ -371,6 +378,7 @@ fn group_of_clip(frames: &[&Frame], clip: Option<&Clip>) -> Group {
 #[must_use]
 pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -> f64 {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
+    // Both edges included, because overlays are farthest apart at the corners.
     let grid = (0..15).map(|index| (f64::from(index % 5) / 4.0, f64::from(index / 5) / 2.0));
     let points = grid.map(|(x, y)| ImagePoint::new(x * width, y * height));
     image_space_distances_px(truth, found, points).fold(0.0, f64::max) / size.scale_from_1920()

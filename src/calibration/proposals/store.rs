@@ -103,6 +103,8 @@ impl FeatureStore {
     /// A store on disk beside a document.
     #[must_use]
     pub fn on_disk(place: &WorkFolder) -> Self {
+        // A folder that cannot be used costs time in the next session and nothing else, so it is no
+        // error.
         let (disk, refused) = match place.features() {
             Ok(disk) => (Some(disk), None),
             Err(error) => (None, Some(error.to_string())),
@@ -122,6 +124,8 @@ impl FeatureStore {
         if let Some(features) = self.shelf().held.get(key) {
             return Some(Arc::clone(features));
         }
+        // The lock of the memory is free while the disk is read, so two threads may read the same
+        // features. The first ones stay.
         let features = Arc::new(self.disk.as_ref()?.get(key)?);
         self.shelf().put(key, &features);
         Some(features)

@@ -117,6 +117,7 @@ impl Suggestions {
 
     /// The batch of a finder that answers repeatedly; a new one if it has none.
     pub fn batch_of_finder(&mut self, finder: Finder) -> BatchId {
+        // Of several batches of a finder the latest, so that new answers join those shown last.
         let known = self
             .finders
             .iter()
@@ -230,6 +231,7 @@ impl Suggestions {
             return false;
         };
         let known = &mut kept.suggestion;
+        // The revision is left out of the comparison: it is what changed.
         let is_same = known.ptz == shown.ptz && known.solution == shown.solution;
         if is_same {
             known.revision = shown.revision;
@@ -260,6 +262,7 @@ impl Suggestions {
             _ => None,
         };
         for frame in &taken.frames {
+            // Batches may be discarded in any order, so the refusal of a newer forest stays.
             let newest = self.discarded.entry(frame.clone()).or_default();
             *newest = taken.refused.unwrap_or(0).max(*newest);
         }

@@ -46,6 +46,8 @@ pub fn find_suspects(
             .into_iter()
             .map(|place| of_camera[place])
             .collect();
+        // The last references of one group and the first ones of the next are not compared. That
+        // keeps the time linear and bounds the memory.
         for together in of_camera.chunks(TOGETHER) {
             let ReferenceSamples {
                 training_samples, ..

@@ -69,6 +69,8 @@ fn suggest_tracked(
     clip: &TrackedClip,
     tracked: &TrackedFrame,
 ) -> Option<SuggestionUpdate> {
+    // Written into a copy of the frame by the function that also writes documents, so that both
+    // agree.
     SuggestionUpdate::from_recorded(document, tracked.place, |frame| {
         record_tracked_frame(frame, clip, tracked);
     })

@@ -25,6 +25,8 @@ impl TrainingFrames {
                 continue;
             }
             found.references += 1;
+            // Accepted suggestions are left out by default: a forest that learns its own answers
+            // repeats their errors.
             if frame.is_used_for_training() || all_references && frame.is_suggestion() {
                 found.frames.push(index);
             } else {

@@ -56,6 +56,7 @@ impl TrainingSample {
 
     /// Adds it to the samples as one frame.
     pub(super) fn add_to(&self, samples: &mut Samples) {
+        // Coarse and fine features count as one frame, because they are of the same picture.
         samples.add_frame(self.all().flat_map(FeatureRays::samples));
     }
 
@@ -75,6 +76,7 @@ impl TrainingSample {
         base: &CameraBase,
         options: &RelocalizeOptions,
     ) -> Relocalized {
+        // As for a proposal: the coarse answer counts only if it is certain.
         let by = |look: &FeatureRays| relocalize(&look.features, forest, seen, base, options);
         self.coarse
             .as_ref()

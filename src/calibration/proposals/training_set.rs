@@ -42,6 +42,7 @@ impl TrainingSet {
                 frame.ptz,
                 camera
             ]);
+            // Half of a digest: that two references share 16 bytes by chance can be neglected.
             let digest = Sha256::digest(sample.to_string());
             training_samples.extend(digest.first_chunk::<16>());
         }
@@ -64,6 +65,7 @@ impl TrainingSet {
     #[must_use]
     pub fn fingerprint(&self) -> String {
         let mut digest = Sha256::new();
+        // The set is sorted, so the fingerprint does not depend on the order of the frames.
         for sample in &self.training_samples {
             digest.update(sample);
         }

@@ -46,6 +46,8 @@ impl UsedFeatures {
             .map(|keypoint| (keypoint.point, FeatureUse::Kept))
             .collect();
         let base = document.camera_of(frame).and_then(Camera::base);
+        // Without either, the features are shown all the same, each as one that nothing is known
+        // of.
         let Some((forest, base)) = model.camera(frame.camera.as_str()).zip(base) else {
             return Self {
                 frame: frame.id.clone(),

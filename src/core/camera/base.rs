@@ -48,8 +48,10 @@ impl BaseAngles {
     /// The angles of a rotation. Looking straight up or down the heading is taken as zero.
     #[must_use]
     pub fn from_base_from_world(base_from_world: &Mat3) -> Self {
+        // Rows of a rotation to `base` are the axes of `base` in `world`; row 2 is the view axis.
         let forward = base_from_world.row(2).transpose();
         let horizontal = forward.x.hypot(forward.y);
+        // Nearly vertical, the horizontal part is rounding and has no direction.
         let heading = if horizontal < 1e-12 {
             Angle::ZERO
         } else {
@@ -95,6 +97,8 @@ impl CameraBase {
     /// gauge: at pan zero the camera looks, seen from above, along world +y.
     #[must_use]
     pub fn rotation_about(pan_axis: &Vec3) -> Mat3 {
+        // The rows are the axes of `base` in `world`: right, perpendicular to world y as the gauge
+        // requires; down, along −axis; forward.
         let right = Vec3::y().cross(pan_axis).normalize();
         Mat3::from_rows(&[
             right.transpose(),

@@ -107,28 +107,18 @@ impl BaseSigma {
 
     /// 1-σ of each shared parameter.
     fn deviations(&self) -> SharedError {
-        let Self {
-            position_m,
-            rotation,
-            k1,
-            k1_per_1000_px,
-            crown_m,
-            principal_point_px,
-            ..
-        } = self;
-        let lens = [
-            *k1,
-            *k1_per_1000_px,
-            *crown_m,
-            principal_point_px.x,
-            principal_point_px.y,
-        ];
-        let values = position_m
-            .iter()
-            .copied()
-            .chain([rotation.x, rotation.y])
-            .chain(lens);
-        SharedError::from_iterator(values)
+        SharedError::from([
+            self.position_m.x,
+            self.position_m.y,
+            self.position_m.z,
+            self.rotation.x,
+            self.rotation.y,
+            self.k1,
+            self.k1_per_1000_px,
+            self.crown_m,
+            self.principal_point_px.x,
+            self.principal_point_px.y,
+        ])
     }
 
     /// Whether lens, crown and principal point are taken as exact.
@@ -187,6 +177,7 @@ impl BaseSigma {
             return *self;
         }
         let eigen = of_position.symmetric_eigen();
+        // One more independent error along that direction, of the variance that is missing there.
         let weakest = eigen.eigenvalues.imax();
         let missing = least_m * least_m - eigen.eigenvalues[weakest];
         if missing <= 0.0 {
@@ -353,6 +344,8 @@ impl BaseCorrelation {
         let of_errors = Self {
             below_diagonal: below_diagonal(|row, column| stated[(row, column)]),
         };
+        // The matrix of the entries below the diagonal is symmetric with ones on the diagonal, so
+        // the stated one has to be equal to it; NaN is not. Only then eigenvalues have a meaning.
         let is_one = (of_errors.matrix() - stated)
             .iter()
             .all(|off| off.abs() <= ROUNDING);
@@ -366,10 +359,8 @@ impl BaseCorrelation {
     pub fn rows(&self) -> Vec<Vec<f64>> {
         let matrix = self.matrix();
         let of_pose = GAUGE * (GAUGE - 1) / 2;
-        let is_of_pose_alone = self
-            .below_diagonal
+        let is_of_pose_alone = self.below_diagonal[of_pose..]
             .iter()
-            .skip(of_pose)
             .all(|share| *share == 0.0);
         let size = if is_of_pose_alone {
             GAUGE

@@ -50,6 +50,7 @@ pub fn image_space_distances_px(
     other: &PtzCamera,
     points: impl IntoIterator<Item = ImagePoint>,
 ) -> impl Iterator<Item = f64> {
+    // Both cameras share a base, so a direction suffices for the other one.
     points.into_iter().filter_map(|point| {
         let ray = one.ray_from_image(point).ok()?;
         Some(

@@ -59,6 +59,7 @@ impl FocalCurve {
     /// The lens with these coefficients at every focal length; none where k₂ comes without k₁.
     #[must_use]
     pub fn through(Radial { k1, k2 }: Radial) -> Option<Self> {
+        // The curve has k₂ only as a multiple of k₁².
         if k1 == 0.0 && k2 != 0.0 {
             return None;
         }
@@ -108,9 +109,12 @@ impl FocalCurve {
     /// / f)² of the image point is u (1 + u + α u²)² there (−4/27 where α is zero); with k₁ linear
     /// in f that is a quadratic in f.
     pub(crate) fn fold_focals(&self, radius_px: f64) -> impl Iterator<Item = f64> + use<> {
+        // The root of smaller magnitude, in the form that does not cancel and covers α = 0.
         let share = self.k2_per_k1_squared;
         let u = -2.0 / (3.0 + (9.0 - 20.0 * share).max(0.0).sqrt());
         let folds = 20.0 * share <= 9.0;
+        // With c the value of k₁ (r / f)² at the fold and q = −r² / c: f² + q k₁(f) = 0, which is
+        // f² + q k₁' f + q (k₁(f₀) − k₁' f₀) = 0.
         let squared = -radius_px * radius_px / (u * (1.0 + u * (1.0 + share * u)).powi(2));
         let half = 0.5 * squared * self.slope_per_px();
         let constant = squared * (self.value - self.slope_per_px() * self.at_focal_px);
@@ -160,6 +164,7 @@ impl Radial {
     #[inline]
     #[must_use]
     pub fn by_ideal(&self, ideal: Vec2) -> Matrix2<f64> {
+        // d(x s(r²))/dx = s I + 2 s' x xᵀ, with s' the derivative of the stretch s by r².
         let squared = ideal.norm_squared();
         let (stretch, along) = (
             self.stretch(squared),
@@ -273,6 +278,7 @@ pub fn undistort(distorted: Vec2, lens: Radial) -> Result<Vec2, UndistortError> 
     for _ in 0..100 {
         let squared = s * s;
         let excess = s * (1.0 + squared * (w + squared * v)) - 1.0;
+        // A point that is not finite stays so: no comparison would end the search.
         if excess.is_nan() {
             s = excess;
             break;
@@ -289,6 +295,7 @@ pub fn undistort(distorted: Vec2, lens: Radial) -> Result<Vec2, UndistortError> 
             s = newton;
             break;
         }
+        // Without a fold the bracket is open above until a step overshoots; doubling closes it.
         s = if newton > lower && newton < upper {
             newton
         } else if upper.is_finite() {
@@ -311,6 +318,7 @@ fn undistort_k1(distorted: Vec2, k1: f64) -> Result<Vec2, UndistortError> {
     const SERIES_UPTO: f64 = 0.1;
     let w = k1 * distorted.norm_squared();
     if w <= FOLD {
+        // At the fold k₁ r² = −1/3, so the distorted radius is 2/3 of the ideal one.
         let fold = Radial::k1(k1).fold_radius_squared().sqrt() * 2.0 / 3.0;
         return Err(UndistortError::BeyondFold {
             k1,

@@ -1,6 +1,6 @@
 //! Analytic derivatives of the projection.
 
-use super::{MIN_DEPTH, ProjectError, PtzCamera};
+use super::{ProjectError, PtzCamera};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
 use nalgebra::{Matrix2x3, Matrix2x6};
 
@@ -134,24 +134,15 @@ impl PtzCamera {
         &self,
         point_in_cam: Vec3,
     ) -> Result<(ImagePoint, Matrix2x3<f64>, Vec2, Vec2), ProjectError> {
-        let p = point_in_cam;
-        let distance = p.norm();
-        if !(p.z > MIN_DEPTH * distance) {
-            return Err(ProjectError::BehindCamera {
-                depth: if distance > 0.0 { p.z / distance } else { 0.0 },
-            });
-        }
+        let ideal = self.ideal_from_cam(point_in_cam)?;
         let (focal_px, lens) = (self.ptz().focal_px, self.lens());
-        let ideal = Vec2::new(p.x / p.z, p.y / p.z);
         let radius_squared = ideal.norm_squared();
-        if radius_squared >= lens.fold_radius_squared() {
-            return Err(ProjectError::BeyondFold { k1: lens.k1 });
-        }
-        // Chain rule: `cam` → ideal point (x/z, y/z) → distorted point → px.
+        // Chain rule: `cam` → ideal point (x/z, y/z) → distorted point → px. The image is linear in
+        // the focal length where k₁ is fixed, with the distorted point as its derivative.
         let stretch = lens.stretch(radius_squared);
         let distorted = ideal * stretch;
         let by_ideal = lens.by_ideal(ideal);
-        let ideal_by_cam = Matrix2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / p.z;
+        let ideal_by_cam = Matrix2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / point_in_cam.z;
         Ok((
             self.base().principal_point.translate(distorted * focal_px),
             by_ideal * ideal_by_cam * focal_px,

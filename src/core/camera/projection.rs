@@ -118,21 +118,33 @@ impl PtzCamera {
     /// # Errors
     /// Behind the camera, or beyond the fold of the distortion model.
     pub fn image_from_cam(&self, point_in_cam: Vec3) -> Result<ImagePoint, ProjectError> {
+        let ideal = self.ideal_from_cam(point_in_cam)?;
+        Ok(self
+            .base
+            .principal_point
+            .translate(distort(ideal, self.lens) * self.ptz.focal_px))
+    }
+
+    /// The ideal point on the plane z = 1 of `cam` of a point given in `cam` (any scale).
+    ///
+    /// # Errors
+    /// Behind the camera, or beyond the fold of the distortion model.
+    #[inline]
+    pub(super) fn ideal_from_cam(&self, point_in_cam: Vec3) -> Result<Vec2, ProjectError> {
         let p = point_in_cam;
         let distance = p.norm();
+        // Negated, so that NaN has no image either.
         if !(p.z > MIN_DEPTH * distance) {
             return Err(ProjectError::BehindCamera {
                 depth: if distance > 0.0 { p.z / distance } else { 0.0 },
             });
         }
         let ideal = Vec2::new(p.x / p.z, p.y / p.z);
+        // Beyond the fold the model maps the point back into the picture, where nothing shows it.
         if ideal.norm_squared() >= self.lens.fold_radius_squared() {
             return Err(ProjectError::BeyondFold { k1: self.lens.k1 });
         }
-        Ok(self
-            .base
-            .principal_point
-            .translate(distort(ideal, self.lens) * self.ptz.focal_px))
+        Ok(ideal)
     }
 
     /// The ideal radius on the plane z = 1 of `cam` beyond which the distortion model folds and
@@ -200,6 +212,8 @@ impl PtzCamera {
     /// none where the ray does not meet it in front of the camera.
     #[must_use]
     pub fn plane_from_image(&self, point: ImagePoint, height_m: f64) -> Option<Vec3> {
+        // A ray parallel to the plane has an infinite distance, one that points away a negative
+        // one.
         let direction = self.world_direction_from_image(point).ok()?;
         let distance = (height_m - self.base.position_m.z) / direction.z;
         (distance.is_finite() && distance > 0.0)

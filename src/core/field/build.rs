@@ -30,6 +30,8 @@ impl Template {
         params: &BTreeMap<String, f64>,
         crown_m: f64,
     ) -> Result<FieldModel, FieldError> {
+        // An unknown name is an error: if it were ignored, a misspelt parameter would silently
+        // take its default.
         if let Some(name) = params
             .keys()
             .find(|name| !self.params.iter().any(|param| param.name == **name))
@@ -51,6 +53,7 @@ impl Template {
                 limit: MAX_CROWN_M,
             });
         }
+        // The comparisons here and above are negated, so that NaN is out of range, too.
         let mut filled = self.default_params();
         for param in &self.params {
             let Some(&value) = params.get(&param.name) else {
@@ -90,7 +93,8 @@ fn build_model(
         template,
         scope: params.clone(),
     };
-    // Dimensions are evaluated in order; each may use the ones before it.
+    // Dimensions are evaluated in order; each may use the ones before it. Extent, landmarks and
+    // lines may use all of them.
     for dimension in &template.dimensions {
         let value = builder.value(
             &format!("dimension {:?}", dimension.name),
@@ -106,6 +110,7 @@ fn build_model(
         .map(|part| {
             let name = format!("landmark {:?}", part.id);
             let nominal_m = builder.point(&format!("{name}, at"), &part.at)?;
+            // A spot is paint, and paint lies on the ground.
             let spot = part.spot_diameter_m.as_ref();
             let spot = spot
                 .map(|diameter| builder.positive(&format!("{name}, spot_diameter_m"), diameter))
@@ -122,6 +127,7 @@ fn build_model(
                 code: part.code.clone(),
                 nominal_m,
                 click_sigma_px: part.click_sigma_px,
+                // Independent parts of one variance: σ² = σ²_clicking + σ²_place.
                 place_sigma_px: (1.0 - CLICKING_SHARE).sqrt() * part.click_sigma_px,
                 spot_diameter_m: spot,
                 is_unmarked: part.is_unmarked,
@@ -140,6 +146,8 @@ fn build_model(
                 .as_ref()
                 .map(|inside| builder.point(&format!("{name}, inside"), inside))
                 .transpose()?;
+            // The rules measure to an edge of the paint, but a picture shows its middle: for a line
+            // of 12 cm at 60 m and f = 3000 px they are 3 px apart.
             let paint_centre = shift_inward(&curve, inside, part.edge.inward_shift() * width_m)
                 .map_err(|problem| builder.invalid(&name, problem))?;
             Ok(FieldLine {
@@ -187,34 +195,24 @@ pub fn check_distinct(template: &Template, model: &FieldModel) -> Result<(), Fie
 /// Checks the template's symmetries for every landmark and line.
 pub fn check_symmetry(template: &Template, model: &FieldModel) -> Result<(), FieldError> {
     for symmetry in &template.symmetry {
-        let name = symmetry.name();
-        if let Some(landmark) = model
+        let without_twin = model
             .landmarks
             .iter()
             .find(|landmark| symmetry.landmark_twin(model, landmark).is_none())
-        {
+            .map(|landmark| ("landmark", landmark.id.as_str()))
+            .or_else(|| {
+                model
+                    .lines
+                    .iter()
+                    .find(|line| symmetry.line_twin(model, line).is_none())
+                    .map(|line| ("line", line.id.as_str()))
+            });
+        if let Some((kind, id)) = without_twin {
             let problem = format!(
-                "the field is not symmetric by {name}: no landmark lies where this one comes to lie"
+                "the field is not symmetric by {}: no {kind} lies where this one comes to lie",
+                symmetry.name()
             );
-            return Err(invalid(
-                template,
-                &format!("landmark {:?}", landmark.id.as_str()),
-                problem,
-            ));
-        }
-        if let Some(line) = model
-            .lines
-            .iter()
-            .find(|line| symmetry.line_twin(model, line).is_none())
-        {
-            let problem = format!(
-                "the field is not symmetric by {name}: no line lies where this one comes to lie"
-            );
-            return Err(invalid(
-                template,
-                &format!("line {:?}", line.id.as_str()),
-                problem,
-            ));
+            return Err(invalid(template, &format!("{kind} {id:?}"), problem));
         }
     }
     Ok(())
@@ -297,6 +295,8 @@ impl Builder<'_> {
                 from: self.line_point(&format!("{part}, from"), from, painted)?,
                 to: self.line_point(&format!("{part}, to"), to, painted)?,
             },
+            // A circle is an arc of a whole turn; where it starts shows only in parameters along
+            // it.
             CurvePart::Circle { centre, radius_m } => Curve::Arc {
                 centre: self.line_point(&format!("{part}, centre"), centre, painted)?,
                 radius_m: self.positive(&format!("{part}, radius_m"), radius_m)?,
@@ -338,9 +338,12 @@ impl Builder<'_> {
 fn shift_inward(curve: &Curve, inside: Option<Vec3>, shift_m: f64) -> Result<Curve, String> {
     match *curve {
         Curve::Segment { from, to } => {
+            // The reader demands a point inside unless the paint is centred on the line.
             let Some(inside) = inside else {
                 return Ok(*curve);
             };
+            // The part of the way to the point inside that is perpendicular to the line. The line
+            // has a length of at least MIN_LENGTH_M, so its direction is defined.
             let along = (to - from).normalize();
             let towards = inside - from;
             let across = towards - along * towards.dot(&along);
@@ -379,9 +382,12 @@ fn arc_through(from: Vec3, through: Vec3, to: Vec3) -> Result<Curve, String> {
     // from the origin.
     let (b, c) = (through - from, to - from);
     let twice_area = b.x * c.y - b.y * c.x;
+    // In relation to the squared length, so that the limit is an angle. Three coinciding points
+    // have zero on both sides, hence the second condition.
     if twice_area.abs() < 1e-9 * b.norm().max(c.norm()).powi(2) || twice_area == 0.0 {
         return Err("an arc's three points must not lie on one straight line".to_owned());
     }
+    // The point p with |p|² = |p − b|² = |p − c|²: 2 b·p = |b|² and 2 c·p = |c|², by Cramer's rule.
     let (bb, cc) = (b.norm_squared(), c.norm_squared());
     let offset = Vec3::new(c.y * bb - b.y * cc, b.x * cc - c.x * bb, 0.0) / (2.0 * twice_area);
     let centre = from + offset;

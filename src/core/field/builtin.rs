@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 use touchline_assets::FIELDS;
 
+/// The parsed templates in the order of [`FIELDS`].
 static TEMPLATES: LazyLock<Vec<Result<Template, FieldError>>> = LazyLock::new(|| {
     FIELDS
         .iter()

@@ -31,6 +31,7 @@ impl Crown {
     #[must_use]
     pub fn drop_share_by_y_and_width(&self, y_m: f64) -> [f64; 2] {
         let across = 2.0 * y_m / self.width_m;
+        // Beyond the touchline the height is constant; the kink there has the outer derivative.
         if across.abs() < 1.0 {
             [
                 4.0 * across / self.width_m,
@@ -44,6 +45,7 @@ impl Crown {
     /// The ground's height at a place, m.
     #[must_use]
     pub fn ground_z(&self, y_m: f64) -> f64 {
+        // Flat ground is at exactly 0, not at −0.
         if self.height_m == 0.0 {
             0.0
         } else {

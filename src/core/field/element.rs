@@ -20,42 +20,35 @@ impl FieldElement {
     /// Its name in documents; none if the field has no such element.
     #[must_use]
     pub fn name(self, field: &FieldModel) -> Option<&str> {
-        match self {
-            Self::Landmark(index) => field
-                .landmarks
-                .get(index)
-                .map(|landmark| landmark.id.as_str()),
-            Self::Line(index) | Self::Paint(index) => {
-                field.lines.get(index).map(|line| line.id.as_str())
-            }
-        }
+        self.texts(field).map(|[name, _, _]| name)
     }
 
     /// Its label; none if the field has no such element.
     #[must_use]
     pub fn label(self, field: &FieldModel) -> Option<&str> {
-        match self {
-            Self::Landmark(index) => field
-                .landmarks
-                .get(index)
-                .map(|landmark| landmark.label.as_str()),
-            Self::Line(index) | Self::Paint(index) => {
-                field.lines.get(index).map(|line| line.label.as_str())
-            }
-        }
+        self.texts(field).map(|[_, label, _]| label)
     }
 
     /// Its short code, for typing and beside clicks; none if the field has no such element.
     #[must_use]
     pub fn code(self, field: &FieldModel) -> Option<&str> {
+        self.texts(field).map(|[_, _, code]| code)
+    }
+
+    /// Its name, label and code.
+    fn texts(self, field: &FieldModel) -> Option<[&str; 3]> {
         match self {
-            Self::Landmark(index) => field
-                .landmarks
+            Self::Landmark(index) => field.landmarks.get(index).map(|landmark| {
+                [
+                    landmark.id.as_str(),
+                    landmark.label.as_str(),
+                    landmark.code.as_str(),
+                ]
+            }),
+            Self::Line(index) | Self::Paint(index) => field
+                .lines
                 .get(index)
-                .map(|landmark| landmark.code.as_str()),
-            Self::Line(index) | Self::Paint(index) => {
-                field.lines.get(index).map(|line| line.code.as_str())
-            }
+                .map(|line| [line.id.as_str(), line.label.as_str(), line.code.as_str()]),
         }
     }
 

@@ -126,6 +126,7 @@ impl Expression {
     /// # Errors
     /// An unexpected token, with its position.
     pub fn parse(text: &str) -> Result<Self, ExpressionError> {
+        // Characters, not bytes, because errors state positions in characters.
         let characters = text.chars().count();
         if characters > MAX_CHARACTERS {
             return Err(ExpressionError::TooLong { characters });
@@ -137,6 +138,7 @@ impl Expression {
             characters: text.chars().collect(),
             at: 0,
         };
+        // A sum that ends before the text does is an error: "2 3" begins with a valid sum.
         let root = parser.sum(0)?;
         match parser.peek() {
             None => Ok(Self {
@@ -171,6 +173,8 @@ impl Expression {
         scope: &BTreeMap<String, f64>,
         more: &[(&str, f64)],
     ) -> Result<f64, ExpressionError> {
+        // Checked once at the end: infinity and NaN propagate to the result, unless a number is
+        // divided by infinity.
         let value = Scope { names: scope, more }.evaluate(&self.root)?;
         if value.is_finite() {
             Ok(value)
@@ -202,6 +206,8 @@ impl Scope<'_> {
         more.or_else(|| self.names.get(name).copied())
     }
 
+    /// The value of a part. The recursion is bounded: the tree is not deeper than the text has
+    /// characters.
     fn evaluate(&self, node: &Node) -> Result<f64, ExpressionError> {
         match node {
             Node::Number(value) => Ok(*value),
@@ -273,6 +279,7 @@ impl Parser {
     }
 
     fn syntax_error(&mut self, wanted: &'static str) -> ExpressionError {
+        // The debug form escapes what a terminal would obey; the quotes are those of the message.
         let found = self.peek().map_or_else(
             || "end".to_owned(),
             |c| format!("{c:?}").replace('\'', "\""),
@@ -307,6 +314,7 @@ impl Parser {
         operand: fn(&mut Self, usize) -> Result<Node, ExpressionError>,
         operator_of: fn(char) -> Option<Operator>,
     ) -> Result<Node, ExpressionError> {
+        // A loop instead of recursion, which would make `a - b - c` mean a − (b − c).
         let mut left = operand(self, depth)?;
         while let Some(operator) = self.peek().and_then(operator_of) {
             let position = self.position();
@@ -323,8 +331,10 @@ impl Parser {
     }
 
     fn factor(&mut self, depth: usize) -> Result<Node, ExpressionError> {
+        // Blanks are skipped before the position is taken.
         let next = self.peek();
         let position = self.position();
+        // Every recursion of the parser leads through a factor, so the depth is checked here alone.
         if depth > MAX_DEPTH {
             return Err(ExpressionError::TooDeep { position });
         }
@@ -336,6 +346,8 @@ impl Parser {
             Some('(') => self.parenthesis(depth),
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(position),
             Some(c) if c.is_ascii_alphabetic() || c == '_' => {
+                // Whether the name exists shows when the expression is evaluated: dimensions are
+                // known only then.
                 let name = self.take_while(|c| c.is_ascii_alphanumeric() || c == '_');
                 if name != "sqrt" {
                     return Ok(Node::Name { name, position });
@@ -368,6 +380,7 @@ impl Parser {
     }
 
     fn number(&mut self, position: usize) -> Result<Node, ExpressionError> {
+        // Without an exponent: rule books state plain decimals.
         let text = self.take_while(|c| c.is_ascii_digit() || c == '.');
         let value: f64 = text
             .parse()

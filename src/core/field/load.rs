@@ -23,6 +23,8 @@ impl Template {
             let problem = "the file is empty; a field template is a JSON object";
             return Err(json_error(place, problem));
         }
+        // The text is parsed twice. The header comes first, because a newer version may have keys
+        // that the rest refuses, and the message has to be that of the version.
         let header: Header =
             serde_json::from_str(text).map_err(|error| json_error(place, &error.to_string()))?;
         if header.format.as_deref() != Some(FORMAT) {
@@ -49,6 +51,7 @@ impl Template {
     /// As [`Template::from_json`], or the file cannot be read.
     pub fn from_file(path: &Path) -> Result<Self, FieldError> {
         let place = path.display().to_string();
+        // Reading would refuse a folder as well, but without saying what to give.
         if path.is_dir() {
             return Err(FieldError::Unreadable {
                 place,
@@ -67,6 +70,8 @@ impl Template {
     /// Builds the template at the extremes of its parameters, where it is most likely to be
     /// invalid.
     fn check(&self) -> Result<(), FieldError> {
+        // One parameter at a time: all combinations of the extremes would be 2ⁿ fields. So one
+        // that is wrong only for a pair of extremes is found when that field is built.
         let model = self.default_model()?;
         check_distinct(self, &model)?;
         check_symmetry(self, &model)?;

@@ -223,7 +223,8 @@ impl Curve {
                 sweep,
             } => {
                 // Within the angles of the arc the nearest point is on the radius; otherwise it is
-                // an end.
+                // an end. The angle from the start is counted in the sense of the sweep. Out of the
+                // arc's plane the distance is the hypotenuse of both parts.
                 let offset = point - centre;
                 let turned =
                     (offset.y.atan2(offset.x) - start.radians()) * sweep.radians().signum();
@@ -241,6 +242,7 @@ impl Curve {
     /// A circle: it has no ends.
     #[must_use]
     pub fn is_closed(&self) -> bool {
+        // The tolerance covers the conversion of 360° to radians.
         matches!(self, Self::Arc { sweep, .. } if (sweep.radians().abs() - std::f64::consts::TAU).abs() < 1e-9)
     }
 }

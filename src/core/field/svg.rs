@@ -50,6 +50,7 @@ pub fn svg(field: &FieldModel) -> String {
             out,
             "<g><title>{title}</title><circle cx=\"{x}\" cy=\"{y}\" r=\"3\"/></g>"
         );
+        // From above, the top of a post lies on its foot, and two codes would cover each other.
         if landmark.nominal_m.z == 0.0 {
             let _ = writeln!(
                 out,

@@ -107,6 +107,7 @@ impl Symmetry {
                 {
                     return false;
                 }
+                // Circles start anywhere, so their ends are not compared.
                 if curve.is_closed() || other.is_closed() {
                     return curve.is_closed() && other.is_closed();
                 }

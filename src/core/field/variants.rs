@@ -19,6 +19,11 @@ pub enum Axis {
     Number,
 }
 
+/// The maximum number of landmarks, of lines, and of variants of one id: a short text can name
+/// millions.
+pub const MAX_ENTRIES: usize = 2000;
+
+/// The groups of words, in the order of the sides: −1, then 1.
 const SPELLINGS: [(Axis, [&str; 2]); 6] = [
     (Axis::X, ["left", "right"]),
     (Axis::X, ["Left", "Right"]),
@@ -70,6 +75,8 @@ impl Variant {
             .into_iter()
             .map(|piece| match piece {
                 Piece::Text(text) => Ok(text),
+                // The choice of the id's group of the same kind, whatever words or numbers stand
+                // for it here; a list of another length cannot repeat it.
                 Piece::Group { axis, options } => self
                     .choices
                     .iter()
@@ -96,8 +103,14 @@ pub fn variants(id: &str) -> Result<Vec<Variant>, String> {
         let Piece::Group { axis, options } = piece else {
             continue;
         };
+        // `all` is never empty, because a group has at least one option. Two groups of one kind
+        // would give their name in expressions two values.
         if all[0].choices.iter().any(|choice| choice.axis == axis) {
             return Err(format!("{id:?} has two groups of the same kind"));
+        }
+        // Before the product is made, because it may not fit into memory.
+        if all.len() * options.len() > MAX_ENTRIES {
+            return Err(format!("it has more than {MAX_ENTRIES} variants"));
         }
         // The Cartesian product of the variants so far with the options of this group.
         let mut longer = Vec::new();
@@ -124,9 +137,11 @@ pub fn variants(id: &str) -> Result<Vec<Variant>, String> {
     Ok(all)
 }
 
+/// Splits a text at its groups; the last piece is text, which may be empty.
 fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
     let mut pieces = Vec::new();
     let mut rest = text;
+    // A closing brace without an opening one stops the search as well, and is an error.
     while let Some(open) = rest.find(['{', '}']) {
         let Some((inside, after)) = rest[open..]
             .strip_prefix('{')
@@ -135,6 +150,7 @@ fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
             return Err(format!("{text:?} has a brace without its other half"));
         };
         pieces.push(Piece::Text(&rest[..open]));
+        // Words say which kind of group it is; anything but these and whole numbers is a mistake.
         let options: Vec<&str> = inside.split(',').collect();
         let spelled = SPELLINGS
             .iter()
@@ -207,6 +223,12 @@ mod tests {
         assert_eq!(
             variants("a}").unwrap_err(),
             "\"a}\" has a brace without its other half"
+        );
+        let digits = ["1"; MAX_ENTRIES / 2 + 1].join(",");
+        assert!(variants(&format!("a_{{{digits}}}")).is_ok());
+        assert_eq!(
+            variants(&format!("a_{{l,r}}_{{{digits}}}")).unwrap_err(),
+            "it has more than 2000 variants"
         );
         assert_eq!(
             variants("{n,f}{near,far}").unwrap_err(),

@@ -11,32 +11,40 @@
 //! be removed.
 
 mod named_file;
-mod not_readable;
 mod plain;
 mod regular_file;
 mod replace;
 mod temporary;
-mod way_out;
 
 pub use named_file::{open_named, read_named, read_named_text};
-pub use not_readable::NotReadable;
 pub use plain::plain;
 pub use regular_file::{
-    WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder,
+    NotReadable, WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder,
 };
 pub use replace::{
     IsReplaced, NotReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files,
     refuse_part_of_project, replace_folder,
 };
 pub use temporary::{remove_stray_files, temporary_file_in, temporary_folder_in};
-pub use way_out::way_out;
 
+use std::io::{Error, ErrorKind};
 use std::path::Path;
 
 /// The folder that a path lies in.
 #[must_use]
 pub fn folder_of(path: &Path) -> &Path {
+    // The parent of a bare name is the empty path, which no system call accepts.
     path.parent()
         .filter(|folder| !folder.as_os_str().is_empty())
         .unwrap_or(Path::new("."))
+}
+
+/// The remedy at the end of a message about a failed write; empty if the system's reason suffices.
+#[must_use]
+pub fn way_out(error: &Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "; free some space, or save elsewhere",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "; save elsewhere",
+        _ => "",
+    }
 }

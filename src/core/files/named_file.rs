@@ -1,10 +1,10 @@
 //! Files named by the user: links are followed, but the target must be a regular file of limited
 //! size.
 
-use super::not_readable::NotReadable;
-use super::regular_file::kind_of;
+use super::NotReadable;
+use super::regular_file::{kind_of, read_within};
 use std::fs::{self, File, FileType, OpenOptions};
-use std::io::{self, Read as _};
+use std::io;
 use std::path::Path;
 
 /// Opens a file for reading. It must be a regular file, or a link to one.
@@ -13,10 +13,12 @@ use std::path::Path;
 /// [`NotReadable`], as the inner error, for a folder, a pipe, a socket or a device; else the
 /// system's error.
 pub fn open_named(path: &Path) -> io::Result<File> {
+    // The check before the opening, because opening a device may already have an effect.
     refuse_kind(fs::metadata(path)?.file_type())?;
     let mut options = OpenOptions::new();
     options.read(true);
-    // Another program may put a pipe there between the check above and the opening.
+    // Another program may put a pipe there between the check above and the opening. Without the
+    // flag, opening a pipe that has no writer blocks; for regular files it has no effect.
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
@@ -32,23 +34,7 @@ pub fn open_named(path: &Path) -> io::Result<File> {
 /// # Errors
 /// As [`open_named`]; [`NotReadable`], as the inner error, if it is larger.
 pub fn read_named(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
-    let file = open_named(path)?;
-    let bytes = file.metadata()?.len();
-    if bytes > limit {
-        return Err(too_large(bytes, limit));
-    }
-    let mut content = Vec::with_capacity(bytes as usize);
-    file.take(limit + 1).read_to_end(&mut content)?;
-    // The file may have grown in the meantime.
-    if content.len() as u64 > limit {
-        Err(too_large(content.len() as u64, limit))
-    } else {
-        Ok(content)
-    }
-}
-
-fn too_large(bytes: u64, limit: u64) -> io::Error {
-    io::Error::other(NotReadable::TooLarge { bytes, limit })
+    read_within(open_named(path)?, limit)
 }
 
 /// Reads a UTF-8 text of at most `limit` bytes, without its byte order mark.
@@ -60,6 +46,7 @@ pub fn read_named_text(path: &Path, limit: u64) -> io::Result<String> {
         let offset = error.utf8_error().valid_up_to();
         io::Error::other(NotReadable::NotUtf8 { offset })
     })?;
+    // Some editors on Windows begin a UTF-8 file with the mark, which no JSON reader accepts.
     Ok(text
         .strip_prefix('\u{feff}')
         .map(ToOwned::to_owned)

@@ -5,7 +5,6 @@
 //! writing through it would destroy one of the user's files. A pipe would block the program
 //! forever, a device would receive the data.
 
-use super::not_readable::NotReadable;
 use std::fs::{self, File, FileType, OpenOptions};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
@@ -31,6 +30,32 @@ impl WrongKind {
     }
 }
 
+/// Why something is not read.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum NotReadable {
+    /// It is not a regular file.
+    #[error("it is {found}, not a file")]
+    Kind {
+        /// What it is: "a pipe".
+        found: &'static str,
+    },
+    /// It is too large.
+    #[error("it has {bytes} bytes, and {limit} are read at most")]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+        /// The maximum size, bytes.
+        limit: u64,
+    },
+    /// It is not UTF-8 text.
+    #[error("it is not UTF-8 text (byte {offset})")]
+    NotUtf8 {
+        /// The offset of the first invalid byte.
+        offset: usize,
+    },
+}
+
 /// Opens a regular file. `options` must not truncate, because the file's kind is certain only once
 /// it is open.
 ///
@@ -38,11 +63,14 @@ impl WrongKind {
 /// [`WrongKind`], as the inner error, for a link, a folder, a pipe or a device; otherwise the
 /// system's error.
 pub fn open_regular(path: &Path, options: &OpenOptions) -> io::Result<File> {
+    // A file that cannot be inspected may be one that `options` creates; if not, opening it gives
+    // the system's error.
     if let Ok(metadata) = fs::symlink_metadata(path) {
         refuse_irregular(path, metadata.file_type())?;
     }
     let mut options = options.clone();
-    // Another program may put a link or a pipe there between the check above and the opening.
+    // Another program may put a link or a pipe there between the check above and the opening. The
+    // flags refuse the link, and open the pipe without blocking; the open file is checked again.
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
@@ -68,13 +96,24 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
 /// # Errors
 /// As [`open_regular`]; [`NotReadable`], as the inner error, if it is larger.
 pub fn read_regular_within(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
-    let file = open_regular(path, OpenOptions::new().read(true))?;
-    let bytes = file.metadata()?.len();
+    read_within(open_regular(path, OpenOptions::new().read(true))?, limit)
+}
+
+/// Reads the rest of an open file of at most `limit` bytes.
+pub(super) fn read_within(file: File, limit: u64) -> io::Result<Vec<u8>> {
+    // The stated size is checked first, so that a huge sparse file takes no memory.
+    let stated = file.metadata()?.len();
+    let mut content = Vec::new();
+    if stated <= limit {
+        content.reserve(stated as usize);
+        // One byte more than allowed shows that the file has grown in the meantime. Reading up to
+        // the limit alone would return a truncated file as if it were whole.
+        file.take(limit + 1).read_to_end(&mut content)?;
+    }
+    let bytes = stated.max(content.len() as u64);
     if bytes > limit {
         return Err(io::Error::other(NotReadable::TooLarge { bytes, limit }));
     }
-    let mut content = Vec::with_capacity(bytes as usize);
-    file.take(limit).read_to_end(&mut content)?;
     Ok(content)
 }
 
@@ -84,6 +123,7 @@ pub fn read_regular_within(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// [`WrongKind`], as the inner error. A missing folder is not an error.
 pub fn refuse_linked_folder(path: &Path) -> io::Result<()> {
+    // What cannot be inspected is missing as a rule; otherwise using it gives the system's error.
     let Ok(metadata) = fs::symlink_metadata(path) else {
         return Ok(());
     };

@@ -7,7 +7,7 @@
 //! be lost. [`replace_folder`] checks again when the result is ready, and even then deletes only
 //! files that are replaced.
 
-use super::way_out::way_out;
+use super::way_out;
 use std::fs::{self, DirEntry};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -21,15 +21,16 @@ pub const PROJECT_FILE: &str = "project.json";
 pub const PROJECT_SUFFIX: &str = ".touchline";
 /// The suffixes of files that the program keeps beside a document.
 const BESIDE_DOCUMENT: [&str; 3] = [".journal", ".history", ".lock"];
-/// Files that file managers create in every folder. They neither prevent a replacement nor move
-/// with it.
+/// Files that file managers create in every folder. They do not prevent a replacement, and move
+/// into the new folder.
 const OF_FILE_MANAGERS: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
 /// Whether a file in a folder is replaced, by its name relative to the folder (with `/` as
 /// separator) and its path.
 pub type IsReplaced<'a> = &'a dyn Fn(&str, &Path) -> bool;
 
-/// Why a result did not replace its target. Nothing was changed.
+/// Why a result did not replace its target. Nothing was changed, unless the error says where the
+/// old files are.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum NotReplaced {
@@ -128,6 +129,7 @@ pub fn replace_folder(
 /// Renames a folder to `path`, moves the files of the old one that are not replaced into it and
 /// deletes the old one.
 fn put_in_place(new: TempDir, path: &Path, is_replaced: IsReplaced) -> io::Result<()> {
+    // Temporary folders are for their owner alone; a result is readable like any other folder.
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -135,23 +137,33 @@ fn put_in_place(new: TempDir, path: &Path, is_replaced: IsReplaced) -> io::Resul
     }
     if fs::symlink_metadata(path).is_err() {
         fs::rename(new.path(), path)?;
+        // The folder is no temporary one any more: without this, it would be deleted here.
         let _ = new.keep();
         return Ok(());
     }
-    // The old folder is deleted only when the new one is in its place.
+    // A folder cannot be renamed onto one with files, so the old one moves aside, into a folder
+    // that lies in the same file system. It is deleted only when the new one is in its place.
     let aside = super::temporary_folder_in(super::folder_of(path))?;
     let old = aside.path().join("old");
     fs::rename(path, &old)?;
+    // From here on the folder aside contains the only copy of the old files and must not be deleted
+    // as a temporary one, whatever fails.
+    let aside = aside.keep();
     if let Err(error) = fs::rename(new.path(), path) {
-        fs::rename(&old, path)?;
+        fs::rename(&old, path).map_err(|_| naming_old(&error, &old))?;
+        // An empty folder that stays is no loss.
+        let _ = fs::remove_dir(aside);
         return Err(error);
     }
     let _ = new.keep();
-    // From here on, files that cannot be moved stay in the old folder, which must not be deleted as
-    // a temporary one.
-    let aside = aside.keep();
-    empty_folder(&old, path, "", is_replaced)?;
+    empty_folder(&old, path, "", is_replaced).map_err(|error| naming_old(&error, &old))?;
     fs::remove_dir(aside)
+}
+
+/// An error after which files of the old folder are in another place.
+fn naming_old(error: &io::Error, old: &Path) -> io::Error {
+    let text = format!("{error}; the old files are in {}", old.display());
+    io::Error::new(error.kind(), text)
 }
 
 fn io_error(path: &Path, source: io::Error) -> NotReplaced {
@@ -187,6 +199,8 @@ fn find_other_file(
 ) -> io::Result<Option<OtherFile>> {
     for entry in sorted_entries(folder)? {
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        // The type of the entry itself: a link to a folder is no folder here, so that the search
+        // does not leave `folder`.
         let file_type = entry.file_type()?;
         if file_type.is_dir() {
             if let Some(other) = find_other_file(&entry.path(), &format!("{name}/"), is_replaced)? {
@@ -194,6 +208,7 @@ fn find_other_file(
             }
             continue;
         }
+        // A project is refused even if all its files would be written again.
         let is_project = is_part_of_project(&entry.path());
         let is_lost = !(file_type.is_file() && is_replaced(&name, &entry.path()));
         if is_project || (is_lost && !is_of_file_manager(&entry)) {
@@ -219,6 +234,8 @@ fn empty_folder(old: &Path, new: &Path, prefix: &str, is_replaced: IsReplaced) -
         } else if file_type.is_file() && is_replaced(&name, &entry.path()) {
             fs::remove_file(entry.path())?;
         } else {
+            // A file manager's, or one that came after the check: it is in the same file system, so
+            // a rename moves it.
             fs::create_dir_all(new)?;
             fs::rename(entry.path(), new.join(entry.file_name()))?;
         }
@@ -241,9 +258,11 @@ fn is_of_file_manager(entry: &DirEntry) -> bool {
 /// Whether a file is a project's document, or lies beside a document under its name.
 fn is_part_of_project(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
+    // `project.json`, and what lies beside it: `project.json.journal`, `project.json.bak`.
     let is_of_project = name
         .strip_prefix(PROJECT_FILE)
         .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    // A document of any other name is known by the file beside it.
     let document = BESIDE_DOCUMENT
         .iter()
         .find_map(|ending| name.strip_suffix(ending));
@@ -327,6 +346,21 @@ mod tests {
             "old"
         );
         assert!(!out.exists());
+    }
+
+    #[test]
+    fn files_that_cannot_move_over_stay_and_are_named() {
+        let (place, new) = place(&["a.txt", "notes"]);
+        fs::create_dir(new.path().join("notes")).unwrap();
+        fs::write(new.path().join("notes/b.txt"), "new").unwrap();
+        let out = place.path().join("out");
+        let error = put_in_place(new, &out, &is_a).unwrap_err().to_string();
+        let (_, old) = error.split_once("; the old files are in ").unwrap();
+        assert_eq!(
+            fs::read_to_string(Path::new(old).join("notes")).unwrap(),
+            "old"
+        );
+        assert_eq!(fs::read_to_string(out.join("a.txt")).unwrap(), "new");
     }
 
     #[test]

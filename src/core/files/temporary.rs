@@ -18,6 +18,7 @@ const STRAY: Duration = Duration::from_hours(24);
 pub fn temporary_file_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(NAME.0).suffix(NAME.1);
+    // The crate's default is 0600, and a rename keeps the mode; the system takes the umask off.
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -51,6 +52,7 @@ fn without_name(error: &io::Error) -> io::Error {
 /// stay. Temporary folders stay, too: one may contain the only copy of a dataset that was being
 /// replaced.
 pub fn remove_stray_files(folder: &Path) {
+    // Cleaning up is no part of what the user wants done, so no failure is reported.
     let Ok(entries) = fs::read_dir(folder) else {
         return;
     };
@@ -67,6 +69,7 @@ pub fn remove_stray_files(folder: &Path) {
 
 /// Whether a temporary name belongs to a file that is so old that no running program needs it.
 fn is_stray(metadata: &Metadata) -> bool {
+    // Without a time, or with one in the future, the age is unknown, and the file stays.
     let age = metadata
         .modified()
         .ok()

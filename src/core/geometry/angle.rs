@@ -56,9 +56,11 @@ impl Angle {
     #[must_use]
     pub fn wrap(self) -> Self {
         use std::f64::consts::{PI, TAU};
+        // An angle within the range stays bit-identical.
         if self.radians > -PI && self.radians <= PI {
             return self;
         }
+        // In [0, 2π): the upper half belongs to the negative angles, and −π becomes π.
         let turned = self.radians.rem_euclid(TAU);
         Self {
             radians: if turned > PI { turned - TAU } else { turned },

@@ -29,6 +29,7 @@ impl AngleRange {
     #[must_use]
     pub fn new(start: Angle, end: Angle) -> Self {
         let width = end - start;
+        // Negated, so that NaN, too, gives the full circle, which excludes nothing.
         if !(width.abs().radians() < TAU) {
             return Self::FULL;
         }
@@ -90,6 +91,8 @@ impl AngleRange {
         let Some(arc) = Self::smallest(angles.iter().copied()) else {
             return Vec::new();
         };
+        // Unwrapped along the arc the directions are plain numbers without a jump. The sort is
+        // stable, which leaves equal directions in their order.
         let from_start = |place: &usize| arc.unwrap_angle(angles[*place]).radians();
         let mut order: Vec<usize> = (0..angles.len()).collect();
         order.sort_by(|a, b| from_start(a).total_cmp(&from_start(b)));
@@ -130,6 +133,7 @@ impl AngleRange {
     /// Whether a direction lies within, the ends included.
     #[must_use]
     pub fn contains(&self, angle: Angle) -> bool {
+        // The representative of the direction in [start, start + 2π), where `end` lies as well.
         let wrapped = angle.wrap();
         let above_start = if wrapped < self.start {
             wrapped + Angle::TURN
@@ -168,6 +172,7 @@ impl AngleRange {
     /// from its start to its end without a jump.
     #[must_use]
     pub fn unwrap_angle(&self, angle: Angle) -> Angle {
+        // An angle that needs no revolution is returned as it is, to the bit.
         let revolutions = ((self.middle() - angle).radians() / TAU).round();
         if revolutions == 0.0 {
             angle

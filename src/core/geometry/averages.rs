@@ -36,6 +36,7 @@ pub fn median(values: &mut [f64]) -> Option<f64> {
     Some(if odd {
         at
     } else {
+        // `at` is the upper of the two middle numbers; the lower one is the largest below it.
         f64::midpoint(below.iter().copied().fold(f64::NEG_INFINITY, f64::max), at)
     })
 }

@@ -144,6 +144,8 @@ impl Directions {
     }
 
     fn arc_without(&self, gap: &Gap) -> [Angle; 2] {
+        // The arc is the gap's complement: it starts where the gap ends. Unless the gap contains
+        // ±180°, the arc does, and its end lies one turn higher.
         let (start, end) = (self.sorted[gap.to], self.sorted[gap.from]);
         [start, if gap.holds_seam { end } else { end + TAU }].map(Angle::from_radians)
     }

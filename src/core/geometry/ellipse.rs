@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 /// image of. Where rounding left a variance below zero it counts as zero.
 #[must_use]
 pub fn covariance_ellipse(covariance: Matrix2<f64>, corners: u32) -> Vec<Vec2> {
+    // C = V diag(λ) Vᵀ, so V diag(√λ) takes the unit circle to the 1-σ ellipse.
     let axes = SymmetricEigen::new(covariance);
     let radii = axes.eigenvalues.map(|value| value.max(0.0).sqrt());
     (0..corners)

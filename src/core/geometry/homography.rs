@@ -36,6 +36,8 @@ pub fn homography(pairs: &[(Vec2, Vec2)]) -> Result<Mat3, HomographyError> {
     if pairs.len() < 4 {
         return Err(HomographyError::TooFewPairs { pairs: pairs.len() });
     }
+    // The equations A h = 0 are summed as Aᵀ A, which is 9 × 9 whatever the number of pairs is.
+    // This squares their condition number, so both sides are normalised first.
     let from_normal = normalisation(pairs.iter().map(|pair| pair.0));
     let to_normal = normalisation(pairs.iter().map(|pair| pair.1));
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
@@ -54,7 +56,7 @@ pub fn homography(pairs: &[(Vec2, Vec2)]) -> Result<Mat3, HomographyError> {
 
     let h = only_null_vector(&normal, MIN_SECOND_EIGENVALUE)?;
 
-    // Undo the normalisation of both sides.
+    // Undo the normalisation of both sides: H = T_to⁻¹ H_normalised T_from.
     let normalised = Mat3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8]);
     let back = to_normal
         .try_inverse()
@@ -71,6 +73,8 @@ pub(crate) fn only_null_vector(
     normal: &SMatrix<f64, 9, 9>,
     min_second_share: f64,
 ) -> Result<SVector<f64, 9>, HomographyError> {
+    // nalgebra does not sort eigenvalues. A matrix with NaN has a share of NaN, which the
+    // comparison below rejects.
     let eigen = SymmetricEigen::new(*normal);
     let mut order: Vec<usize> = (0..9).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
@@ -88,6 +92,7 @@ fn normalisation(points: impl Iterator<Item = Vec2> + Clone) -> Mat3 {
     let count = points.clone().count() as f64;
     let mean = points.clone().fold(Vec2::zeros(), |sum, point| sum + point) / count;
     let spread = points.map(|point| (point - mean).norm()).sum::<f64>() / count;
+    // Coinciding points have no spread; unscaled, they reach the check of the second eigenvalue.
     let scale = if spread > 0.0 {
         std::f64::consts::SQRT_2 / spread
     } else {

@@ -11,7 +11,6 @@ mod ellipse;
 mod homography;
 mod image;
 pub mod rotation;
-mod rows;
 mod segment;
 mod subsample;
 mod text;
@@ -24,11 +23,12 @@ pub use ellipse::covariance_ellipse;
 pub use homography::homography;
 pub(crate) use homography::{HomographyError, only_null_vector};
 pub use image::{ImagePoint, ImageSize, PixelBox};
-pub use rows::rows;
 pub use segment::distance_from_segment;
 pub(crate) use subsample::{farthest_pairs, keep_distinct};
 pub use subsample::{stride_of_subsample, subsample};
 pub use text::{decimal, hex, is_formula, pluralise, text_cell, thousands, xml_text};
+
+use serde::{Serialize, Serializer};
 
 /// A column of two numbers; the name of the value gives frame and unit.
 pub type Vec2 = nalgebra::Vector2<f64>;
@@ -36,3 +36,13 @@ pub type Vec2 = nalgebra::Vector2<f64>;
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// A 3×3 matrix, such as `base_from_world`.
 pub type Mat3 = nalgebra::Matrix3<f64>;
+
+/// Serialises a matrix row by row, for `#[serde(serialize_with = "rows")]`; nalgebra itself writes
+/// nine numbers, column by column.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn rows<S: Serializer>(matrix: &Mat3, serializer: S) -> Result<S::Ok, S::Error> {
+    let rows: [[f64; 3]; 3] = matrix.transpose().into();
+    rows.serialize(serializer)
+}

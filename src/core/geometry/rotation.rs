@@ -63,6 +63,8 @@ pub fn rotation_vector(rotation: &Mat3) -> Vec3 {
 /// The angle between two rotations.
 #[must_use]
 pub fn angle_between(a: &Mat3, b: &Mat3) -> Angle {
+    // Twice the sine and twice the cosine of the angle of a bᵀ, as in `rotation_vector`; the factor
+    // cancels in the arc tangent.
     let difference = a * b.transpose();
     let sine = Vec3::new(
         difference[(2, 1)] - difference[(1, 2)],
@@ -93,12 +95,13 @@ pub fn distance_from_rotation(matrix: &Mat3) -> f64 {
 /// The rotation nearest to a matrix (orthogonal Procrustes).
 #[must_use]
 pub fn nearest_rotation(matrix: &Mat3) -> Mat3 {
+    // Both factors are there because both are requested.
     let svd = matrix.svd(true, true);
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
         return Mat3::identity();
     };
     // Of the orthogonal matrices U D Vᵀ nearest to the matrix, the one with determinant +1 flips
-    // the direction of the smallest singular value (Kabsch).
+    // the direction of the smallest singular value (Kabsch 1976), which nalgebra sorts last.
     let sign = (u * v_t).determinant().signum();
     u * Mat3::from_diagonal(&Vec3::new(1.0, 1.0, sign)) * v_t
 }

@@ -17,6 +17,7 @@ pub fn distance_from_segment<const D: usize>(
 /// Where the foot of a point lies on a segment, as a share of its length from 0 to 1; both are
 /// vectors from the segment's beginning.
 fn share_along<const D: usize>(offset: SVector<f64, D>, along: SVector<f64, D>) -> f64 {
+    // The foot of the perpendicular is clamped to the segment: beyond an end, the end is nearest.
     let length_squared = along.norm_squared();
     if length_squared > 0.0 {
         (offset.dot(&along) / length_squared).clamp(0.0, 1.0)

@@ -25,6 +25,8 @@ pub(crate) fn farthest_pairs<T: Copy>(
     most: usize,
     separation: impl Fn(&[T; 2]) -> f64,
 ) -> Vec<[T; 2]> {
+    // All pairs are compared, which suits the clicks of a frame. The sort is stable, so that equal
+    // separations leave the result the same on every run.
     let mut pairs: Vec<[T; 2]> = Vec::new();
     for (index, one) in items.iter().enumerate() {
         pairs.extend(items[index + 1..].iter().map(|two| [*one, *two]));

@@ -28,6 +28,7 @@ pub fn pluralise(number: usize, singular: &str) -> String {
 pub fn decimal(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
+    // A small negative number rounds to "-0.00".
     if text == "-0" {
         "0".to_owned()
     } else {

@@ -28,19 +28,14 @@ impl Span {
         if !(at_0 >= 0.0 || at_1 >= 0.0) {
             return None;
         }
+        // One end is inside and the other outside, so the difference is not zero.
         let crossing = at_0 / (at_0 - at_1);
-        let kept = if at_0 < 0.0 {
-            Self {
-                start: self.start.max(crossing),
-                ..self
-            }
+        let (start, end) = if at_0 < 0.0 {
+            (self.start.max(crossing), self.end)
         } else {
-            Self {
-                end: self.end.min(crossing),
-                ..self
-            }
+            (self.start, self.end.min(crossing))
         };
-        (kept.start <= kept.end).then_some(kept)
+        (start <= end).then_some(Self { start, end })
     }
 }
 
@@ -92,25 +87,16 @@ pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span
     let (first, second) = (first.min(second), first.max(second));
     // A negative leading coefficient: inside between the roots. A positive one: inside beyond them,
     // where one side belongs to the cone behind the camera.
-    let kept = if square < 0.0 {
-        Span {
-            start: span.start.max(first),
-            end: span.end.min(second),
-        }
+    let (start, end) = if square < 0.0 {
+        (span.start.max(first), span.end.min(second))
     } else if starts_inside {
-        Span {
-            end: span.end.min(first),
-            ..span
-        }
+        (span.start, span.end.min(first))
     } else if ends_inside {
-        Span {
-            start: span.start.max(second),
-            ..span
-        }
+        (span.start.max(second), span.end)
     } else {
         return None;
     };
-    (kept.start <= kept.end).then_some(kept)
+    (start <= end).then_some(Span { start, end })
 }
 
 /// The bilinear form of the cone x² + y² = R² z²: R² `p_z q_z − p_x q_x − p_y q_y`, which is not

@@ -49,6 +49,8 @@ pub fn project_lines(
     let Some(window) = Window::new(camera, size, options.margin_px) else {
         return Vec::new();
     };
+    // Two approximations add up: the curve by pieces that are straight in space, and the picture of
+    // such a piece, which distortion bends. Each gets half of the tolerance.
     let half_tolerance_px = options.tolerance_px.max(1e-6) / 2.0;
     let flattener = Flattener::new(field, camera, &window, half_tolerance_px);
     let mut pen = Pen {
@@ -148,6 +150,8 @@ impl Pen<'_> {
         if start == end {
             return;
         }
+        // A clipped end equals no start of a later piece, so that a line that leaves the picture
+        // and comes back has several polylines.
         let goes_on = self.polylines[first..]
             .last()
             .is_some_and(|last| last.points.last() == Some(&start));

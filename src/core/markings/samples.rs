@@ -127,10 +127,12 @@ struct Projected {
 impl Projected {
     /// The side of the line that is outside the playing area: see [`LineSample::outward`].
     fn outward(&self, field: &FieldModel) -> f64 {
+        // Both places are tested, because a line inside the field has none of them outside.
         let [beyond_along, beyond_against] = [1.0, -1.0].map(|sign: f64| {
             let at = self.at + self.across * (sign * BESIDE_M);
             at.x.abs() > field.length_m / 2.0 || at.y.abs() > field.width_m / 2.0
         });
+        // `across` may point against the picture's normal; the sign is that of the normal.
         let sign = f64::from(i8::from(beyond_along) - i8::from(beyond_against));
         if self.px_across_per_m < 0.0 {
             -sign

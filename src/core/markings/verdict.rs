@@ -22,6 +22,7 @@ impl LineVerdict {
     /// the number of unoccluded line samples.
     #[must_use]
     pub fn from_score(score: f64, open: usize) -> Self {
+        // A score of NaN reaches the last arm: it says nothing.
         match score {
             _ if open < FEWEST_OPEN => Self::CannotSay,
             score if score >= SUPPORTS => Self::Supports,

@@ -27,11 +27,7 @@ pub struct Window {
 impl Window {
     /// The window of a camera's picture. None if the camera has NaN or infinite parameters.
     pub fn new(camera: &PtzCamera, size: ImageSize, margin_px: f64) -> Option<Self> {
-        if !(camera.ptz().is_finite()
-            && camera.base().is_finite()
-            && camera.base().distortion.is_finite()
-            && margin_px.is_finite())
-        {
+        if !(camera.ptz().is_finite() && camera.base().is_finite() && margin_px.is_finite()) {
             return None;
         }
         let min = ImagePoint::new(-margin_px, -margin_px);
@@ -74,6 +70,7 @@ impl Window {
                 (low, high) = (Vec2::repeat(-fold), Vec2::repeat(fold));
             }
         }
+        // The square around the visible disc may be smaller than what the edges reach.
         window.ideal_radius = window.ideal_radius.min(fold);
         let disc = Vec2::repeat(window.ideal_radius);
         (window.ideal_min, window.ideal_max) = (low.sup(&-disc), high.inf(&disc));
@@ -88,6 +85,8 @@ fn most_shrunk(
     min: ImagePoint,
     max: ImagePoint,
 ) -> impl Iterator<Item = ImagePoint> {
+    // In the picture that radius is a circle about the principal point, which meets each edge at up
+    // to two points. A radius of NaN makes all of them NaN, which the filter drops.
     let (lens, principal) = (camera.lens(), camera.base().principal_point);
     let squared = lens.narrowest_radius_squared();
     let radius_px = squared.map_or(f64::NAN, |squared| {

@@ -4,10 +4,7 @@
 //! report whether to continue; `&Progress::default()` ignores reports and never cancels. The type
 //! of a step is up to the function: a fraction, or an event.
 
-mod panic_message;
-
-pub use panic_message::panic_message;
-
+use std::any::Any;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -60,6 +57,8 @@ impl<'a, S> Progress<'a, S> {
     /// Reports a step. A break means that the function must return early; after the first break all
     /// reports return one.
     pub fn report(&self, step: S) -> ControlFlow<()> {
+        // A receiver that breaks once may continue later; the flag keeps the first break. It guards
+        // no other memory, so relaxed ordering suffices.
         if (self.receive)(step).is_break() {
             self.is_cancelled.store(true, Ordering::Relaxed);
         }
@@ -115,10 +114,31 @@ impl<S> fmt::Debug for Progress<'_, S> {
     }
 }
 
+/// The message of a panic in a long function.
+#[must_use]
+pub fn panic_message(payload: &(dyn Any + Send)) -> String {
+    // `panic!` with a literal has a `&str`, with arguments a `String`; any other payload comes from
+    // `panic_any` and has no text.
+    let text = payload
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned());
+    text.or_else(|| payload.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "without a message".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::panic::catch_unwind;
     use std::sync::Mutex;
+
+    #[test]
+    fn a_panic_message_is_found_whether_its_text_is_formatted_or_literal() {
+        assert_eq!(panic_message(&"as written"), "as written");
+        assert_eq!(panic_message(&String::from("as made")), "as made");
+        let payload = catch_unwind(|| std::panic::resume_unwind(Box::new(7))).unwrap_err();
+        assert_eq!(panic_message(payload.as_ref()), "without a message");
+    }
 
     #[test]
     fn a_break_cancels_the_whole_and_its_parts_for_good() {

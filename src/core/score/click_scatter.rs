@@ -80,6 +80,7 @@ impl ClickScatter {
         if all.len() < MIN_PAIRS || sizes.iter().any(|size| !size.is_finite()) {
             return None;
         }
+        // A first scale of 0 means that at least half of the values are copies.
         sizes.sort_by(f64::total_cmp);
         let first = quantile(&sizes, 0.5) / median_normal_size();
         if first <= 0.0 {
@@ -116,6 +117,8 @@ impl ClickScatter {
 /// The M-estimate, by fixed-point iteration from `first`: σ² is multiplied by the ratio of the mean
 /// clipped square to its expectation.
 fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
+    // Clipped values do not change with σ, so each step removes only a part of the error of ln σ:
+    // on normal noise four fifths.
     const STEPS: usize = 60;
     let count = (pairs.len() * N) as f64;
     let mut sigma = first;
@@ -137,6 +140,8 @@ fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
 /// n times the variance of the estimate over σ², from the pairs: Huber's sandwich estimator `E[ψ²]
 /// / E[ψ']²`. The coordinates of a pair are summed before squaring, because they may be correlated.
 fn variance<const N: usize>(pairs: &[[f64; N]], sigma: f64) -> f64 {
+    // ψ(z²) = min(z², 4) − 0.9205, summed over a pair for `squares`; its derivative by ln σ is
+    // −2 z² where nothing is clipped, and 0 elsewhere.
     let (mut squares, mut slope) = (0.0, 0.0);
     for pair in pairs {
         let squared = pair.map(|value| (value / sigma).powi(2));

@@ -16,6 +16,7 @@ pub fn squared_mahalanobis(error: Vec3, covariance: &Mat3) -> Option<f64> {
     let scale = Mat3::from_diagonal(&sigmas.map(f64::recip));
     let correlation = scale * covariance * scale;
     let error = scale * error;
+    // Of an indefinite matrix the form may be negative; a σ of zero makes it NaN.
     let squared = error.dot(&(correlation.try_inverse()? * error));
     (squared.is_finite() && squared >= 0.0).then_some(squared)
 }

@@ -26,6 +26,7 @@ pub fn field_grid(
 
 /// Whether a pixel shows the playing area.
 fn shows_field(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> bool {
+    // Corners 0 and 2 are opposite: the smallest and the largest coordinates.
     let [low, _, high, _] = field_corners(field);
     camera.plane_from_image(point, 0.0).is_some_and(|ground| {
         (low.x..=high.x).contains(&ground.x) && (low.y..=high.y).contains(&ground.y)

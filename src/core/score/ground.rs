@@ -86,6 +86,7 @@ fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
     } else {
         POINTS_PER_EDGE
     };
+    // The radius of the fold, in the plane z = 1 and, distorted, in the picture.
     let corners = size.corners();
     let principal = camera.base().principal_point;
     let focal_px = camera.ptz().focal_px;

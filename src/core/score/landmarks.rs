@@ -36,6 +36,7 @@ pub fn landmark_errors(
     project_landmarks(truth.field, truth.camera, size, 0.0)
         .into_iter()
         .filter_map(|shown| {
+            // The estimate is measured by its own field: size and crown are part of what it states.
             let landmark = &estimate.field.landmarks[twins[shown.landmark]?];
             let at = estimate.field.landmark_in_world(landmark);
             let ground_m = if landmark.nominal_m.z == 0.0 {

@@ -98,6 +98,7 @@ pub fn annotated_lines(
     shown
         .map(|(line, parts)| {
             let points = match field.lines[line].curve {
+                // A segment that a fold or the border cuts into parts still has two ends.
                 Curve::Segment { .. } => {
                     let (first, last) = (
                         parts.first().and_then(|p| p.first()),
@@ -114,6 +115,8 @@ pub fn annotated_lines(
 
 /// Points at equal distances along some polylines, including both ends.
 fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
+    // One pass along all pieces: `passed` is the arc length before the current piece, and point i
+    // is due at i / 8 of the whole. Gaps between the parts have no length.
     let whole: f64 = pieces(parts).map(|(from, to)| from.distance_px(to)).sum();
     let mut points = Vec::with_capacity(POINTS_PER_ARC);
     let mut passed = 0.0;
@@ -208,16 +211,18 @@ impl NamedMatch {
             .iter()
             .filter(|marking| counts(field, marking.line))
         {
+            // On a field without that symmetry the marking has no other name, so it cannot be
+            // found.
             let Some(line) = renamed(marking.line) else {
                 found.only_annotated += 1;
                 continue;
             };
-            // The worst point decides at which thresholds the marking is found.
             named[line] = true;
             if seen[line].is_empty() {
                 found.only_annotated += 1;
                 continue;
             }
+            // The worst point decides at which thresholds the marking is found.
             let distances = marking
                 .points
                 .iter()

@@ -65,6 +65,7 @@ pub fn iou_segments(
         if area(&shown) < LEAST_SEGMENT_M2 {
             continue;
         }
+        // A corner beyond the estimate's horizon makes the whole segment count as missed.
         let projected: Option<Vec<Ring>> = shown
             .iter()
             .map(|ring| transfer_ring(truth, estimate, ring))
@@ -129,9 +130,12 @@ fn transfer(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec
     (distance > 0.0 && distance.is_finite()).then(|| (position + direction * distance).xy())
 }
 
+/// Intersection over union of two sets of polygons that do not overlap within a set; none where
+/// both are empty.
 pub(super) fn intersection_over_union(one: &[Ring], other: &[Ring]) -> Option<f64> {
     let both = area(&intersect(one, other));
     let union = area(one) + area(other) - both;
+    // Rounding to the grid of the clipping may put the quotient slightly above 1.
     (union > 0.0).then(|| (both / union).clamp(0.0, 1.0))
 }
 

@@ -60,6 +60,8 @@ impl PlaneView {
             0.0,
             1.0,
         );
+        // On the plane z = 0 the third column of [R | −R C] drops out (Hartley and Zisserman,
+        // Multiple View Geometry, section 8.1).
         let rotation = camera.cam_from_world();
         let at_origin = -(rotation * base.position_m);
         let cam_from_ground = Mat3::from_columns(&[

@@ -14,7 +14,8 @@ pub(super) type Ring = Vec<Vec2>;
 
 /// Twice the signed area: positive where the points run from +x towards +y.
 fn doubled_area(ring: &[Vec2]) -> f64 {
-    // Relative to a vertex, so that nothing cancels for a polygon far from the origin.
+    // Relative to a vertex, so that nothing cancels for a polygon far from the origin. The closing
+    // edge ends at that vertex and adds nothing.
     let Some(origin) = ring.first() else {
         return 0.0;
     };
@@ -39,6 +40,7 @@ pub(super) fn intersect(one: &[Ring], other: &[Ring]) -> Vec<Ring> {
         return Vec::new();
     }
     let shapes = one.overlay_as::<i64>(&other, OverlayRule::Intersect, FillRule::NonZero);
+    // A shape is its outer ring and then its holes, of which there are none.
     let outer = shapes
         .into_iter()
         .filter_map(|shape| shape.into_iter().next());
@@ -68,6 +70,7 @@ pub(super) fn cut<const D: usize>(
         if at_here >= 0.0 {
             kept.push(*here);
         }
+        // Where the sign changes, the difference of the two values is not zero.
         if (at_here >= 0.0) != (at_next >= 0.0) {
             kept.push(here + (next - here) * (at_here / (at_here - at_next)));
         }

@@ -97,6 +97,8 @@ fn standard_deviation(values: &[f64], mean: f64) -> f64 {
 
 /// The 95 % percentile bootstrap intervals of mean and median (Efron 1979).
 fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
+    // Both statistics come from the same resamples. The values are drawn from the sorted list, so
+    // the intervals do not depend on the order of the input.
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut drawn = vec![0.0; ascending.len()];
     let (mut means, mut medians) = (Vec::with_capacity(RESAMPLES), Vec::with_capacity(RESAMPLES));

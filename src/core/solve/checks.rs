@@ -64,7 +64,8 @@ fn failed_checks(solution: &FrameSolution) -> impl Iterator<Item = Warning> {
     })
 }
 
-/// The click that the others contradict most, or two clicks that the base contradicts.
+/// The click that the others contradict most, or the one or two clicks that the prior or the base
+/// contradicts.
 fn contradiction(solution: &FrameSolution) -> Option<Warning> {
     // An uncertain base makes larger residuals normal: scale σ by the expected χ² per surplus
     // equation.
@@ -72,17 +73,30 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
         .max(1.0)
         .sqrt();
 
-    // The residuals of so few clicks do not show which of them is wrong: blame both.
+    // The residuals of so few clicks do not show which of them is wrong: blame both. A single click
+    // has surplus equations only with a prior, so it is the prior that it contradicts.
     if !solution.residuals_are_evidence() {
         let misfit = solution.misfit()?;
+        let farthest_px = solution.farthest_px();
+        let message = if solution.residuals.len() == 1 {
+            format!(
+                "The point contradicts the expected camera by {farthest_px:.1} px, {misfit:.1} \
+                 times what is usual. Check its name, or the base."
+            )
+        } else {
+            format!(
+                "The two points contradict the camera base by {farthest_px:.1} px, {misfit:.1} \
+                 times what is usual. Check their names, or the base."
+            )
+        };
         return (misfit > MAX_CLICK_SIGMAS).then(|| Warning {
             code: WarningCode::Contradiction,
-            message: format!(
-                "The two points contradict the camera base by {:.1} px, {misfit:.1} times what is usual. Check their \
-                 names, or the base.",
-                solution.farthest_px()
-            ),
-            clicks: solution.residuals.iter().map(|residual| residual.click).collect(),
+            message,
+            clicks: solution
+                .residuals
+                .iter()
+                .map(|residual| residual.click)
+                .collect(),
         });
     }
 
@@ -122,7 +136,7 @@ fn underground(camera: &PtzCamera) -> Option<Warning> {
         code: WarningCode::Implausible,
         message: format!(
             "Implausible: the camera stands {:.1} m below the pitch. Check its height.",
-            -height_m
+            height_m.abs()
         ),
         clicks: Vec::new(),
     })
@@ -162,6 +176,7 @@ fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warni
 
 /// A second plausible camera that fits the clicks as well.
 fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning> {
+    // As for a contradiction, an uncertain base makes a larger difference of χ² normal.
     let slack =
         SAME_FIT * (solution.expected_chi_squared / solution.redundancy.max(1) as f64).max(1.0);
     let other = solution
@@ -176,6 +191,7 @@ fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning
     } else {
         "as neighbours do"
     };
+    // Cameras of nearly the same focal length differ in their directions: these are named.
     let message = if (one / two).ln().abs() > 0.02 {
         let (low, high) = (format_rounded(one.min(two)), format_rounded(one.max(two)));
         format!(
@@ -221,6 +237,7 @@ fn uncertain_corner(
             clicks: Vec::new(),
         });
     }
+    // Advice is about landmarks: frames of lines alone, or of one landmark, get none.
     let separation_px = solution.separation_px?;
     let one_more = OneMoreClick::new(camera, solution, context.image_size);
     let worthwhile_px = WORTHWHILE * corner_px;
@@ -359,8 +376,9 @@ fn short(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::camera::{BaseAngles, BaseSigma, CameraBase, Ptz};
-    use crate::geometry::Vec3;
-    use crate::solve::solve_frame;
+    use crate::geometry::{Angle, Vec3};
+    use crate::solve::{PtzPrior, solve_frame};
+    use nalgebra::SMatrix;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -439,6 +457,35 @@ mod tests {
         );
         let fine = solved(&camera(0.0), &apart, 0.5);
         assert!(fine.warnings.is_empty(), "{:?}", fine.warnings);
+    }
+
+    #[test]
+    fn a_single_point_contradicts_the_prior() {
+        let camera = camera(0.0);
+        let prior = PtzPrior {
+            ptz: camera.ptz(),
+            sigma_pan: Angle::from_degrees(0.01),
+            sigma_tilt: Angle::from_degrees(0.01),
+            sigma_focal_share: 1e-3,
+            by_base: SMatrix::zeros(),
+        };
+        let at = camera
+            .plane_from_image(ImagePoint::new(900.0, 600.0), 0.0)
+            .unwrap();
+        let click = Observation::from_point(at, ImagePoint::new(1000.0, 600.0), 2.0, 0);
+        let context = SolveContext {
+            prior: Some(prior),
+            ..SolveContext::new(SIZE)
+        };
+        let solution = solve_frame(camera.base(), &[click], &context).unwrap();
+        let warning = &solution.warnings[0];
+        assert!(
+            warning
+                .message
+                .starts_with("The point contradicts the expected camera by"),
+            "{warning}"
+        );
+        assert_eq!(warning.clicks, [0]);
     }
 
     #[test]

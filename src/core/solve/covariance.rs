@@ -212,6 +212,7 @@ impl Uncertainty {
 
     /// The 1-σ at a corner, px, split by cause; `point` is the overlay point there.
     fn corner_sigma(&self, corner: ImagePoint, point: &OverlayPoint) -> CornerSigma {
+        // Rounding may leave the trace of a nearly singular covariance slightly negative.
         let by_clicks = point.by_ptz * self.clicks * point.by_ptz.transpose();
         let by_base = self.by_base_in_sigmas(point);
         CornerSigma {
@@ -419,6 +420,8 @@ fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
             world_point_from_image(camera, pixel)
         })
         .collect();
+    // Four points give eight equations for three parameters, so a direction is not left open by
+    // the choice.
     let near = shown
         .iter()
         .filter(|at| (*at - camera.base().position_m).norm() <= FIELD_M);
@@ -488,6 +491,7 @@ fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveEr
     // eigenvalues.
     let condition = inverse.map_or(f64::INFINITY, |inverse| scaled.norm() * inverse.norm());
     match inverse {
+        // Symmetric again after rounding, and back in px.
         Some(inverse) if condition <= MAX_CONDITION => {
             Ok(scale * (inverse + inverse.transpose()) * scale * 0.5)
         }

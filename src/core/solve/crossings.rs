@@ -78,7 +78,8 @@ fn crossing(
 ) -> Option<Crossing> {
     let in_world = meeting_point(one.curve.nominal(), other.curve.nominal())?;
     let image = one_fit.crossing(other_fit)?;
-    // The crossing of two strips that cross at a small angle is long along them.
+    // Each fitted line is a strip as wide as its σ there, which grows away from its points. The
+    // crossing of two strips that cross at a small angle is long along them.
     let sine = one_fit.along.perp(&other_fit.along).abs();
     let sigmas = one_fit.sigma_at(image).hypot(other_fit.sigma_at(image)) / sine;
     (sigmas < MAX_CROSSING_SIGMAS).then_some(Crossing {
@@ -119,15 +120,19 @@ pub(super) fn find_ends(lines: &[DrawnLine], size: ImageSize) -> Vec<Observation
             continue;
         };
         for (parameter, end_m) in [0.0, 1.0].into_iter().zip(of_field) {
+            // Other drawn lines, of which the field's own line passes through this end.
             let met = straight.iter().filter(|(other, _)| {
                 other.curve != line.curve && other.curve.nominal().distance_m(end_m) < MEETS_M
             });
+            // The drawn end has to lie on one of them, or the line was not drawn up to its end; at
+            // the border it only leaves the picture.
             let nearest = met
                 .filter_map(|(_, other)| end_at(fit, other))
                 .filter(|(end, off_px)| {
                     *off_px < MEETS_SIGMAS * line.sigma_px && is_inside(*end, size)
                 })
                 .min_by(|a, b| a.1.total_cmp(&b.1));
+            // Without an element: an end has no name of its own.
             if let Some((image, _)) = nearest {
                 ends.push(Observation {
                     image,
@@ -146,6 +151,8 @@ pub(super) fn find_ends(lines: &[DrawnLine], size: ImageSize) -> Vec<Observation
 /// The end of a drawn line that is nearer to its crossing with another one, and the end's distance
 /// from that one, px.
 fn end_at(line: &StraightLine, other: &StraightLine) -> Option<(ImagePoint, f64)> {
+    // The fitted direction has either sign, so which drawn end is which end of the field's line is
+    // decided by the crossing.
     let crossing = line.crossing(other)?;
     let [first, last] = line.ends;
     let end = if first.distance_px(crossing) <= last.distance_px(crossing) {

@@ -31,7 +31,7 @@ impl DenseEquations {
     }
 
     /// Adds a residual: its value, its 1-σ, and its derivatives by the parameters on which it
-    /// depends, as (parameter, column).
+    /// depends, each parameter once, as (parameter, column).
     pub fn add<const ROWS: usize>(
         &mut self,
         value: &SVector<f64, ROWS>,
@@ -41,6 +41,7 @@ impl DenseEquations {
     ) {
         let precision = 1.0 / (sigma * sigma);
         let weight = precision * self.losses.add(value.norm_squared() * precision, loss);
+        // Each pair of parameters once, in the lower triangle, whatever their order in `by`.
         for (place, &(row, of_row)) in by.iter().enumerate() {
             self.gradient[row] += weight * of_row.dot(value);
             for &(column, of_column) in &by[..=place] {
@@ -48,9 +49,7 @@ impl DenseEquations {
             }
         }
     }
-}
 
-impl DenseEquations {
     /// The covariance of all parameters; none where a combination of them is not determined.
     #[must_use]
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
@@ -68,6 +67,8 @@ impl DenseEquations {
             let lower = self.matrix[(row.max(column), row.min(column))];
             lower * scale[row] * scale[column]
         });
+        // The square of a pivot is the share of a parameter's information that the parameters
+        // before it leave.
         let factor = scaled.cholesky()?;
         if factor
             .l_dirty()
@@ -92,6 +93,7 @@ impl Equations for DenseEquations {
     }
 
     fn step(&self, damping: f64) -> Option<DVector<f64>> {
+        // Cholesky reads the lower triangle alone.
         let mut matrix = self.matrix.clone();
         for parameter in 0..matrix.nrows() {
             matrix[(parameter, parameter)] *= 1.0 + damping;

@@ -55,6 +55,7 @@ where
             .value(&stepped(shared, own))
             .ok_or(DerivativeError::NoValue)
     };
+    // The value comes twice, alone and with the Jacobian; both have to be the same to the bit.
     let (no_shared, no_own) = (SVector::zeros(), SVector::zeros());
     let here = stepped(&no_shared, &no_own);
     let linearised = residual.linearise(&here).ok_or(DerivativeError::NoValue)?;

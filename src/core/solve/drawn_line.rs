@@ -79,6 +79,7 @@ impl DrawnLine {
     /// The straight line of the picture nearest to the points (total least squares); none for a
     /// circle or an arc, and where the points coincide.
     pub fn straight(&self) -> Option<StraightLine> {
+        // Relative to a point, so that the squares do not cancel far from the picture's corner.
         self.segment()?;
         let first = *self.points.first()?;
         let count = self.points.len() as f64;
@@ -87,6 +88,9 @@ impl DrawnLine {
             .offsets_from(first)
             .map(|offset| (offset - mean) * (offset - mean).transpose())
             .sum();
+        // The line runs along the eigenvector of the largest eigenvalue, which is the sum of the
+        // squares along it. If that is within a drawn point's noise, the direction is noise as
+        // well.
         let eigen = scatter.symmetric_eigen();
         let most = eigen.eigenvalues.imax();
         let spread = eigen.eigenvalues[most];
@@ -127,6 +131,8 @@ fn outermost(points: &[ImagePoint], middle: ImagePoint, along: Vec2) -> Option<[
 impl StraightLine {
     /// Where it crosses another line, px; none where they are parallel.
     pub fn crossing(&self, other: &Self) -> Option<ImagePoint> {
+        // m + t u lies on the other line where (m + t u − m') × u' = 0; parallel lines divide by
+        // zero.
         let sine = self.along.perp(&other.along);
         let share = other.middle.offset_from(self.middle).perp(&other.along) / sine;
         let crossing = self.middle.translate(self.along * share);
@@ -140,6 +146,8 @@ impl StraightLine {
 
     /// 1-σ of the line across itself beside a point, as a multiple of that of one drawn point.
     pub fn sigma_at(&self, point: ImagePoint) -> f64 {
+        // Centroid and direction of a fitted line are uncorrelated: variances σ² / n and σ² / Σ t²,
+        // the latter with the squared distance from the centroid.
         let away = point.offset_from(self.middle).dot(&self.along);
         (1.0 / self.count + away * away / self.spread).sqrt()
     }

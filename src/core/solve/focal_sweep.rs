@@ -78,9 +78,11 @@ pub(super) fn sweep_line(
     let (Some(segment), Some(straight)) = (line.segment(), line.straight()) else {
         return Vec::new();
     };
+    // A line through the camera has no plane: its normal is NaN, and no camera is upright then.
     let [from, to] = segment.map(|end| base.base_from_world_point(end));
     let normal_in_base = from.cross(&to).normalize();
-    // Either sign of the normal, and either branch of its pan and tilt.
+    // Either sign of the normal, and either branch of its pan and tilt: the normal of a plane does
+    // not say on which side of it the picture is up.
     let mut found = Vec::new();
     for normal in [normal_in_base, -normal_in_base] {
         for branch in 0..2 {
@@ -101,6 +103,7 @@ pub(super) fn sweep_line(
 /// The unit normal, in `cam`, of the plane through the camera and two pixels; none where a pixel
 /// has no ray.
 fn plane_normal(base: &CameraBase, focal_px: f64, pixels: [ImagePoint; 2]) -> Option<Vec3> {
+    // Pan and tilt do not matter for rays in `cam`.
     let lens = PtzCamera::new(*base, Ptz::from_degrees(0.0, 0.0, focal_px));
     let [one, two] = pixels.map(|pixel| lens.cam_plane_from_image(pixel));
     Some(one.ok()?.push(1.0).cross(&two.ok()?.push(1.0)).normalize())
@@ -113,6 +116,8 @@ fn sweep(
     context: &SolveContext,
     at_focal: impl Fn(f64) -> Option<Ptz>,
 ) -> Vec<RankedStart> {
+    // Focal lengths without a camera are skipped, so that the neighbours of a gap count as its
+    // ends.
     let swept: Vec<RankedStart> = log_spaced_focals(context, STEPS)
         .filter_map(at_focal)
         .filter(is_upright)
@@ -143,6 +148,7 @@ pub(super) fn log_spaced_focals(
     context: &SolveContext,
     count: usize,
 ) -> impl Iterator<Item = f64> + use<> {
+    // A range from zero has no logarithm; no lens is shorter than a pixel.
     let (from, upto) = (
         context.ranges.focal_px.start().max(1.0).ln(),
         context.ranges.focal_px.end().max(1.0).ln(),

@@ -12,7 +12,7 @@ use super::{
     SolveContext, SolveError, Uncertainty, checks,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{Angle, ImageSize};
+use crate::geometry::{Angle, ImageSize, keep_distinct};
 use nalgebra::{Matrix2, SMatrix};
 use std::cmp::Ordering;
 
@@ -49,7 +49,7 @@ pub fn solve_frame(
     let camera = PtzCamera::new(*base, chosen.ptz);
 
     // Weight the observations as the robust loss did, and count the equations of those that have an
-    // image.
+    // image. Those without one gave no gradient either.
     let residuals: Vec<ClickResidual> = used
         .iter()
         .map(|observation| ClickResidual::from_observation(&camera, observation))
@@ -155,6 +155,8 @@ fn validate(
     if !base.is_finite() {
         return Err(SolveError::BaseNotFinite);
     }
+    // The order is that of the remedies: a click that is no pixel first, then names that contradict
+    // the base, then what is missing.
     let ImageSize { width, height } = context.image_size;
     for observation in used {
         let (click, image) = (observation.click, observation.image);
@@ -196,6 +198,7 @@ fn behind_the_other(base: &CameraBase, used: &[Observation]) -> Option<usize> {
         .map(|at| base.base_from_world_point(at).normalize());
     // The two-point solve reports opposite rays as an error of their own.
     let opposite = ray_one.cross(&ray_two).norm().asin().to_degrees() < MIN_RAY_ANGLE_DEG;
+    // z of `base` is the direction of pan and tilt zero.
     (ray_one.dot(&ray_two) < 0.0 && !opposite).then_some(if ray_one.z < ray_two.z {
         one.click
     } else {
@@ -238,9 +241,7 @@ fn candidates(
         );
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     }
-    found.dedup_by(|worse, better| {
-        camera_distance(&worse.candidate.ptz, &better.candidate.ptz) < SAME_CAMERA
-    });
+    let mut found = merge_duplicates(found);
 
     // Both roots led to one camera: restore the other one.
     if let ([one, two], [kept]) = (starts.as_slice(), found.as_slice())
@@ -250,11 +251,22 @@ fn candidates(
         let apart = |root: &Ptz| (root.focal_px / kept.candidate.ptz.focal_px).ln().abs();
         let lost = if apart(one) > apart(two) { *one } else { *two };
         if apart(&lost) > SAME_CAMERA {
+            // Its cost is that of the clicks: at its own focal length the prior adds nothing.
             let refined = refine(base, lost, used, context.loss, Some(&focal_held(lost)));
             found.extend(fit(base, refined.ptz, refined.cost, used, context));
         }
     }
     Ok(found)
+}
+
+/// The fits, the best first, without those of a camera that a better one has.
+fn merge_duplicates(fits: Vec<Fit>) -> Vec<Fit> {
+    // Each is compared with all before it: fits of two cameras may alternate in the order of their
+    // costs, which differ by rounding alone.
+    let most = fits.len();
+    keep_distinct(fits, most, |one, other| {
+        camera_distance(&one.candidate.ptz, &other.candidate.ptz) >= SAME_CAMERA
+    })
 }
 
 /// The fit that refinement reaches from a start; none if it is upside down or not finite.
@@ -291,6 +303,8 @@ fn fit(
     if !is_upright(&ptz) {
         return None;
     }
+    // A click without an image counts with a large constant in χ², so that a camera that hides it
+    // does not look better; it has no distance for the mean in px.
     let camera = PtzCamera::new(*base, ptz);
     let (mut squares, mut seen, mut chi_squared) = (0.0, 0u32, 0.0);
     for observation in used {
@@ -316,6 +330,7 @@ fn fit(
 /// [`SAME_FIT`], the one nearest to the start is chosen; without a start the most usual one under
 /// the motion prior, then the one nearest to the neighbouring frames.
 fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<Candidate>)> {
+    // `false` comes first; the sort is stable, so the order by cost remains within both groups.
     fits.sort_by_key(|fit| !fit.candidate.plausible);
     let first = fits.first()?;
     let (plausible, best_cost) = (first.candidate.plausible, first.cost);
@@ -366,6 +381,8 @@ impl Deviation {
 /// The error of a held-out click, and its Mahalanobis distance under the sum of click noise and the
 /// overlay's covariance at the nearest point of its shape.
 fn check(camera: &PtzCamera, uncertainty: &Uncertainty, observation: &Observation) -> CheckResult {
+    // The nearest point of a curve moves along it with the camera, which does not change the
+    // distance to first order: the covariance across the curve is that of this one point.
     let here = observation.shape.jacobian(camera, observation.image);
     let found = here.and_then(|here| {
         let overlay = uncertainty.overlay_at_world(camera, here.nearest_in_world)?;
@@ -402,4 +419,26 @@ fn separation_px(used: &[Observation]) -> Option<f64> {
                 .map(move |two| one.image.distance_px(two.image))
         });
     pairs.max_by(f64::total_cmp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fit_at(cost: f64, pan_deg: f64) -> Fit {
+        let candidate = Candidate {
+            ptz: Ptz::from_degrees(pan_deg, -10.0, 2000.0),
+            rms_px: 0.0,
+            chi_squared: cost,
+            plausible: true,
+        };
+        Fit { cost, candidate }
+    }
+
+    #[test]
+    fn a_duplicate_is_merged_wherever_it_comes_in_the_order() {
+        let fits = vec![fit_at(1.0, 5.0), fit_at(1.1, 20.0), fit_at(1.2, 5.0)];
+        let costs: Vec<f64> = merge_duplicates(fits).iter().map(|fit| fit.cost).collect();
+        assert_eq!(costs, [1.0, 1.1]);
+    }
 }

@@ -88,7 +88,9 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State, until: Stopping) -> Mi
     while iterations < until.max_iterations && damping < MAX_DAMPING {
         iterations += 1;
 
-        // Singular equations become regular with enough damping.
+        // Nearly singular equations become regular with enough damping. Damping scales the diagonal
+        // (Marquardt 1963), so a parameter without any information stays without a step: then the
+        // search ends at MAX_DAMPING, and the start is returned.
         let Some(step) = equations.step(damping) else {
             damping *= 10.0;
             continue;
@@ -99,7 +101,7 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State, until: Stopping) -> Mi
         }
 
         // Accept a step that does not raise the cost and trust the quadratic model more; otherwise
-        // keep the state and damp ten times as much.
+        // keep the state and damp ten times as much. A cost of NaN compares as higher.
         let next = problem.apply_step(&state, &step);
         let tried = problem.equations(&next);
         let tried_cost = tried.cost();
@@ -206,6 +208,7 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
     /// block's own. None where the residuals do not determine the own parameters.
     #[must_use]
     pub fn eliminate_own(&self) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
+        // S − C O⁻¹ Cᵀ and g_s − C O⁻¹ g_o.
         let gain = self.cross * self.own.try_inverse()?;
         Some((
             self.shared - gain * self.cross.transpose(),
@@ -220,6 +223,8 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
         damping: f64,
         shared_step: &SVector<f64, SHARED>,
     ) -> Option<SVector<f64, OWN>> {
+        // From the block's rows of the system: O x + Cᵀ s = −g_o, with the same damping of O as in
+        // the elimination.
         let right = self.own_gradient + self.cross.transpose() * shared_step;
         Some(-(add_damping(&self.own, damping).try_inverse()? * right))
     }
@@ -314,6 +319,8 @@ impl<const SHARED: usize, const OWN: usize> Equations for BorderedEquations<SHAR
     }
 
     fn length(step: &Self::Step) -> f64 {
+        // The largest of the parts, so that the limit on a step does not depend on the number of
+        // blocks.
         step.own
             .iter()
             .map(SVector::norm)
@@ -321,6 +328,7 @@ impl<const SHARED: usize, const OWN: usize> Equations for BorderedEquations<SHAR
     }
 }
 
+/// The matrix with each diagonal entry raised by a share of itself.
 fn add_damping<const N: usize>(matrix: &SMatrix<f64, N, N>, damping: f64) -> SMatrix<f64, N, N> {
     let mut matrix = *matrix;
     for i in 0..N {

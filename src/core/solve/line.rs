@@ -84,21 +84,15 @@ pub(super) fn nearest_point(
         Curve::Arc { .. } => ARC_SAMPLES,
     };
     let squared_px = |image: ImagePoint| image.offset_from(click).norm_squared();
-    let mut sampled: Option<(f64, f64)> = None;
-    for sample in 0..=samples {
-        let t = f64::from(sample) / f64::from(samples);
-        let Some(squared) = projection.image(curve.point_at(t)).map(squared_px) else {
-            continue;
-        };
-        if sampled.is_none_or(|(least, _)| squared < least) {
-            sampled = Some((squared, t));
-        }
-    }
+    let (_, start) = (0..=samples)
+        .map(|sample| f64::from(sample) / f64::from(samples))
+        .filter_map(|t| Some((squared_px(projection.image(curve.point_at(t))?), t)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
 
     // Newton's method on the derivative of half the squared distance, (p − click) · p'. Its second
     // derivative is |p'|² + (p − click) · p''. Where that is small or negative, far from the
     // minimum, |p'|² alone (Gauss–Newton) still gives a descent direction.
-    let mut nearest = projection.at(curve, sampled?.1)?;
+    let mut nearest = projection.at(curve, start)?;
     let mut squared = squared_px(nearest.image.at);
     for _ in 0..STEPS {
         let ImageCurvePoint { at, first, second } = nearest.image;

@@ -50,6 +50,7 @@ fn pairs_along_lines(lines: &[DrawnLine], crossing: Option<&Crossing>) -> Vec<[C
     by_points.sort_by_key(|line| std::cmp::Reverse(line.points.len()));
     let known: Vec<Crossing> = match (crossing, by_points.get(1)) {
         (Some(crossing), _) => vec![*crossing],
+        // A drawn line has at least one point.
         (None, Some(two)) => candidates(two, two.points.len() - 1).collect(),
         (None, None) => Vec::new(),
     };

@@ -38,6 +38,7 @@ impl Loss {
         match self {
             Self::Squared => (z_squared, 1.0),
             Self::Huber { k } => {
+                // 2 k z − k² continues z² with the same value and slope at z = k.
                 if z_squared <= k * k {
                     (z_squared, 1.0)
                 } else {
@@ -110,6 +111,7 @@ impl LossSum {
     /// The sum.
     #[inline]
     pub fn total(&self) -> f64 {
+        // A sum without a Cauchy loss needs no logarithm.
         if self.product == 1.0 {
             self.cost
         } else {

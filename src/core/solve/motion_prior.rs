@@ -104,6 +104,7 @@ impl MotionPrior {
 
     /// The parameter with the largest jump from the nearest frame, if there is one.
     fn jump(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
+        // The uncertainty of the camera itself widens the limit: a jump within it may be noise.
         let motion = self.motion.as_ref()?;
         let (moved, usual) = (
             PtzStep::between(&motion.from, ptz).values(),
@@ -120,6 +121,7 @@ impl MotionPrior {
 
     /// The parameter farthest outside the ranges of the accepted frames, if one is outside.
     fn elsewhere(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
+        // In units of the margin, so that the three parameters can be compared.
         let (seen, slack) = (self.seen.as_ref()?, slack.values());
         let (widths, distances) = (seen.widths(), seen.distances(ptz));
         largest((0..3).map(|which| {
@@ -133,6 +135,7 @@ impl MotionPrior {
 
     /// The warning for the user about an unusual camera.
     pub(super) fn warning(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Warning> {
+        // A jump from the nearest frame says more than the range of all accepted ones.
         let message = if let (Some(odd), Some(motion)) = (self.jump(ptz, slack), &self.motion) {
             let moved = PtzStep::between(&motion.from, ptz);
             let frames = if motion.frames == 1 {
@@ -150,6 +153,7 @@ impl MotionPrior {
                     moved.tilt, motion.usual.tilt
                 ),
                 _ => {
+                    // From a logarithm of a ratio to per cent.
                     let [by, usual] =
                         [moved.log_focal, motion.usual.log_focal].map(|log| 100.0 * log.exp_m1());
                     format!(

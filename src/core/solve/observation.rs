@@ -176,6 +176,7 @@ impl Residual<2, 0, 3> for Observation {
 
     #[inline]
     fn linearise(&self, camera: &PtzCamera) -> Option<Linearised<2, 0, 3>> {
+        // The third parameter of a fit is log f: d/d(log f) = f d/df.
         let (value, mut by_own) = self.shape.residual_by_ptz(camera, self.image)?;
         by_own.column_mut(2).scale_mut(camera.ptz().focal_px);
         Some(Linearised {

@@ -44,6 +44,7 @@ pub fn pan_tilt_from_one_ray(
     direction_in_base: Vec3,
     ideal_in_cam: Vec2,
 ) -> Result<(Angle, Angle), OnePointError> {
+    // A zero direction normalises to NaN, which the negated comparison rejects.
     let b = direction_in_base.normalize();
     let u = Vec3::new(ideal_in_cam.x, ideal_in_cam.y, 1.0).normalize();
     let horizontal = b.x.hypot(b.z);

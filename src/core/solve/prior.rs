@@ -38,6 +38,7 @@ impl PtzPrior {
 
     /// Its information on (pan rad, tilt rad, focal px) at a focal length.
     pub(super) fn information(&self, focal_px: f64) -> Mat3 {
+        // σ of f is f times σ of log f.
         let inverse = self
             .inverse_sigmas()
             .component_div(&Vec3::new(1.0, 1.0, focal_px));
@@ -58,6 +59,7 @@ impl Residual<3, 0, 3> for PtzPrior {
     }
 
     fn value(&self, camera: &PtzCamera) -> Option<Vec3> {
+        // The pan by the shorter way around: a prior at 179° pulls a pan of −179° by two degrees.
         let ptz = camera.ptz();
         let off = Vec3::new(
             ptz.pan.turn_from(self.ptz.pan).radians(),
@@ -77,6 +79,7 @@ impl Residual<3, 0, 3> for PtzPrior {
     }
 
     fn loss(&self, _: Loss) -> Loss {
+        // A robust loss is for wrong names; a prior has none.
         Loss::Squared
     }
 }

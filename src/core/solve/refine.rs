@@ -66,6 +66,7 @@ pub fn refine_until(
         start,
         until,
     );
+    // Steps add to the pan without a bound; the result is a direction again.
     let ptz = Ptz {
         pan: found.state.pan.wrap(),
         ..found.state

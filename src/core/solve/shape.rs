@@ -201,6 +201,7 @@ impl ObservedShape {
     #[must_use]
     pub(super) fn change_crown(self, from: Crown, to: Crown) -> Self {
         match self {
+            // A point is stored with its crown, a curve with the crown beside its nominal shape.
             Self::Point(mut at) => {
                 at.z += to.ground_z(at.y) - from.ground_z(at.y);
                 Self::Point(at)

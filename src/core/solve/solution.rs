@@ -145,6 +145,7 @@ impl FrameSolution {
     /// Adds the result of the search for other names; its warning comes before all others.
     #[must_use]
     pub fn with_identity(mut self, found: Option<IdentityFinding>) -> Self {
+        // An option is an iterator of at most one warning.
         self.warnings
             .splice(0..0, found.as_ref().map(IdentityFinding::warning));
         self.identity = found;

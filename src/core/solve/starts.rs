@@ -196,6 +196,8 @@ fn starts_from_lines(
     observations: &[Observation],
     context: &SolveContext,
 ) -> Vec<Ptz> {
+    // Ranking and refining use a few points of each line alone: a start need not be exact, and a
+    // drawn line may have many points.
     let lines = DrawnLine::group(observations);
     let few = few_per_line(&lines, observations);
     let crossings = find_crossings(&lines, observations);
@@ -296,6 +298,7 @@ fn grid_starts(
 
 /// Angles from one to another, both included, at most `step_deg` apart and at most 91.
 fn evenly_spaced(from: Angle, upto: Angle, step_deg: f64) -> impl Iterator<Item = Angle> {
+    // At least one step, because a range of a single angle would divide by zero.
     let (from_deg, upto_deg) = (from.degrees(), upto.degrees());
     let count = ((upto_deg - from_deg) / step_deg).ceil().clamp(1.0, 90.0);
     (0..=count as usize).map(move |step| {
@@ -320,6 +323,7 @@ fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observa
 /// How differently two cameras see: the largest of the differences in pan and tilt, as shifts of
 /// the picture in units of 1000 px, and of that in log focal length.
 pub(super) fn camera_distance(one: &Ptz, two: &Ptz) -> f64 {
+    // A rotation by δ rad moves the middle of the picture by f δ px.
     let per_radian = one.focal_px.min(two.focal_px) / 1000.0;
     let pan = one.pan.turn_from(two.pan).abs().radians() * per_radian;
     let tilt = (one.tilt - two.tilt).abs().radians() * per_radian;

@@ -98,11 +98,10 @@ impl<T: Copy> OneOrTwo<T> {
     fn from_pair([first, second]: [Option<T>; 2]) -> Option<Self> {
         match (first, second) {
             (Some(first), second) => Some(Self { first, second }),
-            (None, Some(first)) => Some(Self {
+            (None, second) => second.map(|first| Self {
                 first,
                 second: None,
             }),
-            (None, None) => None,
         }
     }
 
@@ -355,6 +354,7 @@ impl<'a> PointPair<'a> {
                 .ideal_in_cam
                 .map(|point| point * focal_px);
             let focals = focal_from_two_rays(ideal_px, self.rays_in_base).ok()?;
+            // Of two roots the nearer one continues the branch that is followed.
             let (log_change, next) = focals
                 .iter()
                 .map(|next| ((next / focal_px).ln().abs(), next))

@@ -53,6 +53,8 @@ impl WorldCurve {
     /// This curve moved by a fraction of the difference between two nominal curves of its kind.
     #[must_use]
     pub(super) fn move_along(self, from: &Curve, to: &Curve, share: f64) -> Self {
+        // Coordinates, radius and angles change linearly with the share, which is exact where the
+        // template is linear in its sizes.
         let nominal = match (self.nominal, from, to) {
             (
                 Curve::Segment {
@@ -96,6 +98,7 @@ impl WorldCurve {
                 start: start + (*start_1 - *start_0) * share,
                 sweep: sweep + (*sweep_1 - *sweep_0) * share,
             },
+            // Never: a template gives curves of one kind whatever its parameters are.
             (nominal, ..) => nominal,
         };
         Self { nominal, ..self }
@@ -111,6 +114,7 @@ impl WorldCurve {
     pub(crate) fn at(&self, t: f64) -> CurvePoint {
         let mut at = self.nominal.point_at(t);
         let mut first = self.nominal.tangent_at(t);
+        // On a circle the second derivative points to the centre: r'' = −(r − c) (dθ/dt)².
         let mut second = match self.nominal {
             Curve::Segment { .. } => Vec3::zeros(),
             Curve::Arc { centre, sweep, .. } => (centre - at) * sweep.radians().powi(2),

@@ -105,6 +105,7 @@ pub(super) mod degrees {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
         let degrees = f64::deserialize(deserializer)?;
+        // An angle that is in range keeps its last digit, which the arithmetic below could change.
         if degrees > -180.0 && degrees <= 180.0 {
             return Ok(degrees);
         }
@@ -148,6 +149,20 @@ pub(super) mod image_point {
     }
 }
 
+/// Two numbers, such as the ends of an interval.
+pub(super) mod pair {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(pair: &[f64; 2], serializer: S) -> Result<S::Ok, S::Error> {
+        finite::<S>(pair)?;
+        pair.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
+        <[f64; 2]>::deserialize(deserializer)
+    }
+}
+
 /// `[width, height]`.
 pub(super) mod image_size {
     use super::*;
@@ -186,6 +201,8 @@ pub(super) mod pixel_box {
     }
 
     fn side(value: f64) -> Side {
+        // A negative zero stays a fraction: as a whole number it would lose its sign, and reading
+        // would not give the same box again.
         if value.fract() == 0.0
             && value.abs() < WHOLE_LIMIT
             && !(value == 0.0 && value.is_sign_negative())
@@ -193,6 +210,16 @@ pub(super) mod pixel_box {
             Side::Whole(value as i64)
         } else {
             Side::Fraction(value)
+        }
+    }
+
+    /// A box of its four numbers.
+    pub(super) fn from_sides([x, y, width, height]: [f64; 4]) -> PixelBox {
+        PixelBox {
+            x,
+            y,
+            width,
+            height,
         }
     }
 
@@ -211,12 +238,7 @@ pub(super) mod pixel_box {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<PixelBox, D::Error> {
-        <[f64; 4]>::deserialize(deserializer).map(|[x, y, width, height]| PixelBox {
-            x,
-            y,
-            width,
-            height,
-        })
+        <[f64; 4]>::deserialize(deserializer).map(from_sides)
     }
 }
 
@@ -238,12 +260,7 @@ pub(super) mod boxes {
         let boxes = Vec::<[f64; 4]>::deserialize(deserializer)?;
         Ok(boxes
             .into_iter()
-            .map(|[x, y, width, height]| PixelBox {
-                x,
-                y,
-                width,
-                height,
-            })
+            .map(super::pixel_box::from_sides)
             .collect())
     }
 }
@@ -350,6 +367,8 @@ pub(super) mod optional_correlation {
         let Some(rows) = Option::<Vec<Vec<f64>>>::deserialize(deserializer)? else {
             return Ok(None);
         };
+        // A covariance must have no negative eigenvalue, or the variance that follows from it for
+        // some pixel would be negative. `from_rows` checks this.
         let wrong = "no correlation matrix: 5 × 5 of position x, y, z and rotation about x, y, or 10 × 10 with k1, its slope, crown and \
                      principal point x, y behind them; symmetric, ones on its diagonal, no negative eigenvalue; leave it out if it \
                      is not known";
@@ -373,6 +392,7 @@ pub(super) mod optional_rotation {
         let Some(rotation) = matrix else {
             return Ok(None);
         };
+        // `distance_from_rotation` is infinite for a reflection, which says less than this message.
         if rotation.determinant() < 0.0 {
             return Err(D::Error::custom(
                 "the matrix is a reflection, not a rotation (its determinant is negative)",

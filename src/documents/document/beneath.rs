@@ -27,6 +27,8 @@ impl History<Document> {
             .get(num_below)
             .map_or(before, |(_, state)| state)
             .clone();
+        // States beneath the step keep their shots: undoing the step leads there. Undone states lie
+        // above the current one and have the shots, too.
         let above = self.done.iter_mut().skip(num_below).map(|(_, state)| state);
         for state in above.chain(self.undone.iter_mut().map(|(_, state)| state)) {
             take_shots(state, before, after);
@@ -41,6 +43,8 @@ fn take_shots(state: &mut Document, before: &Document, after: &Document) {
     state.shots.clone_from(&after.shots);
     for position in 0..state.frames.len() {
         let frame = &state.frames[position];
+        // Only frames with another shot are written to, so that all others stay shared between
+        // states.
         let Some(marked) =
             find_frame(after, position, frame).filter(|marked| marked.clip != frame.clip)
         else {

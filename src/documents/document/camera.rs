@@ -7,6 +7,7 @@ use touchline_core::geometry::rotation::{distance_from_rotation, nearest_rotatio
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec2, Vec3};
 
 /// A matrix nearer to a rotation than this is not orthogonalised, so that its digits are kept.
+/// Rounding explains such a distance: it is about fifty times the precision of `f64`.
 const EXACT_ROTATION: f64 = 1e-14;
 
 /// A camera of the document: its picture, and its base as far as it is known.
@@ -222,6 +223,8 @@ fn is_zero(number: &f64) -> bool {
 impl From<&BaseSigma> for CameraSigma {
     fn from(sigma: &BaseSigma) -> Self {
         Self {
+            // Degrees in documents, radians in the program. What is exactly known, with a sigma of
+            // zero, or independent is stated by leaving its key out.
             position_m: sigma.position_m,
             rotation_deg: sigma.rotation.map(f64::to_degrees),
             k1: sigma.k1,
@@ -291,6 +294,8 @@ impl Camera {
     #[must_use]
     pub fn base(&self) -> Option<CameraBase> {
         let (position_m, stated) = (self.position_m?, self.base_from_world?);
+        // Projection and its derivatives suppose a rotation; a document may state one with few
+        // digits.
         let exact = distance_from_rotation(&stated) <= EXACT_ROTATION;
         Some(CameraBase {
             position_m,
@@ -317,6 +322,8 @@ impl Camera {
     /// [`Self::base_for`] without the frame's own [lens](Frame::lens).
     #[must_use]
     pub fn base_without_frame_lens(&self, frame: &Frame) -> Option<CameraBase> {
+        // A frame's k₁ is a record of what was used. It is an input only where the camera states no
+        // curve, as the document's schema says.
         let mut base = self.base()?;
         if self.curve().is_none()
             && let Some(k1) = frame.ptz.as_ref().and_then(|ptz| ptz.k1)
@@ -338,6 +345,8 @@ impl Camera {
 
     /// Sets the base; unchanged values keep their digits, and unknown keys stay.
     pub fn set_base(&mut self, base: &CameraBase) {
+        // Each part is compared with what the document gives, and written only if it differs: a
+        // base that was read and is set again leaves the file's digits and keys as they are.
         let before = self.base();
         if before.is_none_or(|before| before.position_m != base.position_m) {
             self.position_m = Some(base.position_m);

@@ -122,6 +122,8 @@ impl Click {
     }
 }
 
+// A click as JSON has it: two keys for its name, of which at most one may be present. In the
+// program `Target` excludes that both are.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ClickJson {

@@ -33,6 +33,8 @@ pub struct ClickNoise {
     #[serde(with = "adapters::positive")]
     pub sigma_px: f64,
     /// Its 95 % interval, px.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
+    #[serde(with = "adapters::pair")]
     pub sigma_interval_95_px: [f64; 2],
     /// How many repeats it rests on.
     pub repeats: usize,
@@ -77,8 +79,9 @@ impl StoredClickNoise {
 impl ClickNoise {
     /// The 1-σ of a click, px at 1920 px width, from what the template states.
     fn sigma_px(&self, stated_px: f64, landmark: Option<&str>) -> f64 {
-        // Only a part of the stated variance comes from clicking; the factor scales that part, and
-        // the part of the landmark's position remains.
+        // Only the share s of the stated variance σ² comes from clicking (`CLICKING_SHARE`). The
+        // factor f scales that share; the rest, the landmark's position, remains:
+        // σ √(1 − s + s f²).
         let own = landmark
             .and_then(|landmark| self.factor_by_landmark.get(landmark))
             .copied();
@@ -110,5 +113,32 @@ impl ClickNoise {
                 self.sigma_px(landmark.click_sigma_px, Some(landmark.id.as_str()));
         }
         field.line_click_sigma_px = self.sigma_px(field.line_click_sigma_px, None);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Document, FieldSpec};
+
+    #[test]
+    fn no_number_that_json_lacks_is_stored() {
+        let noise = ClickNoise {
+            in_use: true,
+            factor: 1.0,
+            factor_by_landmark: BTreeMap::new(),
+            sigma_px: 2.0,
+            sigma_interval_95_px: [1.8, 2.2],
+            repeats: 40,
+            extra: Extra::new(),
+        };
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.set_click_noise(&noise).unwrap();
+        let unbounded = ClickNoise {
+            sigma_interval_95_px: [1.8, f64::INFINITY],
+            ..noise.clone()
+        };
+        assert!(document.set_click_noise(&unbounded).is_err());
+        assert_eq!(document.own_click_noise(), Some(&noise));
     }
 }

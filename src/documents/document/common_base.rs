@@ -2,7 +2,6 @@
 //! than the other.
 
 use super::{Document, Frame, FrameId, Shared};
-use std::collections::{BTreeMap, BTreeSet};
 
 /// The latest state from which both a session and another program's version can have started,
 /// without suggestions, frame by frame and camera by camera.
@@ -39,16 +38,11 @@ pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Docume
     if theirs.extra == written.extra {
         base.extra = written.extra;
     }
-    let now: BTreeMap<_, _> = theirs
+    let common = written
         .cameras
         .iter()
-        .map(|camera| (&camera.id, camera))
-        .collect();
-    for camera in written
-        .cameras
-        .iter()
-        .filter(|camera| now.get(&camera.id) == Some(camera))
-    {
+        .filter(|camera| theirs.camera(&camera.id) == Some(&***camera));
+    for camera in common {
         match base.cameras.iter_mut().find(|known| known.id == camera.id) {
             Some(known) => known.clone_from(camera),
             None => base.cameras.push(camera.clone()),
@@ -58,11 +52,10 @@ pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Docume
 }
 
 fn common_frames(opened: &Document, written: &Document, theirs: &Document) -> Vec<Shared<Frame>> {
-    let in_opened: BTreeSet<&FrameId> = opened.frames.iter().map(|frame| &frame.id).collect();
     let added = written
         .frames
         .iter()
-        .filter(|frame| !in_opened.contains(&frame.id));
+        .filter(|frame| opened.frames.by_id(&frame.id).is_none());
     let frames = opened.frames.iter().chain(added);
     frames
         .filter_map(|frame| common_frame(&frame.id, [opened, written, theirs]))
@@ -75,9 +68,12 @@ fn common_frame<'a>(
     [opened, written, theirs]: [&'a Document; 3],
 ) -> Option<&'a Shared<Frame>> {
     let (opened, written) = (opened.frames.by_id(id), written.frames.by_id(id));
+    // Only a frame that was opened can have been removed by the other program. One that the session
+    // added was never in its version.
     let Some(theirs) = theirs.frames.by_id(id) else {
         return opened;
     };
+    // A base of `None` makes the merge name the frame if both sides differ.
     match (opened, written) {
         (_, Some(written)) if theirs.has_content_of(written) => Some(written),
         (Some(opened), _) if theirs.revision >= opened.revision => Some(opened),

@@ -42,13 +42,14 @@ pub fn document_from_frames(
     match source {
         FrameSource::Folder(listing) => {
             let images: Vec<&PathBuf> = listing.images.iter().step_by(every.get()).collect();
-            let read = images.par_iter().map(|path| {
+            // When `progress` cancels, `while_some` may leave out images before others that another
+            // thread has read already. So each result has its path beside it.
+            let read = images.into_par_iter().map(|path| {
                 let read = media::image_size(path)
                     .and_then(|size| Ok((size, media::sha256_of_file(path)?)));
-                progress.report(()).is_continue().then_some(read)
+                progress.report(()).is_continue().then_some((path, read))
             });
-            let read: Vec<_> = read.while_some().collect();
-            for (path, read) in images.into_iter().zip(read) {
+            for (path, read) in read.while_some().collect::<Vec<_>>() {
                 match read {
                     Ok((size, sha256)) => made.add_image(&relative(folder, path), size, sha256),
                     Err(error) => made.left_out.push((path.display().to_string(), error)),
@@ -103,6 +104,7 @@ impl NewDocument {
         if let Some(camera) = cameras.iter().find(|camera| camera.image_size == size) {
             return camera.id.clone();
         }
+        // Sizes differ between cameras, so a size makes a name that no other camera has.
         let id = if cameras.is_empty() {
             CAMERA.to_owned()
         } else {

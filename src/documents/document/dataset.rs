@@ -21,6 +21,8 @@ impl Document {
     fn tell_assumed_sizes(&mut self) {
         let code = WarningCode::FieldAssumed.as_str();
         for index in 0..self.frames.len() {
+            // By index, because the message depends on the whole document while the frame changes.
+            // An earlier warning of this kind is replaced: exporting twice must not state it twice.
             let message = self.field_of(&self.frames[index]).describe_assumed_size();
             let Some(message) = message.filter(|_| self.frames[index].ptz.is_some()) else {
                 continue;
@@ -36,17 +38,13 @@ impl Frame {
     /// Keeps some of its clicks, chosen by their indices; the solution's indices of clicks are
     /// updated.
     pub fn retain_clicks(&mut self, stays: impl Fn(usize, &Click) -> bool) {
-        let mut kept = 0;
+        // The new index of each click that stays: the number of those before it.
+        let mut staying = 0..;
         let new_indices: Vec<Option<usize>> = self
             .clicks
             .iter()
             .enumerate()
-            .map(|(index, click)| {
-                stays(index, click).then(|| {
-                    kept += 1;
-                    kept - 1
-                })
-            })
+            .map(|(index, click)| stays(index, click).then(|| staying.next()).flatten())
             .collect();
         let mut new_index = new_indices.iter();
         self.clicks

@@ -62,6 +62,9 @@ impl Document {
 
     /// Whether everything but the frames is equal.
     pub fn same_beside_frames(&self, other: &Self) -> bool {
+        // A copy of the other document takes our frames and our generator, so that the derived
+        // comparison covers every other key, also one that is added to the type later. The copy is
+        // cheap, because cameras are shared.
         *self
             == Self {
                 generator: self.generator.clone(),
@@ -90,11 +93,14 @@ impl Document {
     /// A camera's name with the first free number after it: “main 2”.
     #[must_use]
     pub fn free_camera_name(&self, like: &CameraId) -> CameraId {
+        // A number at the end is replaced, not extended: a copy of “main 2” is “main 3”.
         let stem = like
             .as_str()
             .trim_end_matches(|c: char| c.is_ascii_digit())
             .trim_end();
+        // A name of digits alone leaves no stem.
         let stem = if stem.is_empty() { "camera" } else { stem };
+        // A stem that ends in a separator, such as “cam_”, needs no space.
         let gap = if stem.ends_with(['-', '_', '.']) {
             ""
         } else {
@@ -115,6 +121,19 @@ impl Document {
     pub fn used_cameras(&self) -> BTreeSet<CameraId> {
         let of_frames = self.frames.iter().map(|frame| frame.camera.clone());
         of_frames.collect()
+    }
+
+    /// The fields of the cameras that have one of their own, then the document's, to change them.
+    pub fn fields_mut(&mut self) -> impl Iterator<Item = &mut FieldSpec> {
+        // A shared camera is copied when it is borrowed to be changed, so cameras without a field
+        // are left out before that.
+        let with_field = self
+            .cameras
+            .iter_mut()
+            .filter(|camera| camera.field.is_some());
+        with_field
+            .filter_map(|camera| camera.field.as_mut())
+            .chain([&mut self.field])
     }
 
     /// Adds a copy of a camera under a free name like its own, and returns that name.
@@ -196,6 +215,8 @@ impl Document {
     /// # Errors
     /// One of its numbers is not finite.
     pub fn set_click_noise(&mut self, noise: &ClickNoise) -> Result<(), serde_json::Error> {
+        // To serialise is to check: the adapters refuse numbers that JSON lacks. Found later, such
+        // a number would keep the whole document from being written.
         serde_json::to_value(noise)?;
         self.click_noise = Some(StoredClickNoise::Own(noise.clone()));
         Ok(())

@@ -144,6 +144,7 @@ impl Edit {
 
 /// Applies changes in order, or none of them if one does not fit.
 pub(super) fn apply_all(changes: Vec<Change>, document: &mut Document) -> Result<(), EditMismatch> {
+    // The copy for the case of a misfit is cheap: it shares cameras and frames with the document.
     let before = document.clone();
     for change in changes {
         if let Err(mismatch) = change.apply(document) {
@@ -181,6 +182,9 @@ impl Change {
                 revision,
                 frame,
             } => {
+                // The revision shows whether the frame is still the one that was edited: the same
+                // edit may arrive twice, and other edits may have come before it. A new state under
+                // another id would leave two frames with one id.
                 let Some(place) = document.frames.by_id_mut(&id) else {
                     return Err(EditMismatch::NoFrame { id });
                 };
@@ -208,20 +212,16 @@ impl Change {
             }
             Self::Insert { after, frames } => insert(document, after, frames)?,
             Self::Order(ids) => {
-                let ordered: Option<Frames> = ids
-                    .iter()
-                    .map(|id| document.frames.by_id(id).cloned())
-                    .collect();
-                let (ordered, frames) = (
-                    ordered.filter(|frames| frames.len() == document.frames.len()),
-                    ids.len(),
-                );
-                let mismatch = EditMismatch::Order {
-                    ordered: frames,
-                    frames: document.frames.len(),
-                };
-                let is_each_once = ids.iter().collect::<BTreeSet<_>>().len() == ids.len();
-                document.frames = ordered.filter(|_| is_each_once).ok_or(mismatch)?;
+                let (ordered, frames) = (ids.len(), document.frames.len());
+                // Each frame exactly once: one that is named twice would get a new id when it is
+                // collected the second time.
+                let is_each_once =
+                    ordered == frames && ids.iter().collect::<BTreeSet<_>>().len() == frames;
+                let in_order = ids.iter().map(|id| document.frames.by_id(id).cloned());
+                document.frames = in_order
+                    .collect::<Option<Frames>>()
+                    .filter(|_| is_each_once)
+                    .ok_or(EditMismatch::Order { ordered, frames })?;
             }
             Self::Cameras(cameras) => document.cameras = cameras,
             Self::Field(field) => document.field = field,
@@ -284,6 +284,8 @@ impl Document {
             let Some(frame) = self.frames.get(position) else {
                 continue;
             };
+            // A frame that others pushed to another position is found by its id. One without an
+            // earlier state is new and has no edit to count.
             let known = before
                 .frames
                 .get(position)
@@ -291,6 +293,8 @@ impl Document {
             let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else {
                 continue;
             };
+            // A higher revision has counted this edit already. A lower one comes from undo, whose
+            // state must not look like the one that it replaces.
             if frame.revision <= known.revision && frame != known {
                 let revision = known.next_revision();
                 self.frames[position].revision = revision;
@@ -341,6 +345,8 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         changes.push(Change::Remove(gone));
     }
     let is_moved = kept_order(before, &kept) != kept_order(after, &kept);
+    // A run of added frames names the frame before it, which is there when the run is applied:
+    // either it stays, or it ends an earlier run. `last` is that frame, `coming` the open run.
     let mut last: Option<&FrameId> = None;
     let mut coming: Option<(Option<FrameId>, Vec<Shared<Frame>>)> = None;
     for frame in after {

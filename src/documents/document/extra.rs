@@ -40,6 +40,7 @@ impl DerefMut for Extra {
 
 impl PartialEq for Extra {
     fn eq(&self, other: &Self) -> bool {
+        // An empty map, which a key leaves behind that was removed, equals none.
         **self == **other
     }
 }

@@ -62,7 +62,8 @@ impl FieldSpec {
         }
     }
 
-    /// A template with parameters that a person states: its size is then known and not to be fitted.
+    /// A template with parameters that a person states: its size is then known and not to be
+    /// fitted.
     #[must_use]
     pub fn with_params(template: &str, params: BTreeMap<String, f64>) -> Self {
         Self {
@@ -134,11 +135,14 @@ impl FieldSpec {
         if *self.size() != FieldSize::Assumed {
             return None;
         }
+        // The rules of a user's own template are not known, and where both sides are prescribed
+        // there is nothing to confirm.
         let template = builtin(&self.template).ok()?;
         let params = SIZE.map(|name| template.params.iter().find(|param| param.name == name));
         if !params.iter().flatten().any(|param| param.min < param.max) {
             return None;
         }
+        // Rounded to centimetres, for people; a template without one of the two parameters has “?”.
         let [length, width] = params.map(|param| {
             let value = param.map(|param| {
                 self.params

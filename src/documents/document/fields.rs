@@ -40,6 +40,8 @@ impl Fields {
         document: &Document,
         mut model: impl FnMut(&FieldSpec) -> Result<Arc<FieldModel>, FieldError>,
     ) -> Result<Self, FieldError> {
+        // A list, because a document has few fields. A camera's field that equals the document's is
+        // left to the last entry.
         let mut models: Vec<(FieldSpec, Arc<FieldModel>)> = Vec::new();
         let own = document
             .cameras
@@ -74,6 +76,8 @@ impl Fields {
     }
 
     fn for_spec(&self, spec: &FieldSpec) -> &Arc<FieldModel> {
+        // A field that the document got after `with` is not among them. The last one, the
+        // document's own, stands for it; `with` always adds that one.
         let at = self
             .models
             .iter()

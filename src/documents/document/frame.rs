@@ -332,6 +332,8 @@ impl Frame {
     /// Whether another frame has the same contents, regardless of the revisions.
     #[must_use]
     pub fn has_content_of(&self, other: &Self) -> bool {
+        // Equal frames are compared without a copy. For the others a copy takes our revision, so
+        // that the derived comparison covers all other keys.
         self == other
             || *self
                 == Self {
@@ -393,6 +395,7 @@ impl Frame {
         if let Some(path) = self.image_path(folder) {
             return Some(FrameRef::image(path));
         }
+        // A number beyond the address space is no frame of any video: there is no picture then.
         let video = self.video.as_ref()?;
         Some(FrameRef::video(
             video.file_path(folder),

@@ -34,6 +34,8 @@ impl Frames {
     /// The positions at which frames changed since an earlier state; none if frames were added,
     /// removed or moved.
     pub fn changes_in_place(&self, before: &Self) -> Option<Vec<usize>> {
+        // With as many frames as before, a frame that was added, removed or moved leaves another id
+        // at some position.
         let changed = (self.len() == before.len()).then(|| self.differences(before))?;
         changed
             .iter()

@@ -33,6 +33,9 @@ impl FrameId {
     /// The id of a frame that has none: twelve hexadecimal digits of a hash of its image's path, or
     /// else of its video's path and the number of the frame.
     pub(super) fn from_picture(image: Option<&str>, video: Option<(&str, u64)>) -> Self {
+        // The words and the zero bytes separate the cases: no path contains a zero byte, so that an
+        // image never gets the id of a frame of a video. These bytes may never change, because
+        // documents without ids rely on them.
         let hash = Sha256::new();
         let hash = match (image, video) {
             (Some(image), _) => hash.chain_update("image\0").chain_update(image),
@@ -42,6 +45,8 @@ impl FrameId {
                 .chain_update(index.to_be_bytes()),
             (None, None) => hash,
         };
+        // Six bytes: among a million pictures, two have the same digest with a probability of about
+        // 0.2 %, and then `free` tells them apart.
         let mut first = [0; 8];
         first[2..].copy_from_slice(&hash.finalize()[..6]);
         Self(format!("{:012x}", u64::from_be_bytes(first)).into())
@@ -54,6 +59,8 @@ impl FrameId {
         if !is_taken(&self) {
             return self;
         }
+        // The number that stands for `id` itself is 1. `taken` is always a taken number; the first
+        // loop ends at one that is free, the second one halves the gap between the two.
         let (mut taken, mut step) = (1, 1);
         while is_taken(&self.with_number(taken + step)) {
             taken += step;

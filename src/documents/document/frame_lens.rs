@@ -67,6 +67,8 @@ impl FrameLens {
     /// A base with this lens and principal point in place of its own, as exact as they are stated.
     #[must_use]
     pub fn base_with(&self, base: &CameraBase) -> CameraBase {
+        // The curve is constant, because the lens is stated for this frame's focal length alone. A
+        // k₂ without k₁ has no curve and is left out, as the key's description says.
         let distortion = FocalCurve::through(self.radial()).unwrap_or(FocalCurve::NONE);
         CameraBase {
             principal_point: self.principal_point,

@@ -31,6 +31,8 @@ impl Frame {
     /// are kept.
     pub fn point(&mut self, ptz: Ptz, lens: Radial) {
         let before = self.ptz.take();
+        // A lens without distortion is stated only where the frame stated one before, so that
+        // frames of a pinhole camera get no `k1` key.
         let recorded = before.as_ref().is_some_and(|before| before.k1.is_some());
         let lens = (!lens.is_none() || recorded).then_some(lens);
         let extra = before.map(|before| before.extra).unwrap_or_default();
@@ -42,6 +44,9 @@ impl Frame {
 
     /// Stores the result of a solve.
     pub fn record(&mut self, solved: &FrameSolution) {
+        // The proposal is read before `point` replaces the camera that it may be. Clicks that
+        // determine a camera by themselves are its source; fewer only correct the proposal, which
+        // stays the source.
         let proposed = self.proposed_camera();
         let by_clicks = self.clicks_decide();
         let source = proposed
@@ -49,6 +54,8 @@ impl Frame {
             .filter(|_| !by_clicks)
             .map_or(SolutionSource::Clicks, |proposed| proposed.source);
         self.point(solved.ptz, solved.lens);
+        // Only what other programs stated outlives a solve. Confidence, timings, samples and line
+        // check belong to the camera that is replaced.
         let Solution {
             extra, imported, ..
         } = self.solution.take().unwrap_or_default();
@@ -72,7 +79,7 @@ impl Frame {
                 .enumerate()
                 .map(|(place, warning)| SolutionWarning {
                     clicks: warning.clicks.clone(),
-                    // The first warning is the one about names.
+                    // `FrameSolution::with_identity` puts the warning about names first.
                     renames: solved
                         .identity
                         .iter()
@@ -93,6 +100,8 @@ impl Frame {
         if let Some(kept) = &solution.proposed {
             return Some(kept.clone());
         }
+        // Without a record of it, the proposal is the frame's own camera: a suggestion, or one
+        // aligned to paint with too few clicks to replace it.
         let is_proposed = self.is_suggestion() || self.is_snapped() && !self.clicks_decide();
         self.camera_as_proposed(solution.source.filter(|_| is_proposed)?)
     }
@@ -127,22 +136,47 @@ impl Frame {
     /// Restores the program's proposal if the user corrected it and no click is left. True if it
     /// was restored.
     pub fn restore_proposed(&mut self) -> bool {
-        let Some(proposed) = self
-            .solution
-            .as_mut()
-            .and_then(|solution| solution.proposed.take())
-        else {
+        let Some(solution) = &mut self.solution else {
+            return false;
+        };
+        let Some(proposed) = solution.proposed.take() else {
             return false;
         };
         self.ptz = Some(proposed.ptz);
-        self.solution = Some(Solution {
+        // As in `record`, what other programs stated stays.
+        *solution = Solution {
             covariance: proposed.covariance,
             own_covariance: proposed.own_covariance,
             worst_corner_sigma_px: proposed.worst_corner_sigma_px,
             source: Some(proposed.source),
             confidence: proposed.confidence,
+            imported: solution.imported.take(),
+            extra: std::mem::take(&mut solution.extra),
             ..Solution::default()
-        });
+        };
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn a_restored_camera_keeps_the_keys_of_other_programs() {
+        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+        let mut solution = Solution {
+            source: Some(SolutionSource::Import),
+            ..Solution::default()
+        };
+        solution.extra.insert("theirs".to_owned(), 7.into());
+        frame.solution = Some(solution);
+        let imported = frame.clone();
+        frame.keep_camera_as_prior();
+        assert_ne!(frame, imported);
+        assert!(frame.restore_proposed());
+        assert_eq!(frame, imported);
     }
 }

@@ -13,7 +13,8 @@ use std::sync::{Arc, OnceLock};
 ///
 /// A persistent vector: a clone takes constant time, and changing a frame of a clone copies the
 /// chunk of handles that contains it. A frame without an id, or with an id that is taken, gets a
-/// new one when it is added by [`Frames::push`], [`Frames::insert`] or `extend`.
+/// new one when it is added by [`Frames::push`], [`Frames::insert`] or `extend`. A frame that is
+/// borrowed mutably must not get the id of another one: that is not checked.
 #[derive(Clone, Default)]
 pub struct Frames {
     ordered: Vector<Shared<Frame>>,
@@ -75,6 +76,9 @@ impl State {
     /// The positions at which frames may differ from those of another state; none unless both
     /// remember a common predecessor.
     fn possible_differences(&self, other: &Self) -> Option<BTreeSet<usize>> {
+        // The nearest state that both remember. Frames outside the changes since then, on either
+        // side, are those of that state in both. Each side remembers at most `REMEMBERED` numbers,
+        // which bounds this search.
         let mut own = self.back().enumerate();
         let (ago, others) = own
             .find_map(|(ago, state)| Some((ago, other.back().position(|other| other == state)?)))?;
@@ -102,6 +106,7 @@ impl Frames {
     /// Frames in the order of a file. Those without an id get a reproducible one, derived from
     /// their picture, that no other frame has.
     pub(super) fn read(mut frames: Vec<Shared<Frame>>) -> Result<Self, DuplicateId> {
+        // Stated ids come first, so that a derived one never is one that a later frame states.
         let mut positions = HashMap::with_capacity(frames.len());
         for (position, frame) in frames
             .iter()
@@ -170,7 +175,8 @@ impl Frames {
             .get(id)
             .copied()
             .filter(|position| self.get(*position).is_some_and(|frame| frame.id == *id));
-        // A frame that was assigned over another one is not among the known positions.
+        // A frame that was assigned over another one is not among the known positions. It is
+        // searched for, unless all positions are known to be right: then no frame has the id.
         known.or_else(|| {
             if self.are_known() {
                 None
@@ -220,6 +226,7 @@ impl Frames {
 
     /// The frames in their order, to change them.
     pub fn iter_mut(&mut self) -> IterMut<'_> {
+        // Any frame may change, so there is nothing to remember.
         self.state = State::new();
         self.ordered.iter_mut()
     }
@@ -264,6 +271,9 @@ impl Frames {
 
     /// Inserts frames before the one at a position, in their order; ids as in [`Frames::push`].
     pub fn insert_all(&mut self, position: usize, frames: Vec<Shared<Frame>>) {
+        // A persistent vector is split and joined in logarithmic time, whatever its length.
+        // Positions are entered at once, because `with_own_id` must see the ids of the frames
+        // before; those behind are corrected by `order_changed`.
         let tail = self.ordered.split_off(position.min(self.ordered.len()));
         for frame in frames {
             let frame = self.with_own_id(frame);
@@ -311,6 +321,8 @@ impl Frames {
         if self.is_same(other) {
             return differ;
         }
+        // Changes of the order forget all predecessors, so states with a common one have the same
+        // frames at the same positions.
         if let Some(changed) = self.state.possible_differences(&other.state) {
             differ.extend(
                 changed
@@ -321,7 +333,7 @@ impl Frames {
         }
 
         // Walk the chunks of both vectors in parallel; chunks that both share are skipped by their
-        // address.
+        // address. Their bounds may differ, so each step compares as much as both chunks have left.
         let (mut left, mut right) = (self.ordered.leaves(), other.ordered.leaves());
         let (mut a, mut b): (&[Shared<Frame>], &[Shared<Frame>]) = (&[], &[]);
         let mut position = 0;

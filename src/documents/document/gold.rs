@@ -77,6 +77,8 @@ impl Frame {
                 known.clicks.push(repeat.image);
                 continue;
             }
+            // The first repeat of a landmark: the label's click goes before it, because the
+            // annotator clicked it first.
             let labelled = self.clicks.iter().position(|click| match &click.target {
                 Some(Target::Landmark(id)) => *id == repeat.landmark && click.image.is_finite(),
                 _ => false,

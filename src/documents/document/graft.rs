@@ -7,7 +7,7 @@
 //! reported.
 
 use super::merge::show_suggestions;
-use super::{Camera, Change, Document, Edit, Frame, Merged, OldChange, Shared};
+use super::{Camera, Change, Document, Edit, Frame, FrameId, Merged, OldChange, Shared};
 use std::collections::BTreeMap;
 
 /// Puts the frames of edits into a document that is not their base. Frames that the edits removed
@@ -15,11 +15,14 @@ use std::collections::BTreeMap;
 /// and of the field, are not applied.
 #[must_use]
 pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
+    // Suggestions are removed on both sides, so that only people's work is compared. Those of
+    // `onto` return at the end, in frames that are still untouched.
     let mut document = onto.without_suggestions();
     let mut conflicts = add_new_cameras(edits, &mut document);
-    for held in last_frames(edits) {
-        let frame = held.without_suggestion();
-        // The frame with the same id, else one with the same picture.
+    for edited in last_frames(edits) {
+        let frame = edited.without_suggestion();
+        // The frame with the same id, else one with the same picture: journals of earlier versions
+        // state no ids, and another program may have given the picture another one.
         let same_id = document.frames.position_of(&frame.id);
         let place = same_id.or_else(|| {
             document
@@ -31,6 +34,8 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
             document.frames.push(frame.into());
             continue;
         };
+        // The document's frame keeps its id, to which other edits refer, and its revision, which
+        // `count_edits_since` raises below if the frame changes.
         let frame = Frame {
             id: known.id.clone(),
             revision: known.revision,
@@ -58,7 +63,7 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
 
 /// The last state of each frame in the edits, in the order of first occurrence.
 fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
-    let held = edits
+    let frames = edits
         .iter()
         .flat_map(|edit| &edit.changes)
         .flat_map(|change| match change {
@@ -73,10 +78,16 @@ fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
             | Change::Field(_)
             | Change::Rest { .. } => &[],
         });
-    let mut places = BTreeMap::new();
+    let mut places: BTreeMap<FrameId, usize> = BTreeMap::new();
     let mut last: Vec<&Shared<Frame>> = Vec::new();
-    for frame in held {
-        let place = *places.entry(&frame.id).or_insert(last.len());
+    for frame in frames {
+        // A frame of an earlier version's journal has no id: its picture distinguishes it.
+        let id = if frame.id.is_missing() {
+            frame.id_of_picture()
+        } else {
+            frame.id.clone()
+        };
+        let place = *places.entry(id).or_insert(last.len());
         if place == last.len() {
             last.push(frame);
         } else {
@@ -89,6 +100,8 @@ fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
 /// Adds the cameras that the document lacks, because new frames may refer to them. Returns the
 /// names of cameras that differ, and of the field if it differs.
 fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
+    // A change states all cameras, or the whole field, so the last one says what the edits lead to.
+    // Differences are only named: without the base, it is not known which side changed.
     let cameras: &[Shared<Camera>] = changes_from_last(edits)
         .find_map(|change| {
             if let Change::Cameras(cameras) = change {
@@ -134,6 +147,8 @@ fn has_work(frame: &Frame) -> bool {
 
 /// Whether a frame is as it was created, without any work of the user.
 fn has_only_picture(frame: &Frame) -> bool {
+    // The listed keys state which frame it is, or come with the picture. Whatever else differs from
+    // a new frame is work, also a key that is added to the type later.
     let Frame {
         id,
         revision,
@@ -200,6 +215,24 @@ mod tests {
             (names_and_comments(&document), conflicts.len()),
             (["b ours", "z", "new"].map(str::to_owned).to_vec(), 0)
         );
+    }
+
+    #[test]
+    fn frames_without_ids_of_an_earlier_versions_journal_are_distinguished_by_their_pictures() {
+        let frame = |name: &str| {
+            let mut frame = Frame::from_image(name, "main".into(), SMALL);
+            frame.id = FrameId::default();
+            frame.comment = Some(" ours".to_owned());
+            frame
+        };
+        let change = |(index, name)| {
+            let frame = frame(name).into();
+            Change::Old(OldChange::Frame { index, frame })
+        };
+        let mut edit = Edit::between(&document(&[]), &document(&[]), "Old");
+        edit.changes = [(0, "a"), (1, "b")].map(change).to_vec();
+        let Merged { document, .. } = graft(&[edit], &document(&["b", "a"]));
+        assert_eq!(names_and_comments(&document), ["b ours", "a ours"]);
     }
 
     #[test]

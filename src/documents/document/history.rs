@@ -45,6 +45,8 @@ pub trait Undoable: Clone {
 
 impl Undoable for Document {
     fn is_same_state(&self, other: &Self) -> bool {
+        // Positions that differ are few; at each, revisions are left out of the comparison, because
+        // undo raises them without a change that a person would see.
         let frames = self.frames.len() == other.frames.len() && {
             let mut differ = self.frames.differences(&other.frames).into_iter();
             differ.all(|position| self.frames[position].has_content_of(&other.frames[position]))
@@ -147,10 +149,8 @@ impl<T: Clone> History<T> {
     #[must_use]
     pub fn without_open_transaction(&self) -> Self {
         Self {
-            limit: self.limit,
-            done: self.done.clone(),
-            undone: self.undone.clone(),
             open: None,
+            ..self.clone()
         }
     }
 
@@ -204,6 +204,9 @@ impl<T: Undoable> History<T> {
         else {
             return false;
         };
+        // A resumed step without further changes is put back as it was; steps that can be redone
+        // stay, as nothing new was done. The check comes before the next one, which compares with
+        // the state before the whole step.
         if resumed_at.is_some_and(|resumed| resumed.is_same_state(current)) {
             self.done.push_back((step, before));
             return true;

@@ -51,6 +51,8 @@ impl ImportedCamera {
     /// hold.
     #[must_use]
     pub fn new(camera: &PtzCamera, moved_px: Option<f64>, fault: Option<String>) -> Option<Self> {
+        // Heading, pitch and roll are those of the frame, pan and tilt included, because the other
+        // program's base need not be the document's.
         let looks = BaseAngles::from_base_from_world(&camera.cam_from_world());
         let imported = Self {
             position_m: camera.base().position_m,

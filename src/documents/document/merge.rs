@@ -21,6 +21,7 @@ pub struct Merged {
 /// theirs; each frame that only we added is inserted behind its predecessor in our order.
 #[must_use]
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
+    // Only people's work is compared: a suggestion that one side replaced is no conflict.
     let [base, our_edits, their_edits] = [base, ours, theirs].map(Document::without_suggestions);
     let mut merged = merge_edits(&base, &our_edits, &their_edits);
     show_suggestions(&mut merged.document, [ours, theirs]);
@@ -108,6 +109,8 @@ pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
         if !frame.is_untouched() {
             continue;
         }
+        // A suggestion states angles in one base. Under another base they point elsewhere, so it is
+        // dropped rather than shown.
         let base = document.camera_of(frame).and_then(Camera::base);
         let suggestions = sides
             .into_iter()
@@ -164,6 +167,8 @@ enum Choice {
 /// Decides which side's value is taken, given the base's, ours and theirs. None means that the side
 /// does not have it.
 fn choose<V>([base, ours, theirs]: [Option<&V>; 3], is_same: fn(&V, &V) -> bool) -> Choice {
+    // A side that equals the base has not changed the value, so the other side decides, also by a
+    // removal.
     if are_same(ours, theirs, is_same) || are_same(base, ours, is_same) {
         Choice::Theirs
     } else if are_same(base, theirs, is_same) {
@@ -220,30 +225,30 @@ fn join<K: Ord + Clone, V: Clone>(
         }
     };
     // Their order first, without what the merge removes.
-    let mut joined: Keyed<K, V> = theirs
+    let from_theirs: Keyed<K, V> = theirs
         .iter()
         .filter_map(|(key, _)| take(key).map(|value| (key.clone(), value)))
         .collect();
 
     // Then ours that they lack, each behind the nearest predecessor of our order that is in the
-    // result.
-    let mut there: BTreeSet<K> = joined.iter().map(|(key, _)| key.clone()).collect();
-    for (place, (key, _)) in ours.iter().enumerate() {
-        if in_theirs.contains_key(key) {
-            continue;
+    // result. They are collected by that predecessor and inserted in one pass, because a document
+    // may have added hundreds of thousands of frames.
+    let there: BTreeSet<&K> = from_theirs.iter().map(|(key, _)| key).collect();
+    let mut added: BTreeMap<Option<&K>, Vec<V>> = BTreeMap::new();
+    let mut predecessor = None;
+    for (key, _) in ours {
+        if there.contains(key) {
+            predecessor = Some(key);
+        } else if !in_theirs.contains_key(key) {
+            added.entry(predecessor).or_default().extend(take(key));
         }
-        let Some(value) = take(key) else { continue };
-        let before = ours[..place]
-            .iter()
-            .rev()
-            .find(|(key, _)| there.contains(key));
-        let at = before
-            .and_then(|(before, _)| joined.iter().position(|(key, _)| key == before))
-            .map_or(0, |at| at + 1);
-        joined.insert(at, (key.clone(), value));
-        there.insert(key.clone());
     }
-    joined.into_iter().map(|(_, value)| value).collect()
+    let mut joined = added.remove(&None).unwrap_or_default();
+    for (key, value) in &from_theirs {
+        joined.push(value.clone());
+        joined.extend(added.remove(&Some(key)).unwrap_or_default());
+    }
+    joined
 }
 
 type Keys = Map<String, Value>;
@@ -400,6 +405,23 @@ mod tests {
             merge(&base, &ours, &moved).document.frames[0].status,
             FrameStatus::New
         );
+    }
+
+    #[test]
+    fn frames_that_we_added_follow_their_predecessors_in_the_order_of_theirs() {
+        let base = document(&["a", "b", "c"]);
+        let mut ours = document(&["x", "a", "p", "b", "q", "c", "r"]);
+        comment(&mut ours, "p", "!");
+        let theirs = document(&["c", "d", "a"]);
+        let Merged {
+            document,
+            conflicts,
+        } = merge(&base, &ours, &theirs);
+        assert_eq!(
+            names_and_comments(&document),
+            ["x", "c", "r", "d", "a", "p!", "q"]
+        );
+        assert_eq!(conflicts, [""; 0]);
     }
 
     #[test]

@@ -7,6 +7,22 @@
 //! Unknown keys are kept at every level. A project is a folder with `project.json`; a dataset is
 //! one file of the same schema, without unnamed clicks.
 //!
+//! # Files
+//!
+//! | files | subject |
+//! |---|---|
+//! | `document`, `camera`, `frame`, `click`, `solution`, `shot`, … | the types of the schema |
+//! | `read`, `write`, `adapters`, `extra`, `schema` | from text to these types and back |
+//! | `frames`, `shared`, `frame_changes` | containers that undo states share, and how two differ |
+//! | `edit`, `old_edit`, `history`, `step_edit`, `beneath` | edits as the journal has them, undo |
+//! | `suggestion` | the program's suggestions, apart from people's work |
+//! | `merge`, `common_base`, `graft`, `package` | several versions of a document joined |
+//! | `frame_solution`, `uses`, `unanswered`, `gold`, `click_noise` | what a frame's records mean |
+//! | `create`, `dataset`, `paths`, `fields`, `at`, `video_shots` | whole documents |
+//!
+//! Methods of one type lie in several of these files, each by its subject: files beside each other
+//! may not use each other in a circle (`tests/suite/architecture.rs`).
+//!
 //! # Schema
 //!
 //! Every key that this program knows is typed, checked when it is read, and is listed here; the

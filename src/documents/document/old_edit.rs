@@ -36,6 +36,8 @@ impl OldChange {
                     .frames
                     .get_mut(index)
                     .ok_or(EditMismatch::Position { index, frames })?;
+                // Such an edit states neither id nor revision: the frame keeps its id, and its
+                // revision counts this edit.
                 frame.id = place.id.clone();
                 frame.revision = place.next_revision();
                 *place = frame;
@@ -43,6 +45,8 @@ impl OldChange {
             Self::Frames { at, remove, insert } => {
                 let end = at.checked_add(remove).filter(|end| *end <= frames);
                 let end = end.ok_or(EditMismatch::Position { index: at, frames })?;
+                // What is removed goes first: a frame that comes back then finds the id of its
+                // picture free.
                 let gone: BTreeSet<FrameId> = document
                     .frames
                     .range(at..end)

@@ -8,6 +8,7 @@
 use super::{Document, Frame, FrameId, Frames, Shared, Shot, ShotEnd};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// The key under which a package records its initial frames.
 const KEY: &str = "package";
@@ -15,26 +16,26 @@ const KEY: &str = "package";
 /// The document in packages of `count` frames each, in its order; the last one may have fewer.
 #[must_use]
 pub fn split_into_packages(document: &Document, count: usize) -> Vec<Document> {
-    let ids: Vec<FrameId> = document
-        .frames
-        .iter()
-        .map(|frame| frame.id.clone())
-        .collect();
-    ids.chunks(count.max(1))
-        .map(|ids| take_package(document, &ids.iter().cloned().collect()))
+    let count = count.max(1);
+    (0..document.frames.len())
+        .step_by(count)
+        .map(|first| take_package(document, first..first.saturating_add(count)))
         .collect()
 }
 
-/// The document restricted to some of its frames.
-fn take_package(document: &Document, ids: &BTreeSet<FrameId>) -> Document {
-    let mut package = document.clone();
-    package.frames.retain(|frame| ids.contains(&frame.id));
-    package.shots = shots_of(document, &package.frames);
-    let names: Vec<&str> = ids.iter().map(FrameId::as_str).collect();
-    package
-        .extra
-        .insert(KEY.to_owned(), json!({ "frames": names }));
-    package
+/// The document restricted to the frames at these positions, as far as there are any.
+fn take_package(document: &Document, positions: Range<usize>) -> Document {
+    // Only the package's own frames are visited: a long document has thousands of packages.
+    let frames: Frames = document.frames.range(positions).cloned().collect();
+    let ids: BTreeSet<&str> = frames.iter().map(|frame| frame.id.as_str()).collect();
+    let mut extra = document.extra.clone();
+    extra.insert(KEY.to_owned(), json!({ "frames": ids }));
+    Document {
+        shots: shots_of(document, &frames),
+        extra,
+        frames,
+        ..document.clone()
+    }
 }
 
 /// The shots of a document whose ends still have the same meaning with some of its frames.
@@ -71,6 +72,9 @@ fn initial_frames(document: &Document) -> Option<BTreeSet<FrameId>> {
 /// because a package has copies of the pictures.
 #[must_use]
 pub fn restore_package(base: &Document, version: &Document) -> Document {
+    // Pictures first, also of a version that is no package: otherwise each copied picture would
+    // look like an edit. Frames with the same picture are not borrowed to be changed, so that
+    // they stay shared.
     let mut whole = version.clone();
     for frame in &mut whole.frames {
         if let Some(known) = base
@@ -86,6 +90,8 @@ pub fn restore_package(base: &Document, version: &Document) -> Document {
     };
     whole.extra.remove(KEY);
     whole.frames = join_frames(base, &whole.frames, &given);
+    // The package as it was given away: the shots that it had then show which of the base's shots
+    // its present ones replace.
     let mut package = base.clone();
     package.frames.retain(|frame| given.contains(&frame.id));
     whole.shots = join_shots(base, &shots_of(base, &package.frames), &version.shots);
@@ -124,6 +130,8 @@ fn join_frames(base: &Document, package: &Frames, given: &BTreeSet<FrameId>) -> 
             after.entry(last.clone()).or_default().push(frame.clone());
         }
     }
+    // A frame that was given away comes from the package, or from nowhere if it was removed there.
+    // All others come from the base.
     let mut joined: Vec<Shared<Frame>> = after.remove(&None).unwrap_or_default();
     for frame in &base.frames {
         let is_given = given.contains(&frame.id);

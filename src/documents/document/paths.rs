@@ -14,6 +14,8 @@ impl Document {
             return self;
         }
         for frame in &mut self.frames {
+            // Both paths are worked out before either is set: only a frame with a relative path is
+            // borrowed to be changed, so that all others stay shared with other states.
             let image = frame
                 .image
                 .as_deref()
@@ -31,14 +33,7 @@ impl Document {
                 video.path = path;
             }
         }
-        let fields = self
-            .cameras
-            .iter_mut()
-            .filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
-        let fields = fields
-            .filter_map(|camera| camera.field.as_mut())
-            .chain([&mut self.field]);
-        for field in fields {
+        for field in self.fields_mut() {
             if field.is_file()
                 && let Some(path) = relocate(&field.template, from_folder, to_folder)
             {
@@ -83,6 +78,7 @@ fn is_absolute(path: &str) -> bool {
 #[must_use]
 pub fn path_between(folder: &Path, file: &Path) -> String {
     let (folder, file) = (normalise(folder), normalise(file));
+    // Without a common root, such as on another drive, no relative path leads there.
     let shared = folder.iter().zip(&file).take_while(|(a, b)| a == b).count();
     if shared == 0 {
         return file
@@ -101,6 +97,8 @@ pub fn path_between(folder: &Path, file: &Path) -> String {
 /// A path with symbolic links resolved as far as it exists; the rest is kept as it is written.
 #[must_use]
 pub fn resolve_path(path: &Path) -> PathBuf {
+    // The file need not exist: the longest ancestor that does is resolved, and the rest is
+    // appended. The root always exists, so the last line is for systems that refuse it.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     for ancestor in path.ancestors() {
         if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {

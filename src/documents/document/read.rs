@@ -101,11 +101,15 @@ pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
     let text = std::str::from_utf8(bytes).map_err(|error| ReadError::NotUtf8 {
         offset: error.valid_up_to(),
     })?;
+    // Some editors put a byte order mark before UTF-8.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_ascii().is_empty() {
         return Err(ReadError::Empty);
     }
+    // Depth is checked on the bytes, before the parser follows them down.
     refuse_depth(text)?;
+    // A valid document is parsed once, straight into its types. Only a text that fails is parsed
+    // again, as plain values, to find out why.
     match serde_json::from_str::<DocumentJson>(text) {
         Ok(json) => {
             check_header(&json.format, &json.version)?;
@@ -121,6 +125,8 @@ const MAX_DEPTH: usize = 100;
 
 /// Rejects a text whose lists and objects are nested too deeply.
 fn refuse_depth(text: &str) -> Result<(), ReadError> {
+    // Brackets within strings do not count. Bytes suffice: in UTF-8 no part of a longer character
+    // looks like one of these. Closing brackets too many are left to the parser.
     let (mut depth, mut is_quoted, mut is_escaped) = (0_usize, false, false);
     for (at, byte) in text.bytes().enumerate() {
         match byte {
@@ -264,6 +270,9 @@ fn syntax_message(error: &serde_json::Error) -> String {
 
 /// Explains why a text could not be read, the most informative reason first.
 fn explain(text: &str, error: &serde_json::Error) -> ReadError {
+    // Syntax first, for nothing can be said of a text that is not JSON. Then the header: of another
+    // program's file, or a newer version's, the first unexpected key would say nothing. Only then
+    // the place in the document.
     let value = match serde_json::from_str::<Value>(text) {
         Ok(value) => value,
         Err(syntax) => {
@@ -274,7 +283,7 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
             };
         }
     };
-    // A key that is missing is null.
+    // Of a key that is missing, or of a value that is no object, indexing gives null.
     if let Err(header) = check_header(&value["format"], &value["version"]) {
         return header;
     }
@@ -290,6 +299,8 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
 
 /// The place and message of the first violation of the schema.
 fn place(document: &Value) -> Option<(String, String)> {
+    // In the order of the schema. A failure elsewhere, such as a missing list, has no place here,
+    // and the caller reports the parser's message for the document as a whole.
     document
         .get("field")
         .and_then(|field| find_failure(field, "field", &misfit::<FieldSpec>))
@@ -362,6 +373,11 @@ struct Part<'a> {
 }
 
 /// Follows a failure down to the key whose removal changes the error.
+///
+/// The types of inner values are not known here. So `fails` always reads the outermost type, a
+/// camera or a frame, with an inner value exchanged, and the messages of two readings are compared.
+/// This finds the place for any type without a word about it here, at the price of a copy of the
+/// object for each key: hence the budget `looks`.
 fn descend(
     part: &Part,
     looks: &mut usize,
@@ -386,6 +402,8 @@ fn descend(
                 if fails(&Value::Object(without.clone())).as_ref() == Some(&message) {
                     continue;
                 }
+                // The inner value returns to its old index: the order of keys decides which of
+                // several errors is reported first.
                 let with = |inner: &Value| {
                     let mut map = without.clone();
                     map.shift_insert(index, key.clone(), inner.clone());
@@ -401,6 +419,8 @@ fn descend(
                 return descend(&part, looks, &with).or(Some((within, message)));
             }
         }
+        // A list of objects is followed into the first one that fails by itself. A list of numbers,
+        // such as a point, is reported as a whole.
         Value::Array(items) if items.iter().all(Value::is_object) => {
             let alone = |inner: &Value| fails(&Value::Array(vec![inner.clone()]));
             for (index, inner) in items.iter().enumerate() {
@@ -428,6 +448,7 @@ fn descend(
 
 /// Whether this many more values may be inspected. They are subtracted from those left.
 fn may_inspect(values: usize, looks: &mut usize) -> bool {
+    // What exceeds the budget also ends it, so that no smaller value is inspected afterwards.
     let left = looks.checked_sub(values);
     *looks = left.unwrap_or(0);
     left.is_some()

@@ -49,6 +49,8 @@ impl FramePtz {
     #[must_use]
     pub fn new(ptz: Ptz, lens: Option<Radial>) -> Self {
         Self {
+            // Documents state angles in (−180°, 180°]; inside, a camera may have gone round
+            // further.
             pan_deg: ptz.pan.wrap().degrees(),
             tilt_deg: ptz.tilt.wrap().degrees(),
             focal_px: ptz.focal_px,

@@ -40,6 +40,9 @@ impl History<Document> {
     /// step, clears the history if it changed the user's work, because nothing before it can be
     /// undone.
     pub fn follow(&mut self, before: &Document, after: &Document, name: String, kind: EditKind) {
+        // Undo and redo are done on a copy of the state before, and must lead to the state after.
+        // If they do not, the steps of this history are not those of the edit, and none of them can
+        // be trusted.
         let mut state = before.clone();
         let is_followed = match kind {
             EditKind::NoStep => before.is_same_state(after),
@@ -49,6 +52,8 @@ impl History<Document> {
                 true
             }
             EditKind::Continued => {
+                // `commit` comes in any case: it closes the step that was resumed, and does nothing
+                // if none was.
                 let last = self.next_undo().cloned();
                 let resumed = last.is_some_and(|step| self.resume(before, &step));
                 self.commit(after);
@@ -83,6 +88,7 @@ impl History<Document> {
     ) -> (Self, Option<StepMisfit>) {
         let mut history = Self::default();
         let mut misfit = None;
+        // Steps to undo are walked from the document back: those beyond the limit are the oldest.
         let mut done = walk(document, undo, &mut misfit);
         done.truncate(Self::DEFAULT_LIMIT);
         history.done = done.into_iter().rev().collect();

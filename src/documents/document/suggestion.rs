@@ -73,8 +73,13 @@ impl Frame {
             .by_id(&self.id)
             .map(|frame| frame.without_suggestion())
         else {
-            return !mine.is_untouched() || mine.comment.is_some();
+            return !mine.is_untouched()
+                || mine.comment.is_some()
+                || !mine.masks.is_empty()
+                || !mine.repeats.is_empty();
         };
+        // Each kind of work counts by itself, and only where there is some on this side: what only
+        // the other document has is no loss.
         let has_same_labels = (&mine.clicks, mine.status, mine.reason)
             == (&theirs.clicks, theirs.status, theirs.reason);
         (!mine.is_untouched() && !has_same_labels)
@@ -124,6 +129,8 @@ impl Document {
     /// unchanged frames are not compared.
     #[must_use]
     pub fn without_suggestions_since(&self, before: &Self, edited_before: &Self) -> Self {
+        // Usually frames changed in place, and only these are visited. Where frames were added,
+        // removed or moved, all are visited, and the known handle of each is found by its id.
         let frames = if let Some(changed) = self.frames.changes_in_place(&before.frames) {
             let mut frames = edited_before.frames.clone();
             for position in changed {
@@ -147,7 +154,8 @@ impl Document {
     }
 }
 
-/// The frame without a suggestion; the known handle if its contents are equal.
+/// The frame without a suggestion; the known handle if its contents are equal. Frames that share a
+/// handle are later compared without a look at their contents ([`Shared`]).
 fn share_without_suggestion(frame: &Shared<Frame>, known: Option<&Shared<Frame>>) -> Shared<Frame> {
     if !frame.shows_suggestion() {
         return frame.clone();
@@ -164,7 +172,7 @@ mod tests {
     use super::*;
     use crate::document::{Click, FieldSpec, SolutionSource};
     use touchline_core::camera::Ptz;
-    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
     fn frame(status: FrameStatus, ptz: bool, source: Option<SolutionSource>) -> Frame {
         let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
@@ -224,6 +232,20 @@ mod tests {
         let edited = document.without_suggestions_since(&before, &edited_before);
         assert_eq!(edited.frames[0], document.frames[0]);
         assert_eq!(edited, document.without_suggestions());
+    }
+
+    #[test]
+    fn a_document_without_the_frame_lacks_its_masks() {
+        let without = Document::new(FieldSpec::new("soccer"));
+        let mut masked = frame(FrameStatus::New, false, None);
+        assert!(!masked.gives_way_in(&without), "there is no work in it");
+        masked.masks.push(PixelBox {
+            x: 0.0,
+            y: 0.0,
+            width: 9.0,
+            height: 9.0,
+        });
+        assert!(masked.gives_way_in(&without));
     }
 
     #[test]

@@ -191,6 +191,8 @@ impl Frame {
 
     /// Sets whether the forest is trained with it once it is a reference.
     pub fn set_use_for_training(&mut self, used: bool) {
+        // A choice that equals the default is not stored, so that it follows the default if a later
+        // solve changes it.
         self.use_for_training = (used != self.trains_by_default()).then_some(used);
     }
 
@@ -217,6 +219,7 @@ impl Frame {
     /// The number of lines with two or more clicks that are not check points.
     #[must_use]
     pub fn clicked_line_count(&self) -> usize {
+        // One click leaves a line's direction open, so only lines with two count.
         let mut clicks_on = BTreeMap::new();
         for click in self.clicks.iter().filter(|click| !click.check) {
             if let Some(Target::Line(line)) = &click.target {

@@ -4,7 +4,6 @@
 //! frame's `clip` has the shot that it belongs to. [`VideoShots::write`] keeps both consistent.
 
 use super::{Clip, Document, Extra, Frame, Shot, ShotEnd, ShotKind};
-use std::collections::BTreeSet;
 use thiserror::Error;
 
 /// The shots of one video in order, without gaps between the first frame and the last.
@@ -66,11 +65,15 @@ impl VideoShots {
         last: u64,
         cuts: &[(u64, ShotKind)],
     ) -> Self {
-        let inside: BTreeSet<(u64, ShotKind)> = cuts
+        // In order and each frame once, as a hard cut if it was found as that, too: two shots that
+        // begin at one frame would leave the first one without frames.
+        let mut inside: Vec<(u64, ShotKind)> = cuts
             .iter()
             .copied()
             .filter(|(from, _)| (1..=last).contains(from))
             .collect();
+        inside.sort_unstable();
+        inside.dedup_by_key(|(from, _)| *from);
         let mut shots = Self {
             video: video.to_owned(),
             starts: Vec::new(),
@@ -100,7 +103,9 @@ impl VideoShots {
             ) else {
                 continue;
             };
-            let first = numbers.get(numbers.partition_point(|(number, _)| *number < from));
+            // The shot's name is that of its first frame in the document. A document of some frames
+            // may have none of a shot; `write` gives such shots names.
+            let first = numbers.get(first_from(from, &numbers));
             let first = first.filter(|(number, _)| *number <= to);
             let clip = first.and_then(|(_, position)| document.frames[*position].clip.clone());
             last = last.max(to);
@@ -148,6 +153,7 @@ impl VideoShots {
             return Err(ShotsError::IsCut { frame });
         }
         let clip = self.free_clip(document);
+        // The new shot is the end of the one that is divided, so its camera is the same.
         let mut new = shot(ShotKind::ByHand);
         new.camera = at
             .checked_sub(1)
@@ -178,6 +184,7 @@ impl VideoShots {
     /// # Errors
     /// None begins there, or another one begins before the frame wanted or after it.
     pub fn move_cut(&mut self, cut: u64, frame: u64) -> Result<(), ShotsError> {
+        // `cut_at` never returns the first shot, so there is one before.
         let at = self.cut_at(cut)?;
         let from = self.starts[at - 1].from + 1;
         let to = self
@@ -225,7 +232,8 @@ impl VideoShots {
 
     /// Replaces the document's shots of this video, and stores each frame's shot in the frame.
     pub fn write(mut self, document: &mut Document) {
-        // Shots of which no frame is here have shared nothing; give each a name of its own.
+        // `from_document` gives one and the same name to all shots of which it finds no frame. Each
+        // gets its own here, because a name stands for one shot.
         for at in 0..self.starts.len() {
             if self.starts[..at]
                 .iter()
@@ -234,6 +242,8 @@ impl VideoShots {
                 self.starts[at].clip = self.free_clip(document);
             }
         }
+        // A plain number means a frame of the document's first video. With several videos, ends are
+        // the ids of frames, and a shot without frames cannot be stated.
         let is_only_video = document.frames.iter().all(|frame| {
             frame
                 .video
@@ -253,6 +263,7 @@ impl VideoShots {
                 .starts
                 .get(at + 1)
                 .map_or(self.last, |next| next.from - 1);
+            // Starts ascend and `last` is no less than any, so `begin <= behind`.
             let begin = first_from(start.from, &numbers);
             let behind = first_from(to.saturating_add(1), &numbers);
             let inside = &numbers[begin..behind];
@@ -432,7 +443,7 @@ mod tests {
             &document,
             "a.mp4",
             11,
-            &[(3, ShotKind::Cut), (7, ShotKind::Cut), (7, ShotKind::Cut)],
+            &[(7, ShotKind::Fade), (3, ShotKind::Cut), (7, ShotKind::Cut)],
         )
         .write(&mut document);
         assert_eq!(

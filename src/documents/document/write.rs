@@ -88,6 +88,7 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
             json(&document.shots, || "shots".to_owned())?,
         );
     }
+    // An unknown key never replaces one of the schema.
     for (key, value) in &document.extra {
         root.entry(key.as_str()).or_insert_with(|| value.clone());
     }
@@ -108,6 +109,8 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
 
 /// Writes the frames as [`write_value`] writes a list, `used` bytes of the line being taken.
 fn write_frames(document: &Document, used: usize, text: &mut String) -> Result<(), WriteError> {
+    // Few frames may fit on the line of their key, which only shows when they are written. More
+    // never do, and are written one by one, each freed before the next.
     let frames = document.frames.iter().enumerate();
     let mut frames =
         frames.map(|(index, frame)| json(frame, || format!("frames[{index}] ({})", frame.name())));
@@ -138,15 +141,18 @@ pub(super) fn json<T: Serialize>(
 }
 
 fn write_value(value: &Value, indent: usize, used: usize, text: &mut String) {
+    // One line is tried first and taken back if it is too long. The trial ends soon after the width
+    // of a line, so that it costs little however large the value is.
     let start = text.len();
-    // A comma follows.
+    // One byte is left for the comma that follows.
     if !on_one_line(value, start + LINE_WIDTH.saturating_sub(used + 1), text) {
         text.truncate(start);
         broken(value, indent, text);
     }
 }
 
-/// Writes a value on one line, unless the text would grow beyond `limit`.
+/// Writes a value on one line. False if the text grows beyond `limit` bytes: the writing then stops
+/// within the value, and the caller removes what is there.
 fn on_one_line(value: &Value, limit: usize, text: &mut String) -> bool {
     match value {
         Value::Array(items) => {

@@ -15,7 +15,8 @@ fn body_from_cam() -> Mat3 {
 #[must_use]
 pub fn angles_deg(cam_from_world: &Mat3) -> [f64; 3] {
     // m = Rz(pan) Rx(tilt) Ry(roll): its second column is (−sin pan cos tilt, cos pan cos tilt, sin
-    // tilt), its third row (−cos tilt sin roll, sin tilt, cos tilt cos roll).
+    // tilt), its third row (−cos tilt sin roll, sin tilt, cos tilt cos roll). Two-argument
+    // arctangents keep all digits where an arcsine of the tilt loses half of them near ±90°.
     let m = cam_from_world.transpose() * body_from_cam().transpose();
     let pan = (-m[(0, 1)]).atan2(m[(1, 1)]);
     let tilt = m[(2, 1)].atan2(m[(0, 1)].hypot(m[(1, 1)]));

@@ -14,6 +14,7 @@ use super::held::{parts, with};
 use super::node::{Node, parse, safe_path};
 use super::options::ImportOptions;
 use super::soccernet::{angles_deg, flip_point, flip_rotation, pitch_note, rotation_of};
+use super::values::coefficient;
 use crate::document::FrameStatus;
 use serde_json::{Map, Value, json};
 use touchline_core::camera::Radial;
@@ -34,11 +35,14 @@ fn to_json(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> Value {
     let position = flip_point(pinhole.position_m);
     let (width, unit, Radial { k1, k2 }) =
         (f64::from(size.width), unit(pinhole, size), pinhole.lens);
+    // Readers take the terms that the list has, up to three.
     let coefficients = if k2 == 0.0 {
         vec![k1 * unit]
     } else {
         vec![k1 * unit, k2 * unit * unit]
     };
+    // Public readers drop entries with a low score. What a person accepted must not be among them,
+    // and a frame without a stated confidence counts as sure.
     let is_reference = frame.record.status == FrameStatus::Reference;
     let score = if is_reference {
         1.0
@@ -66,11 +70,12 @@ fn to_json(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> Value {
 
 fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     let camera = node.key("cp")?;
-    let size = ImageSize::new(
-        camera.key("sensorResolutionWidthPixels")?.side_px()?,
-        camera.key("sensorResolutionHeightPixels")?.side_px()?,
-    );
+    let size = camera.size_at(
+        "sensorResolutionWidthPixels",
+        "sensorResolutionHeightPixels",
+    )?;
     let view = camera.key("horizontalFieldOfViewDegrees")?.positive()?;
+    // At 180° the focal length is zero; written so that NaN is refused.
     if !(view < 179.0) {
         let what = format!("[{name:?}].cp.horizontalFieldOfViewDegrees");
         return Err(Problem::OutOfRange {
@@ -79,20 +84,12 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
             wanted: "below 179",
         });
     }
-    let angles = [
-        camera.key("panDegrees")?.number()?,
-        camera.key("tiltDegrees")?.number()?,
-        camera.key("rollDegrees")?.number()?,
-    ];
-    let position = Vec3::new(
-        camera.key("positionXMeters")?.number()?,
-        camera.key("positionYMeters")?.number()?,
-        camera.key("positionZMeters")?.number()?,
-    );
+    let angles = camera.numbers_at(["panDegrees", "tiltDegrees", "rollDegrees"])?;
+    let position = camera.numbers_at(["positionXMeters", "positionYMeters", "positionZMeters"])?;
     // The field of view spans the width, symmetrically: f = (width / 2) / tan(view / 2).
     let mut pinhole = Pinhole {
         cam_from_world: flip_rotation(&rotation_of(angles)),
-        position_m: flip_point(position),
+        position_m: flip_point(Vec3::from(position)),
         focal_px: f64::from(size.width) / 2.0 / (view / 2.0).to_radians().tan(),
         principal_point: size.centre(),
         lens: Radial::default(),
@@ -112,9 +109,10 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     // The unit of the coefficients depends on the focal length, which is known only now.
     let unit = unit(&pinhole, size);
     pinhole.lens = Radial {
-        k1: terms.first().copied().unwrap_or(0.0) / unit,
-        k2: terms.get(1).copied().unwrap_or(0.0) / (unit * unit),
+        k1: coefficient(&terms, 0) / unit,
+        k2: coefficient(&terms, 1) / (unit * unit),
     };
+    // Required: the program's own reader stops at a file without it.
     let score = node.key("score")?.number()?;
     let mut frame = FrameCamera::new(
         name,

@@ -129,6 +129,8 @@ pub trait CameraFormat: Sync {
 
     /// The options with which an export is read back.
     fn reading(&self, held: &[FrameCamera], options: &ExportOptions) -> ImportOptions {
+        // What a file of this format does not state, an export knows: its own size, zoom and
+        // sensor.
         ImportOptions {
             size: held.first().and_then(|frame| frame.size),
             zoom: Some(options.zoom.clone()),
@@ -148,6 +150,7 @@ pub fn stem_of(frame: &FrameCamera) -> String {
     match (&frame.image, frame.frame_index) {
         (Some(image), _) => file_stem(image),
         (None, Some(index)) => {
+            // A frame of a video is named `match.mp4#412`; the part before the number is the video.
             let name = frame
                 .name
                 .rsplit_once('#')

@@ -22,12 +22,17 @@ pub struct Cdf;
 /// Cameras nearer to each other than this count as one, m.
 const SAME_PLACE_M: f64 = 1e-6;
 
-fn missing_option(what: &'static str, option: &'static str) -> ExchangeError {
-    ExchangeError::ExportNeeds {
+/// A value that the sheet needs and that has to be given.
+fn required<T>(
+    value: Option<T>,
+    what: &'static str,
+    option: &'static str,
+) -> Result<T, ExchangeError> {
+    value.ok_or(ExchangeError::ExportNeeds {
         format: Format::Cdf,
         what,
         option,
-    }
+    })
 }
 
 /// The error that the sheet cannot represent a frame, which is named by its image.
@@ -64,25 +69,30 @@ impl CameraFormat for Cdf {
         context: &WriteContext<'_>,
     ) -> Result<Files, ExchangeError> {
         let recording = &context.options.recording;
-        let match_id = recording
-            .match_id
-            .as_deref()
-            .ok_or_else(|| missing_option("the match's id", "--match-id"))?;
-        let start = recording
-            .start
-            .as_deref()
-            .ok_or_else(|| missing_option("when the video begins", "--start-time"))?;
-        let perspective = recording.perspective.as_deref();
-        let perspective = perspective
-            .ok_or_else(|| missing_option("the camera's perspective", "--perspective"))?;
-        let rate = context
-            .rate
-            .ok_or_else(|| missing_option("the frame rate", "--fps"))?;
+        // What a document does not know has to be given and never invented: an invented start would
+        // shift every event of the match.
+        let match_id = required(
+            recording.match_id.as_deref(),
+            "the match's id",
+            "--match-id",
+        )?;
+        let start = required(
+            recording.start.as_deref(),
+            "when the video begins",
+            "--start-time",
+        )?;
+        let perspective = required(
+            recording.perspective.as_deref(),
+            "the camera's perspective",
+            "--perspective",
+        )?;
+        let rate = required(context.rate, "the frame rate", "--fps")?;
         let mut frames = held.iter();
         let Some(first) = frames.next() else {
             return Ok(Files::default());
         };
         let (pinhole, size) = parts(first).map_err(|why| cannot_hold(first, why))?;
+        // The position is all that the sheet says of a camera, so that all frames must share it.
         for frame in frames {
             let (other, other_size) = parts(frame).map_err(|why| cannot_hold(frame, why))?;
             if other_size != size || (other.position_m - pinhole.position_m).amax() > SAME_PLACE_M {
@@ -90,6 +100,7 @@ impl CameraFormat for Cdf {
                 return Err(cannot_hold(frame, why.to_owned()));
             }
         }
+        // The schema has `fps` as an integer; 30 for 29.97 would be off by a frame every 33 s.
         if rate.frames % rate.seconds != 0 {
             let why = format!(
                 "its frame rates are whole numbers, and {:.2} frames per second is not",

@@ -32,6 +32,8 @@ pub fn looking_back() -> Mat3 {
 
 /// rx, ry, rz in degrees of m = Ry · Rx · Rz.
 fn angles_deg(m: &Mat3) -> [f64; 3] {
+    // m = Ry Rx Rz: its third column is (sin ry cos rx, −sin rx, cos ry cos rx), its second row
+    // (cos rx sin rz, cos rx cos rz, −sin rx).
     let rx = (-m[(1, 2)]).atan2(m[(0, 2)].hypot(m[(2, 2)]));
     let ry = m[(0, 2)].atan2(m[(2, 2)]);
     let rz = m[(1, 0)].atan2(m[(1, 1)]);
@@ -63,6 +65,7 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
             found,
         })?;
     let number = frame_number("the frame", number)?;
+    // At 180° the focal length is zero; written so that NaN is refused.
     if !(view > 0.0 && view < 179.0) {
         let what = "the field of view".to_owned();
         return Err(Problem::OutOfRange {
@@ -71,6 +74,7 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
             wanted: "between 0 and 179 degrees",
         });
     }
+    // `read` refuses files without a given size before any line is read.
     let size = options.size.unwrap_or_default();
     let world_from_cam = y_up().transpose() * rotation([rx, ry, rz]) * looking_back();
     let pinhole = Pinhole {
@@ -123,6 +127,7 @@ impl CameraFormat for Chan {
             let m = y_up() * pinhole.cam_from_world.transpose() * looking_back();
             let [rx, ry, rz] = angles_deg(&m);
             let at = y_up() * pinhole.position_m;
+            // The angle is vertical, over the whole height, for the principal point is the middle.
             let view = 2.0
                 * (f64::from(size.height) / 2.0)
                     .atan2(pinhole.focal_px)

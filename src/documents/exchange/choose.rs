@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 /// Whether a frame is chosen.
 pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
+    // Without a request everything counts but what a person rejected.
     let by_status = match choice.statuses.as_slice() {
         [] => frame.status != FrameStatus::Rejected,
         statuses => statuses.contains(&frame.status),

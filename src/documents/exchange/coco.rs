@@ -14,7 +14,7 @@ use super::options::{ImportOptions, Pixels};
 use crate::document::{Click, Target};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::ImagePoint;
 
 /// The format.
 pub struct Coco;
@@ -51,11 +51,13 @@ fn annotation(number: usize, frame: &ClickedFrame, names: &[String]) -> Option<V
         .iter()
         .map(|click| ImagePoint::new(click.image.x - shift, click.image.y - shift))
         .collect();
-    let (left, right) = extent_px(&points, |point| point.x);
-    let (top, bottom) = extent_px(&points, |point| point.y);
+    // An image without points has no annotation, so that it is a negative example.
     if points.is_empty() {
         return None;
     }
+    // COCO wants a box and its area; that of the points is all there is.
+    let (left, right) = range_of(points.iter().map(|point| point.x));
+    let (top, bottom) = range_of(points.iter().map(|point| point.y));
     let keypoints: Vec<f64> = in_order(&frame.clicks, names)
         .into_iter()
         .flat_map(|click| {
@@ -81,19 +83,17 @@ fn annotation(number: usize, frame: &ClickedFrame, names: &[String]) -> Option<V
     }))
 }
 
-/// The smallest and the largest coordinate of points, px.
-fn extent_px(points: &[ImagePoint], coordinate_px: fn(&ImagePoint) -> f64) -> (f64, f64) {
-    points
-        .iter()
-        .map(coordinate_px)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
-            (low.min(at), high.max(at))
-        })
+/// The smallest and the largest of some numbers; infinite and the wrong way round for none.
+pub(super) fn range_of(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), number| {
+        (low.min(number), high.max(number))
+    })
 }
 
 /// The number of an image or category.
 fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
     let value = node.number()?;
+    // Ids are compared for equality, which is exact for whole numbers below 2⁵³.
     if value.fract() == 0.0 && value.abs() < 9e15 {
         return Ok(value as i64);
     }
@@ -107,6 +107,8 @@ fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
 fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
+    // COCO itself counts from pixel centres; a file of a tool that does not may say so, and the
+    // user knows best.
     let said = root.find("info").and_then(|info| info.find("convention"));
     let said =
         said.and_then(|convention| convention.text().ok().map(|text| text.contains("corner")));
@@ -116,6 +118,8 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
         Pixels::Centre
     };
     let shift = options.pixels.unwrap_or(by_file).to_corner_px();
+    // Images, categories and annotations refer to each other by ids in any order, so that the first
+    // two are read before the annotations.
     let mut names: BTreeMap<i64, Vec<&str>> = BTreeMap::new();
     for category in root.key("categories")?.items()? {
         if let Some(of) = category.find("keypoints") {
@@ -143,18 +147,15 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
             });
         }
         let name = image.key("file_name")?.image_name()?;
-        let size = ImageSize::new(
-            image.key("width")?.side_px()?,
-            image.key("height")?.side_px()?,
-        );
         frames.push(LabelledFrame {
             image: Some(name.clone()),
             name,
-            size,
+            size: image.size_at("width", "height")?,
             marks: Vec::new(),
         });
     }
     for annotation in root.key("annotations")?.items()? {
+        // Boxes and masks of other categories may be in the same file.
         let Some(points) = annotation.find("keypoints") else {
             continue;
         };
@@ -176,6 +177,7 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
                 found: values.len(),
             });
         }
+        // Visibility 1 is a point that is hidden in the picture and was placed all the same.
         let marks = values
             .chunks_exact(3)
             .zip(of)

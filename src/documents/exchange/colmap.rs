@@ -14,7 +14,7 @@ use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
 use super::table::{number, numbers};
-use super::values::{are_oblong_pixels, shorten};
+use super::values::{coefficient, refuse_oblong_pixels, shorten};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -66,18 +66,12 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
             found: params.len(),
         });
     }
+    // Behind one or two focal lengths come cx and cy, which every model has, and then k1, k2, p1
+    // and p2 as far as the model has them.
     let has_two = matches!(*model, "PINHOLE" | "OPENCV");
-    let (focal, rest) = if has_two {
-        (&params[..2], &params[2..])
-    } else {
-        (&params[..1], &params[1..])
-    };
-    if has_two && are_oblong_pixels(focal[0], focal[1]) {
-        let what = format!("focal lengths {} and {} px", focal[0], focal[1]);
-        return Err(Problem::Unsupported {
-            what,
-            why: "pixels must be square",
-        });
+    let (focal, rest) = params.split_at(if has_two { 2 } else { 1 });
+    if let &[fx, fy] = focal {
+        refuse_oblong_pixels(fx, fy)?;
     }
     if rest.iter().skip(4).any(|value| *value != 0.0) {
         let why = "the document's lens has k1 and k2 only";
@@ -87,8 +81,8 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
         });
     }
     let lens = Radial {
-        k1: rest.get(2).copied().unwrap_or(0.0),
-        k2: rest.get(3).copied().unwrap_or(0.0),
+        k1: coefficient(rest, 2),
+        k2: coefficient(rest, 3),
     };
     let id = id.parse().map_err(|_| Problem::Kind {
         what: "the camera's number".to_owned(),
@@ -142,6 +136,7 @@ fn read_cameras(bytes: &[u8]) -> Result<BTreeMap<u64, Lens>, Problem> {
 
 /// The fields of an image's line, between blanks. The last of ten, its name, may hold blanks.
 fn image_fields(line: &str) -> Vec<&str> {
+    // Only the first nine fields are split off; what is left is the name.
     let mut fields = Vec::new();
     let mut rest = line.trim();
     while fields.len() < 9
@@ -171,6 +166,8 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
         found,
     })?;
     let quaternion = Quaternion::new(w, x, y, z);
+    // Rounded digits leave the length near 1, and it is normalised below. Another length means that
+    // the fields are not a quaternion.
     if !((quaternion.norm() - 1.0).abs() < 1e-3) {
         let what = "the length of the quaternion".to_owned();
         return Err(Problem::OutOfRange {
@@ -218,12 +215,16 @@ fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameC
             continue;
         }
         frames.push(read_image(line, cameras).map_err(|problem| problem.at_line(line_number))?);
+        // COLMAP's own readers lose all images of such a file without a word. Here the line of the
+        // next image would be taken for points.
         let Some((points_line, points)) = rest.next() else {
             let missing =
                 "the line of points behind the last image (it may be empty, but it must be there)";
             return Err(Problem::Missing(missing.to_owned()).at_line(line_number + 1));
         };
         let count = points.split_whitespace().count();
+        // X, Y and the point's id. A line of an image has ten fields, so that a missing line of
+        // points in between is noticed, too.
         if count % 3 != 0 {
             let what = "the line of points behind an image (numbers, by three)".to_owned();
             let problem = Problem::Count {
@@ -255,6 +256,8 @@ fn points_line(
 ) -> String {
     let mut points = Vec::new();
     for (name, at) in &frame.record.clicks {
+        // Clicks on landmarks that the field does not have, or that the camera cannot see, are no
+        // points of this model.
         let Some(index) = field
             .landmarks
             .iter()
@@ -266,6 +269,7 @@ fn points_line(
         let Some(shown) = frame.image_from_world(point_in_world) else {
             continue;
         };
+        // The id of a point is the number of its landmark, from 1, in every image.
         let track = tracks.entry(index + 1).or_insert(Track {
             point_in_world,
             off_px: 0.0,
@@ -293,6 +297,7 @@ fn points_file(tracks: &BTreeMap<usize, Track>) -> String {
         },
     ) in tracks
     {
+        // COLMAP's ERROR is the mean reprojection error in px. A track has at least one image.
         let error = off_px / seen.len() as f64;
         // Writing to a string cannot fail.
         let _ = write!(

@@ -14,7 +14,7 @@ use super::ground_fit::fit_image_from_ground;
 use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
-use super::table::{Table, TableRow, push_row};
+use super::table::{Table, TableRow, field_text, push_row};
 use super::values::side_px;
 use crate::document::{FrameStatus, SolutionSource};
 use touchline_core::camera::Radial;
@@ -77,16 +77,15 @@ fn header() -> Vec<String> {
 
 /// A number that may be absent, with all its digits.
 fn field(value: Option<f64>) -> String {
-    value
-        .filter(|value| value.is_finite())
-        .map(|value| value.to_string())
-        .unwrap_or_default()
+    field_text(value.filter(|value| value.is_finite()))
 }
 
 /// The homography from an undistorted pixel to the pitch (m), scaled so that its last entry is one.
 /// For crowned ground it is fitted.
 #[must_use]
 fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> Option<Mat3> {
+    // On flat ground the homography follows from the camera exactly. A crowned field has none, so
+    // that the nearest one is written, without the lens, as the column says.
     let image_from_ground = if field.crown_m == 0.0 {
         pinhole.image_from_ground()
     } else {
@@ -99,12 +98,15 @@ fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> 
             field,
         )?
     };
+    // Edge-on ground has no inverse, and a horizon through the pixel (0, 0) makes the last entry
+    // zero: then the nine fields stay empty.
     let inverse = image_from_ground.try_inverse()?;
     Some(inverse / inverse[(2, 2)]).filter(|h| h.iter().all(|entry| entry.is_finite()))
 }
 
 /// The name of a source in documents.
 fn source_name(source: SolutionSource) -> String {
+    // The word that a document has for it, so that both name a source alike.
     serde_json::to_value(source)
         .ok()
         .and_then(|name| Some(name.as_str()?.to_owned()))
@@ -117,16 +119,14 @@ fn row_of(
     size: ImageSize,
     context: &WriteContext<'_>,
 ) -> Vec<String> {
+    // The fields stand in the order of `COLUMNS`, the rotation, the translation, the homography and
+    // `LAST_COLUMNS`.
     let record = &frame.record;
-    let timecode = context.timecode(frame).map(|timecode| timecode.to_string());
     let (translation, c) = (pinhole.translation(), pinhole.position_m);
     let mut row = vec![
-        frame
-            .frame_index
-            .map(|index| index.to_string())
-            .unwrap_or_default(),
+        field_text(frame.frame_index),
         field(frame.pts_s),
-        timecode.unwrap_or_default(),
+        field_text(context.timecode(frame)),
         if frame.image.is_some() {
             text_cell(&frame.name)
         } else {
@@ -158,6 +158,7 @@ fn row_of(
         c.z,
     ];
     row.extend(numbers.map(|number| field(Some(number))));
+    // nalgebra runs through a matrix by columns; the table has its rows.
     row.extend(
         pinhole
             .cam_from_world
@@ -186,6 +187,8 @@ fn name_by_number(index: u64, camera: &str) -> String {
 }
 
 fn read_row(row: TableRow<'_>) -> Result<FrameCamera, Problem> {
+    // The camera comes from R, C and the lens alone. Pan, tilt, t and H follow from them and are
+    // not read, so that a file cannot contradict itself.
     let rotation: Vec<f64> = entries("r")
         .map(|column| row.number(&column))
         .collect::<Result<_, _>>()?;
@@ -214,25 +217,19 @@ fn read_row(row: TableRow<'_>) -> Result<FrameCamera, Problem> {
         .transpose()
         .map_err(|problem| problem.at_line(row.line()))?;
     let camera = row.text("camera").map(ToOwned::to_owned);
+    // A frame of a video without an image is named by camera and number, as `hold` names it.
     let by_number = index.map(|index| name_by_number(index, camera.as_deref().unwrap_or_default()));
     let name = image.clone().or(by_number).ok_or_else(|| {
         Problem::Missing("both image and frame_index".to_owned()).at_line(row.line())
     })?;
+    let size = ImageSize::new(side(row, "width_px")?, side(row, "height_px")?);
     Ok(FrameCamera {
-        name,
         image,
         camera,
-        video: None,
-        size: Some(ImageSize::new(
-            side(row, "width_px")?,
-            side(row, "height_px")?,
-        )),
-        shown: FrameProjection::Camera(pinhole),
         frame_index: index,
         pts_s: row.find("pts_s")?,
-        rate: None,
-        labels_name: None,
         record: Record {
+            // A word of another version of the program is no reason to refuse a camera.
             status: row
                 .text("status")
                 .and_then(|status| serde_json::from_value(status.into()).ok())
@@ -242,7 +239,7 @@ fn read_row(row: TableRow<'_>) -> Result<FrameCamera, Problem> {
             confidence: row.find("confidence")?,
             ..Record::default()
         },
-        unreadable: None,
+        ..FrameCamera::new(&name, Some(size), FrameProjection::Camera(pinhole))
     })
 }
 
@@ -301,6 +298,8 @@ impl CameraFormat for Csv {
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|_, bytes| {
+            // One column for each group: the header of another program's table is refused at once,
+            // with the column that it lacks.
             let table = Table::read(bytes)?;
             table.needs(&[
                 "focal_px",
@@ -318,8 +317,9 @@ impl CameraFormat for Csv {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::Format;
     use crate::exchange::tests::{awkward, export_as, reference, text_of};
+    use crate::exchange::{ExportOptions, Format, export};
+    use std::path::Path;
 
     #[test]
     fn timecodes_of_two_videos_are_by_their_own_rates() {
@@ -376,6 +376,34 @@ mod tests {
         ]) {
             assert!((entry - wanted).abs() < 1e-9, "{entry} {wanted}");
         }
+    }
+
+    #[test]
+    fn what_is_in_px_belongs_to_the_size_of_picture_that_is_written() {
+        let mut document = reference();
+        document.frames[0].solution = Some(crate::document::Solution {
+            covariance: Some(Mat3::from_diagonal(&Vec3::new(0.25, 0.25, 9.0))),
+            worst_corner_sigma_px: Some(4.0),
+            rms_px: Some(1.5),
+            ..crate::document::Solution::default()
+        });
+        let options = ExportOptions {
+            size: Some(ImageSize::new(960, 540)),
+            ..ExportOptions::default()
+        };
+        let exported = export(document.at(Path::new("/")), Format::Csv, &options).unwrap();
+        let text = text_of(&exported.files, "cameras.csv");
+        let table = Table::read(text.as_bytes()).unwrap();
+        let row = table.rows().next().unwrap();
+        let numbers = [
+            "focal_px",
+            "sigma_pan_deg",
+            "sigma_focal_px",
+            "worst_corner_sigma_px",
+            "rms_px",
+        ]
+        .map(|column| row.number(column).unwrap());
+        assert_eq!(numbers, [1205.0, 0.5, 1.5, 2.0, 0.75]);
     }
 
     #[test]

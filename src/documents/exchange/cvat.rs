@@ -39,6 +39,8 @@ const MAX_ATTRIBUTES: usize = 100;
 fn refuse_many_attributes(text: &str) -> Result<(), Problem> {
     /// The delimiters of markup that is not an element.
     const OTHERS: [(&str, &str); 3] = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+    // A scan of the markup alone, in linear time: an attribute has one `=` outside of quotes.
+    // Whether the rest is XML is left to the parser.
     let mut rest = text;
     while let Some(start) = rest.find('<') {
         rest = &rest[start..];
@@ -46,6 +48,8 @@ fn refuse_many_attributes(text: &str) -> Result<(), Problem> {
             .into_iter()
             .find(|(begin, _)| rest.starts_with(begin))
         {
+            // A comment without an end hides all that follows from the parser, too, which refuses
+            // it.
             let Some(length) = rest[begin.len()..].find(end) else {
                 return Ok(());
             };
@@ -72,6 +76,8 @@ struct TagLength {
 fn measure_tag(tag: &str) -> TagLength {
     let (mut quote, mut attributes) = (None, 0);
     for (at, byte) in tag.bytes().enumerate() {
+        // Bytes suffice: quotes, `=` and `>` are single bytes that no letter of UTF-8 contains, so
+        // that the cut behind `>` is between letters.
         match (byte, quote) {
             (b'"' | b'\'', None) => quote = Some(byte),
             (byte, Some(open)) if byte == open => quote = None,
@@ -119,6 +125,7 @@ fn marks(shape: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> {
 }
 
 fn points(shape: Element<'_>, label: &str, shift: f64) -> Result<Vec<Mark>, Problem> {
+    // One shape may have many points, which all have its label.
     let pairs = attribute(shape, "points")?.split(';');
     pairs
         .map(|pair| {
@@ -168,8 +175,12 @@ fn marks_of_image(image: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> 
 fn tracks(root: Element<'_>, shift: f64) -> Result<BTreeMap<u64, Vec<Mark>>, Problem> {
     let mut frames: BTreeMap<u64, Vec<Mark>> = BTreeMap::new();
     for track in root.children().filter(|child| child.has_tag_name("track")) {
+        // The label stands at the track, or at the points within its skeletons. One that is missing
+        // is reported as a label without a meaning.
         let label = track.attribute("label").unwrap_or_default();
         let shapes = track.children().filter(Element::is_element);
+        // Shapes without `keyframe="1"` are interpolated by CVAT; an `outside` one ends the track's
+        // visible part.
         for shape in shapes.filter(|shape| {
             shape.attribute("keyframe") == Some("1") && shape.attribute("outside") != Some("1")
         }) {
@@ -244,6 +255,8 @@ fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>
     }
     let tracks = tracks(root, shift)?;
     if !tracks.is_empty() {
+        // Images state their sizes themselves; the frames of a video have one size, that of the
+        // task.
         let size = task_size(root)?
             .or(options.size)
             .ok_or_else(|| Problem::Missing("<original_size>".to_owned()))?;

@@ -12,7 +12,7 @@ use super::node::{Node, parse};
 use super::options::{ImportOptions, Pixels};
 use super::soccernet::flip_rotation;
 use super::unreadable::read_frame_files;
-use super::values::are_oblong_pixels;
+use super::values::{refuse_further_coefficients, refuse_skewed_pixels};
 use std::path::Path;
 use touchline_core::camera::Radial;
 use touchline_core::field::FieldModel;
@@ -27,32 +27,12 @@ const CM: f64 = 100.0;
 fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Problem> {
     let value = parse(bytes)?;
     let node = Node::root(&value).key("calibration")?;
-    let size = ImageSize::new(
-        node.key("img_width")?.side_px()?,
-        node.key("img_height")?.side_px()?,
-    );
+    let size = node.size_at("img_width", "img_height")?;
     let (k, rotation) = (matrix(&node, "KK")?, matrix(&node, "R")?);
     let translation = Vec3::from(node.key("T")?.numbers::<3>()?);
     let lens: [f64; 5] = node.key("kc")?.numbers()?;
-    if are_oblong_pixels(k[(0, 0)], k[(1, 1)]) || k[(0, 1)] != 0.0 {
-        let what = format!(
-            "focal lengths {} and {} px, skew {}",
-            k[(0, 0)],
-            k[(1, 1)],
-            k[(0, 1)]
-        );
-        return Err(Problem::Unsupported {
-            what,
-            why: "pixels must be square",
-        });
-    }
-    if let Some(other) = lens[2..].iter().find(|value| **value != 0.0) {
-        let what = format!("a distortion coefficient of {other} beyond k1 and k2");
-        return Err(Problem::Unsupported {
-            what,
-            why: "the document's lens has k1 and k2 only",
-        });
-    }
+    refuse_skewed_pixels(k[(0, 0)], k[(1, 1)], k[(0, 1)])?;
+    refuse_further_coefficients(&lens[2..])?;
     // C = −Rᵀ T, cm to m; then from the far left corner with y towards the camera and z down to our
     // world.
     let centre = -(rotation.transpose() * translation) / CM;
@@ -105,11 +85,14 @@ impl CameraFormat for DeepSport {
         files: &Files,
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
+        // The origin is a corner of the court, so that its size must be known to find the middle.
         let court = options.field.model(Path::new("."))?;
         read_frame_files(&files.sorted_entries(), without_ending, |stem, bytes| {
             let (pinhole, size) = camera(bytes, &court)?;
             let frame = FrameCamera::new(stem, Some(size), FrameProjection::Camera(pinhole));
             Ok(FrameCamera {
+                // The pictures of a camera file have its name with an offset behind it; the one
+                // of the stated time has 0.
                 image: Some(format!("{stem}_0.png")),
                 ..frame
             })

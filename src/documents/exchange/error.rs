@@ -493,7 +493,7 @@ impl Problem {
     }
 }
 
-/// The names of formats as alternatives: "a, b or c".
+/// The names of formats as alternatives: "a, b or c"; empty for none.
 fn either(formats: &[Format]) -> String {
     let names: Vec<&str> = formats.iter().map(|format| format.name()).collect();
     match names.split_last() {
@@ -505,6 +505,8 @@ fn either(formats: &[Format]) -> String {
 
 /// A number for a message, without hundreds of digits.
 fn number_text(value: f64) -> String {
+    // `Display` writes 1e300 with 301 digits and 1e-300 with 300 zeros; within these limits a plain
+    // number has at most 15 digits before the point.
     let is_plain = value == 0.0 || (1e-6..1e15).contains(&value.abs());
     if is_plain {
         value.to_string()

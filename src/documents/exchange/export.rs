@@ -31,6 +31,8 @@ pub fn export(
         });
     }
     let mut exported = export_to_format(at, format, options)?;
+    // Frames that people accepted against the evidence are worth a warning in every format, also
+    // where the format itself has no place for it.
     let chosen = at
         .document
         .frames

@@ -14,7 +14,7 @@ use super::options::ExportOptions;
 use super::rate::Rate;
 use super::stage::{in_stage, in_world, takes_stage};
 use crate::document::{Camera, Click, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -26,41 +26,40 @@ fn frame_camera(
     size: Option<ImageSize>,
 ) -> Option<FrameCamera> {
     let camera = document.ptz_camera(frame)?;
+    // Whatever is in px belongs to a picture of one width: at another one it scales with it, σ and
+    // residuals, too. Angles and coefficients of the lens stay.
     let scale = size.map_or(1.0, |size| {
         f64::from(size.width) / f64::from(frame.image_size.width)
     });
-    let mut pinhole = Pinhole::from_ptz_camera(&camera);
-    if size.is_some() {
-        pinhole = pinhole.scale_by(scale);
-    }
     let solution = frame.solution.as_ref();
     let variances = solution
         .and_then(|solution| solution.covariance)
         .map(|covariance| covariance.diagonal());
     Some(FrameCamera {
-        name: frame.name(),
         labels_name: frame.labels_name.clone(),
         image: frame.image.clone(),
         camera: Some(frame.camera.as_str().to_owned()),
         video: frame.video.as_ref().map(|video| video.path.clone()),
-        size: Some(size.unwrap_or(frame.image_size)),
-        shown: FrameProjection::Camera(pinhole),
         frame_index: frame.video_frame_index(),
         pts_s: frame.video.as_ref().and_then(|video| video.pts_s),
-        rate: None,
         record: Record {
             status: frame.status,
             source: solution.and_then(|solution| solution.source),
             ptz: Some(camera.ptz()),
+            // A damaged document may state a negative variance.
             sigma: variances.map(|v| {
                 [
                     v.x.max(0.0).sqrt(),
                     v.y.max(0.0).sqrt(),
-                    v.z.max(0.0).sqrt(),
+                    v.z.max(0.0).sqrt() * scale,
                 ]
             }),
-            worst_corner_sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
-            rms_px: solution.and_then(|solution| solution.rms_px),
+            worst_corner_sigma_px: solution
+                .and_then(|solution| solution.worst_corner_sigma_px)
+                .map(|sigma_px| sigma_px * scale),
+            rms_px: solution
+                .and_then(|solution| solution.rms_px)
+                .map(|rms_px| rms_px * scale),
             confidence: solution.and_then(|solution| solution.confidence),
             clicks: frame
                 .clicks
@@ -68,7 +67,11 @@ fn frame_camera(
                 .filter_map(|click| landmark_click(click, scale))
                 .collect(),
         },
-        unreadable: None,
+        ..FrameCamera::new(
+            &frame.name(),
+            Some(size.unwrap_or(frame.image_size)),
+            FrameProjection::Camera(Pinhole::from_ptz_camera(&camera).scale_by(scale)),
+        )
     })
 }
 
@@ -85,22 +88,20 @@ fn landmark_click(click: &Click, scale: f64) -> Option<(String, ImagePoint)> {
     ))
 }
 
-/// Stores the rate of its video in each frame. `videos` has the video of each frame.
-fn note_rates(frames: &mut [FrameCamera], videos: &[Option<&str>]) {
-    let names: BTreeSet<&str> = videos.iter().flatten().copied().collect();
-    for name in names {
-        let of_video: Vec<&FrameCamera> = frames
-            .iter()
-            .zip(videos)
-            .filter(|(_, video)| **video == Some(name))
-            .map(|(frame, _)| frame)
-            .collect();
-        let rate = rate_of(&of_video);
-        for (frame, video) in frames.iter_mut().zip(videos) {
-            if *video == Some(name) {
-                frame.rate = rate;
-            }
+/// Stores in each frame the rate of its video.
+fn note_rates(frames: &mut [FrameCamera]) {
+    let mut of_videos: BTreeMap<&str, Vec<&FrameCamera>> = BTreeMap::new();
+    for frame in &*frames {
+        if let Some(video) = &frame.video {
+            of_videos.entry(video.as_str()).or_default().push(frame);
         }
+    }
+    let rates: BTreeMap<String, Option<Rate>> = of_videos
+        .into_iter()
+        .map(|(video, frames)| (video.to_owned(), rate_of(&frames)))
+        .collect();
+    for frame in frames {
+        frame.rate = frame.video.as_ref().and_then(|video| *rates.get(video)?);
     }
 }
 
@@ -115,6 +116,9 @@ fn common_rate(frames: &[FrameCamera]) -> Option<Rate> {
 
 /// The frame rate of a video, from the numbers and times of its frames, if it is a usual one.
 fn rate_of(frames: &[&FrameCamera]) -> Option<Rate> {
+    // The first and the last frame, because a long base averages the rounding of the times, which
+    // some containers store in steps of 1/1000 s. A video of changing rate has no usual one; then
+    // there is none.
     let times: Vec<(u64, f64)> = frames
         .iter()
         .filter_map(|frame| Some((frame.frame_index?, frame.pts_s?)))
@@ -142,9 +146,10 @@ pub fn export_cameras(
 ) -> Result<Exported, ExchangeError> {
     let document = at.document;
     let fields = Fields::from_document(at)?;
+    // Chosen frames that cannot be written are left out with a reason each: an export of the others
+    // is worth more than none.
     let mut left_out = Vec::new();
     let mut chosen: Vec<FrameCamera> = Vec::new();
-    let mut videos: Vec<Option<&str>> = Vec::new();
     let mut of_field: Option<Arc<FieldModel>> = None;
     for frame in document
         .frames
@@ -155,6 +160,8 @@ pub fn export_cameras(
             left_out.push((frame.name(), "it is not solved".to_owned()));
             continue;
         };
+        // A camera is rescaled by one factor, so that the proportions must agree; compared as whole
+        // numbers, which do not round.
         if let Some(size) = options.size
             && u64::from(size.width) * u64::from(frame.image_size.height)
                 != u64::from(size.height) * u64::from(frame.image_size.width)
@@ -169,6 +176,7 @@ pub fn export_cameras(
             ));
             continue;
         }
+        // A file is of one field: its landmarks verify it, and formats state its size once.
         let field = fields.for_frame(document, frame);
         if of_field.as_ref().is_some_and(|known| **known != **field) {
             left_out.push((
@@ -179,12 +187,13 @@ pub fn export_cameras(
         }
         of_field.get_or_insert_with(|| Arc::clone(field));
         chosen.push(camera);
-        videos.push(frame.video.as_ref().map(|video| video.path.as_str()));
     }
     let Some(field) = of_field else {
         return Err(nothing(format, &left_out));
     };
-    note_rates(&mut chosen, &videos);
+    note_rates(&mut chosen);
+    // What the options leave open, the document may state of its cameras; only what they have in
+    // common counts, because a file has one sensor.
     let options = &ExportOptions {
         sensor_width_mm: options
             .sensor_width_mm
@@ -196,6 +205,8 @@ pub fn export_cameras(
         field: &field,
         rate: options.rate.or_else(|| common_rate(&chosen)),
     };
+    // The frames as the format can store them. They are what the files are compared with: the
+    // difference to `chosen` is the loss, which is no error.
     let mut held = Vec::with_capacity(chosen.len());
     for (index, frame) in chosen.iter().enumerate() {
         let kept = camera_format.hold(frame, index, &context);
@@ -205,8 +216,11 @@ pub fn export_cameras(
             why,
         })?);
     }
+    // Files are read back by name, and two frames of one name would overwrite each other.
     let names = held.iter().zip(&chosen);
     refuse_same_names(names.map(|(kept, frame)| (kept.name.as_str(), frame.name.as_str())))?;
+    // Tracks are written in the axes of a studio's stage and read back into the field's, so that
+    // the comparison covers this conversion.
     let wanted = options
         .stage
         .clone()
@@ -225,6 +239,8 @@ pub fn export_cameras(
         of: camera_format,
         stage,
     };
+    // Before anything reaches the disk: a file that reads back otherwise is a fault of this
+    // program.
     let worst_px = if camera_format.is_proved() {
         proof.worst_px(&files, &held, &context)?
     } else {
@@ -258,6 +274,8 @@ fn common_value<T: PartialEq>(
     frames: &[FrameCamera],
     of: impl Fn(&Camera) -> Option<T>,
 ) -> Option<T> {
+    // Frames without a statement count as a different value: the first `?` is of no frame at all,
+    // the second of a first frame without one.
     let mut stated = frames
         .iter()
         .map(|frame| of(document.camera(&frame.camera.as_deref()?.into())?));
@@ -331,6 +349,7 @@ impl Proof<'_> {
         context: &WriteContext<'_>,
     ) -> Result<f64, ExchangeError> {
         let Proof { of, stage, .. } = *self;
+        // With the options that a careful user would give: size, zoom and sensor of this export.
         let reading = of.reading(held, context.options);
         let mut read = of.read(files, &reading)?;
         if let Some(stage) = stage {
@@ -342,6 +361,7 @@ impl Proof<'_> {
             .into_iter()
             .map(|frame| (frame.name.clone(), frame))
             .collect();
+        // First, frame by frame as the file states them.
         let mut worst_px = 0.0_f64;
         let mut views = Vec::with_capacity(held.len());
         for kept in held {
@@ -358,8 +378,15 @@ impl Proof<'_> {
             }
         }
         // Also verify the document made of them: there frames share a base and keep only pan, tilt
-        // and focal length.
+        // and focal length. Formats of homographies give no views and no document; others have a
+        // view for each frame, so that both lists run in step.
         let document = of.document(reading.field, &views);
+        if let Some(first) = held
+            .first()
+            .filter(|_| document.frames.len() != views.len())
+        {
+            return Err(self.reads_back_otherwise(first));
+        }
         drop(views);
         for (kept, frame) in held.iter().zip(&document.frames) {
             if matches!(kept.shown, FrameProjection::Lens(_)) {
@@ -385,6 +412,8 @@ impl Proof<'_> {
         again: &FrameCamera,
         field: &FieldModel,
     ) -> Result<f64, ExchangeError> {
+        // Without a pose no landmark can be compared: the numbers of the lens are, exactly, because
+        // formats with such frames keep all digits.
         if let (FrameProjection::Lens(before), lens) = (&kept.shown, again.shown)
             && lens != FrameProjection::Lens(*before)
         {
@@ -392,6 +421,7 @@ impl Proof<'_> {
         }
         let (what, off_px) = farthest_landmark(kept, again, field);
         let allowed_px = self.of.resolution_px(kept);
+        // Written so that NaN is an error, too.
         if !(off_px <= allowed_px) {
             return Err(ExchangeError::ReadsBackElsewhere {
                 frame: kept.name.clone(),

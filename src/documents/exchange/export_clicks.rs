@@ -7,7 +7,7 @@ use super::exported::Exported;
 use super::files::Files;
 use super::format::Format;
 use super::labels::Meaning;
-use super::options::{ExportOptions, ImportOptions, KeypointNames, LabelMap, PointSource};
+use super::options::{ExportOptions, ImportOptions, PointSource};
 use crate::document::{Click, DocumentAt, Fields, Frame, Target};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -42,41 +42,45 @@ pub fn export_clicks(
         .filter(|frame| is_chosen(frame, &options.frames))
     {
         let field = fields.for_frame(document, frame);
-        let is_projected = options.points == PointSource::Projected;
-        let clicks = if is_projected {
-            document
-                .ptz_camera(frame)
-                .map(|camera| project_to_clicks(field, &camera, frame.image_size))
-                .unwrap_or_default()
-        } else {
-            frame
-                .clicks
-                .iter()
-                .filter(|click| click.target.is_some())
-                .cloned()
-                .collect()
+        // The points, and why there are none if that is so.
+        let (clicks, why_none): (Vec<Click>, &str) = match options.points {
+            PointSource::Clicked => (
+                frame
+                    .clicks
+                    .iter()
+                    .filter(|click| click.target.is_some())
+                    .cloned()
+                    .collect(),
+                "it has no clicks",
+            ),
+            PointSource::Projected => match document.ptz_camera(frame) {
+                Some(camera) => (
+                    project_to_clicks(field, &camera, frame.image_size),
+                    "its camera shows nothing of the field",
+                ),
+                None => (Vec::new(), "it is not solved"),
+            },
         };
-        let why = match () {
-            () if clicks.is_empty() && is_projected => "it is not solved",
-            () if clicks.is_empty() => "it has no clicks",
-            () if of_field
-                .as_ref()
-                .is_some_and(|known| known.template != field.template) =>
-            {
+        // Labels are names of one sport; the size of the field does not matter to them.
+        let is_other_sport = of_field
+            .as_ref()
+            .is_some_and(|known| known.template != field.template);
+        if clicks.is_empty() || is_other_sport {
+            let why = if clicks.is_empty() {
+                why_none
+            } else {
                 "it shows another sport"
-            }
-            () => {
-                of_field.get_or_insert_with(|| Arc::clone(field));
-                chosen.push(ClickedFrame {
-                    name: String::new(),
-                    image: file_of(frame),
-                    size: frame.image_size,
-                    clicks,
-                });
-                continue;
-            }
-        };
-        left_out.push((frame.name(), why.to_owned()));
+            };
+            left_out.push((frame.name(), why.to_owned()));
+            continue;
+        }
+        of_field.get_or_insert_with(|| Arc::clone(field));
+        chosen.push(ClickedFrame {
+            name: String::new(),
+            image: file_of(frame),
+            size: frame.image_size,
+            clicks,
+        });
     }
     let Some(field) = of_field else {
         return Err(nothing(format, &left_out));
@@ -85,6 +89,8 @@ pub fn export_clicks(
         options,
         field: &field,
     };
+    // Only clicks that the format can store are compared with what is read back; the notes count
+    // the others. The name in the format may depend on the image, so that it is set here.
     let mut dropped = Dropped::default();
     for frame in &mut chosen {
         frame.name = click_format.name_of(frame);
@@ -137,6 +143,7 @@ fn project_to_clicks(field: &FieldModel, camera: &PtzCamera, size: ImageSize) ->
     let landmarks = project_landmarks(field, camera, size, 0.0).into_iter();
     let landmarks = landmarks
         .map(|shown| Click::landmark(field.landmarks[shown.landmark].id.clone(), shown.image));
+    // Only what lies in the picture, as a person could have clicked it.
     let within = MarkingOptions {
         margin_px: 0.0,
         ..MarkingOptions::default()
@@ -153,6 +160,8 @@ fn project_to_clicks(field: &FieldModel, camera: &PtzCamera, size: ImageSize) ->
 
 /// A subsample of a polyline: its ends, and points evenly spaced over its vertices.
 fn subsample_polyline(points: &[ImagePoint]) -> Vec<ImagePoint> {
+    // Whole steps among the vertices, with both ends: of `last` = 20 and 8 steps the vertices 0, 2,
+    // 5, 7, 10, 12, 15, 17, 20. A straight line has two vertices, which both stay.
     let last = points.len().saturating_sub(1);
     let steps = last.min(CURVE_POINTS - 1);
     (0..=steps)
@@ -218,20 +227,19 @@ fn prove(
     frames: &[ClickedFrame],
     context: &ClickContext<'_>,
 ) -> Result<f64, ExchangeError> {
+    // Formats ask for the size of a picture by the frame's name or by the picture's.
+    let sizes: BTreeMap<&str, ImageSize> = frames
+        .iter()
+        .flat_map(|frame| [&frame.name, &frame.image].map(|name| (name.as_str(), frame.size)))
+        .collect();
     let read = click_format.read(files, &ImportOptions::default(), &|name| {
-        frames
-            .iter()
-            .find(|frame| frame.name == name || frame.image == name)
-            .map(|frame| frame.size)
+        sizes.get(name).copied()
     })?;
     let by_name: BTreeMap<&str, &LabelledFrame> = read
         .iter()
         .map(|frame| (frame.name.as_str(), frame))
         .collect();
-    let labels = match (click_format.has_own_classes(), context.options.names) {
-        (false, KeypointNames::Roboflow32) => LabelMap::Touchline,
-        _ => click_format.own_labels(),
-    };
+    let labels = click_format.own_labels();
     let mut worst_px = 0.0_f64;
     for frame in frames {
         let again = by_name
@@ -254,6 +262,8 @@ fn prove(
                     distance_px(&left[*a], click).total_cmp(&distance_px(&left[*b], click))
                 })
                 .ok_or_else(|| reads_back_otherwise(frame, format))?;
+            // A mark on something else is infinitely far away, so that a missing one fails the test
+            // below.
             let off_px = distance_px(&left.swap_remove(nearest), click);
             let allowed_px = click_format.resolution_px();
             if !(off_px <= allowed_px) {
@@ -272,6 +282,7 @@ fn prove(
             }
             worst_px = worst_px.max(off_px);
         }
+        // A mark that no click gave.
         if !left.is_empty() {
             return Err(reads_back_otherwise(frame, format));
         }

@@ -59,6 +59,8 @@ impl Files {
             .iter()
             .map(|(name, bytes)| (name.as_str(), &bytes[..]))
             .collect();
+        // Natural order puts `9.txt` before `10.txt`. Formats without frame numbers take the frames
+        // in this order.
         files.sort_by(|a, b| alphanumeric_sort::compare_str(a.0, b.0));
         files
     }
@@ -105,6 +107,8 @@ impl Files {
         is_wanted: &dyn Fn(&str) -> bool,
     ) -> Result<Self, ExchangeError> {
         let mut files = Self::default();
+        // A path that the user gives is followed through a link, and it is read whatever its name;
+        // only the files of a folder must be wanted.
         let metadata = fs::metadata(path).map_err(|source| cannot_read(path, source))?;
         if !metadata.is_dir() {
             let name = path
@@ -162,6 +166,8 @@ impl Files {
             let new = self
                 .write_temporary_folder(target)
                 .map_err(|source| cannot_write(path, source))?;
+            // The folder that is replaced may have files of the same names alone, so that nothing
+            // else is lost.
             return Ok(replace_folder(new, target, &|name, _| {
                 self.0.contains_key(name)
             })?);
@@ -172,10 +178,14 @@ impl Files {
     }
 
     fn write_file(&self, path: &Path) -> io::Result<()> {
+        // The only file; an export without files writes an empty one.
         let bytes = self.0.values().next().map_or(&[][..], Vec::as_slice);
+        // A pipe or a device, such as `/dev/stdout`, is written into: a rename would replace it.
         if fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
             return OpenOptions::new().write(true).open(path)?.write_all(bytes);
         }
+        // The bytes reach the disk before the rename, so that after a power failure either the old
+        // or the new file is there, never an empty one.
         let mut file = temporary_file_in(folder_of(path))?;
         file.as_file_mut().write_all(bytes)?;
         file.as_file().sync_all()?;
@@ -234,6 +244,8 @@ struct FolderReader<'a> {
 
 impl FolderReader<'_> {
     fn folder(&mut self, folder: &Path, prefix: &str, depth: usize) -> Result<(), ExchangeError> {
+        // All entries are counted, wanted or not: `/` or a home folder must end in an error, not in
+        // a search of minutes. Names are relative to the root, with `/` on every system.
         let mut entries: Vec<(String, PathBuf, fs::FileType)> = Vec::new();
         for entry in fs::read_dir(folder).map_err(|source| cannot_read(folder, source))? {
             let entry = entry.map_err(|source| cannot_read(folder, source))?;
@@ -250,8 +262,12 @@ impl FolderReader<'_> {
                 });
             }
         }
+        // The order of `read_dir` differs between systems; the limits below must stop at the same
+        // file everywhere.
         entries.sort_by(|a, b| a.0.cmp(&b.0));
         for (name, path, kind) in entries {
+            // `file_type` does not follow links, so that a link is neither a folder nor a file
+            // here. A link to a parent folder would otherwise be searched without end.
             if kind.is_dir() && depth < MAX_DEPTH {
                 self.folder(&path, &format!("{name}/"), depth + 1)?;
             } else if kind.is_file() && (self.is_wanted)(&name) {
@@ -273,6 +289,8 @@ impl FolderReader<'_> {
 /// Reads a file up to the limit.
 fn read_limited(path: &Path, name: &str) -> Result<Vec<u8>, ExchangeError> {
     read_named(path, MAX_FILE_BYTES).map_err(|source| {
+        // The limit is an error about the file, in the words of this room; all others are the
+        // system's.
         match source
             .get_ref()
             .and_then(|inner| inner.downcast_ref::<NotReadable>())
@@ -292,6 +310,7 @@ fn read_limited(path: &Path, name: &str) -> Result<Vec<u8>, ExchangeError> {
 /// # Errors
 /// It is one.
 pub(super) fn refuse_archive(bytes: &[u8]) -> Result<(), Problem> {
+    // The first bytes of each kind of archive.
     const ARCHIVES: [(&[u8], &str); 3] = [
         (b"PK\x03\x04", "zip"),
         (b"\x1f\x8b", "gzip"),
@@ -312,6 +331,7 @@ pub(super) fn text(bytes: &[u8]) -> Result<&str, Problem> {
     let text = std::str::from_utf8(bytes).map_err(|error| Problem::NotUtf8 {
         offset: error.valid_up_to(),
     })?;
+    // Excel and Notepad put a byte order mark before UTF-8.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
         Err(Problem::Empty)

@@ -58,32 +58,6 @@ pub enum Format {
     AuthorsMat,
 }
 
-/// The properties of a format.
-struct Facts {
-    name: &'static str,
-    title: &'static str,
-    is_folder: bool,
-    imports: bool,
-    exports: bool,
-}
-
-/// A row of the table of formats.
-const fn facts(
-    name: &'static str,
-    title: &'static str,
-    is_folder: bool,
-    imports: bool,
-    exports: bool,
-) -> Facts {
-    Facts {
-        name,
-        title,
-        is_folder,
-        imports,
-        exports,
-    }
-}
-
 impl Format {
     /// Every format, in the order of the help.
     pub const ALL: [Self; 25] = [
@@ -114,160 +88,68 @@ impl Format {
         Self::AuthorsMat,
     ];
 
-    const fn facts(self) -> Facts {
-        match self {
-            Self::Json => facts(
-                "json",
-                "a dataset: one file of the document's own schema",
-                false,
-                true,
-                true,
-            ),
-            Self::SoccerNet => facts(
-                "soccernet",
-                "SoccerNet camera files, one per frame",
-                true,
-                true,
-                true,
-            ),
-            Self::SoccerNetLines => facts(
-                "soccernet-lines",
-                "SoccerNet line annotations, one file per frame",
-                true,
-                true,
-                true,
-            ),
-            Self::Csv => facts(
-                "csv",
-                "a table, one row per frame, with R, t and H",
-                false,
-                true,
-                true,
-            ),
-            Self::YoloPose => facts(
-                "yolo-pose",
-                "keypoints for Ultralytics' pose models",
-                true,
-                true,
-                true,
-            ),
-            Self::Coco => facts("coco", "COCO keypoints", false, true, true),
-            Self::Cvat => facts("cvat", "CVAT for images, XML 1.1", false, true, false),
-            Self::LabelStudio => facts("label-studio", "Label Studio keypoints", false, true, true),
-            Self::Labelme => facts("labelme", "labelme, one file per image", true, true, true),
-            Self::Wc14 => facts(
-                "wc14",
-                "World Cup 2014 homographies, one file per frame",
-                true,
-                true,
-                true,
-            ),
-            Self::TsWorldCup => facts(
-                "tsworldcup",
-                "TS-WorldCup homographies, one .npy per frame",
-                true,
-                true,
-                true,
-            ),
-            Self::Homography => facts(
-                "homography",
-                "homographies that state their direction",
-                false,
-                true,
-                true,
-            ),
-            Self::BroadTrack => facts(
-                "broadtrack",
-                "BroadTrack cameras, one JSON file",
-                false,
-                true,
-                true,
-            ),
-            Self::Colmap => facts(
-                "colmap",
-                "COLMAP text: cameras, images, points3D",
-                true,
-                true,
-                true,
-            ),
-            Self::OpenCv => facts(
-                "opencv",
-                "OpenCV FileStorage YAML, one file per frame",
-                true,
-                true,
-                true,
-            ),
-            Self::Usda => facts(
-                "usda",
-                "a USD stage with an animated camera",
-                false,
-                false,
-                true,
-            ),
-            Self::OpenTrackIo => facts(
-                "opentrackio",
-                "OpenTrackIO 1.0.1, one sample per line",
-                false,
-                true,
-                true,
-            ),
-            Self::FreeD => facts("freed", "FreeD D1 packets, back to back", false, true, true),
-            Self::FreeDCsv => facts(
-                "freed-csv",
-                "FreeD data as a table, with times",
-                false,
-                true,
-                true,
-            ),
-            Self::DeepSport => facts(
-                "deepsport",
-                "DeepSport basketball cameras",
-                true,
-                true,
-                false,
-            ),
-            Self::Chan => facts("chan", "a Nuke camera track", false, true, true),
-            Self::Fifa => facts(
-                "fifa",
-                "FIFA Skeletal Tracking cameras, one .npz per video",
-                false,
-                true,
-                true,
-            ),
-            Self::Cdf => facts(
-                "cdf",
-                "Common Data Format: the sheet of a video",
-                false,
-                false,
-                true,
-            ),
-            Self::PnlCalib => facts(
-                "pnlcalib",
-                "cameras of PnLCalib, NBJW or TVCalib",
-                true,
-                true,
-                false,
-            ),
-            Self::AuthorsMat => facts(
-                "authors-mat",
-                "the two-point method's MATLAB files",
-                true,
-                true,
-                false,
-            ),
-        }
-    }
-
     /// Its name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        self.facts().name
+        match self {
+            Self::Json => "json",
+            Self::SoccerNet => "soccernet",
+            Self::SoccerNetLines => "soccernet-lines",
+            Self::Csv => "csv",
+            Self::YoloPose => "yolo-pose",
+            Self::Coco => "coco",
+            Self::Cvat => "cvat",
+            Self::LabelStudio => "label-studio",
+            Self::Labelme => "labelme",
+            Self::Wc14 => "wc14",
+            Self::TsWorldCup => "tsworldcup",
+            Self::Homography => "homography",
+            Self::BroadTrack => "broadtrack",
+            Self::Colmap => "colmap",
+            Self::OpenCv => "opencv",
+            Self::Usda => "usda",
+            Self::OpenTrackIo => "opentrackio",
+            Self::FreeD => "freed",
+            Self::FreeDCsv => "freed-csv",
+            Self::DeepSport => "deepsport",
+            Self::Chan => "chan",
+            Self::Fifa => "fifa",
+            Self::Cdf => "cdf",
+            Self::PnlCalib => "pnlcalib",
+            Self::AuthorsMat => "authors-mat",
+        }
     }
 
     /// Its description in one line.
     #[must_use]
     pub const fn title(self) -> &'static str {
-        self.facts().title
+        match self {
+            Self::Json => "a dataset: one file of the document's own schema",
+            Self::SoccerNet => "SoccerNet camera files, one per frame",
+            Self::SoccerNetLines => "SoccerNet line annotations, one file per frame",
+            Self::Csv => "a table, one row per frame, with R, t and H",
+            Self::YoloPose => "keypoints for Ultralytics' pose models",
+            Self::Coco => "COCO keypoints",
+            Self::Cvat => "CVAT for images, XML 1.1",
+            Self::LabelStudio => "Label Studio keypoints",
+            Self::Labelme => "labelme, one file per image",
+            Self::Wc14 => "World Cup 2014 homographies, one file per frame",
+            Self::TsWorldCup => "TS-WorldCup homographies, one .npy per frame",
+            Self::Homography => "homographies that state their direction",
+            Self::BroadTrack => "BroadTrack cameras, one JSON file",
+            Self::Colmap => "COLMAP text: cameras, images, points3D",
+            Self::OpenCv => "OpenCV FileStorage YAML, one file per frame",
+            Self::Usda => "a USD stage with an animated camera",
+            Self::OpenTrackIo => "OpenTrackIO 1.0.1, one sample per line",
+            Self::FreeD => "FreeD D1 packets, back to back",
+            Self::FreeDCsv => "FreeD data as a table, with times",
+            Self::DeepSport => "DeepSport basketball cameras",
+            Self::Chan => "a Nuke camera track",
+            Self::Fifa => "FIFA Skeletal Tracking cameras, one .npz per video",
+            Self::Cdf => "Common Data Format: the sheet of a video",
+            Self::PnlCalib => "cameras of PnLCalib, NBJW or TVCalib",
+            Self::AuthorsMat => "the two-point method's MATLAB files",
+        }
     }
 
     /// What an export loses, in a few words.
@@ -324,13 +206,26 @@ impl Format {
     /// Whether an export makes a folder, not a file.
     #[must_use]
     pub const fn is_folder(self) -> bool {
-        self.facts().is_folder
+        matches!(
+            self,
+            Self::SoccerNet
+                | Self::SoccerNetLines
+                | Self::YoloPose
+                | Self::Labelme
+                | Self::Wc14
+                | Self::TsWorldCup
+                | Self::Colmap
+                | Self::OpenCv
+                | Self::DeepSport
+                | Self::PnlCalib
+                | Self::AuthorsMat
+        )
     }
 
     /// Whether it can be imported.
     #[must_use]
     pub const fn imports(self) -> bool {
-        self.facts().imports
+        !matches!(self, Self::Usda | Self::Cdf)
     }
 
     /// Whether an export is read back, and every landmark or click compared, before it is written.
@@ -343,7 +238,10 @@ impl Format {
     /// Whether it can be exported.
     #[must_use]
     pub const fn exports(self) -> bool {
-        self.facts().exports
+        !matches!(
+            self,
+            Self::Cvat | Self::DeepSport | Self::PnlCalib | Self::AuthorsMat
+        )
     }
 }
 

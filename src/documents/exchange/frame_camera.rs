@@ -158,6 +158,8 @@ impl FrameCamera {
             FrameProjection::Camera(pinhole) => {
                 pinhole.ptz_camera()?.image_from_world(point_in_world).ok()
             }
+            // A homography is of the plane z = 0. A point at infinity of the picture gives a
+            // division by zero, which `is_finite` catches.
             FrameProjection::Ground(image_from_ground) => {
                 if point_in_world.z != 0.0 {
                     return None;
@@ -214,6 +216,8 @@ impl Pinhole {
     /// # Errors
     /// One of them is not; `what` names the frame.
     pub fn validate(self, what: &str) -> Result<Self, Problem> {
+        // NaN and infinity first: every comparison below would let a NaN pass or refuse it with the
+        // wrong words.
         let numbers = [
             self.focal_px,
             self.principal_point.x,
@@ -244,6 +248,8 @@ impl Pinhole {
                 wanted: "within 100 km, in metres",
             });
         }
+        // The document has k₂ as a multiple of k₁² (`FocalCurve`), so that it cannot state k₂
+        // alone. The second check is of that multiple, which overflows for a tiny k₁.
         if self.lens.k1 == 0.0 && self.lens.k2 != 0.0 {
             let what = format!("k2 = {} without k1 of {what}", self.lens.k2);
             return Err(Problem::Unsupported {
@@ -261,6 +267,8 @@ impl Pinhole {
                 why: "no real lens distorts like that",
             });
         }
+        // Numbers with few digits are nearly a rotation, and the nearest rotation is meant. A
+        // matrix that is farther away was read in the wrong way, which no rounding explains.
         let distance = distance_from_rotation(&self.cam_from_world);
         if !(distance <= ROTATION_TOLERANCE) {
             return Err(Problem::NotRotation {
@@ -283,6 +291,8 @@ impl Pinhole {
     /// The same as a [`PtzCamera`] at pan and tilt 0. None where k₂ is given without k₁.
     #[must_use]
     pub fn ptz_camera(&self) -> Option<PtzCamera> {
+        // The whole rotation becomes that of the base, so that pan and tilt are 0. No gauge is
+        // needed to project points.
         let base = CameraBase {
             distortion: self.curve()?,
             ..CameraBase::new(self.position_m, self.cam_from_world, self.principal_point)
@@ -309,6 +319,8 @@ impl Pinhole {
     /// `K [r₁ r₂ t]`.
     #[must_use]
     pub fn image_from_ground(&self) -> Mat3 {
+        // The columns of the rotation for x and y, and the translation: the third column drops out
+        // for z = 0 (Hartley and Zisserman, Multiple View Geometry, section 8.1.1).
         let calibration = Mat3::new(
             self.focal_px,
             0.0,
@@ -328,7 +340,8 @@ impl Pinhole {
         calibration * plane
     }
 
-    /// The same camera in a picture scaled by a factor.
+    /// The same camera in a picture scaled by a factor. The lens stays, because its coefficients
+    /// are on normalised coordinates.
     #[must_use]
     pub fn scale_by(&self, factor: f64) -> Self {
         Self {

@@ -22,6 +22,15 @@ pub fn interpolate_gaps(
     choice: &FrameChoice,
     most: u64,
 ) -> (Document, Option<String>) {
+    let by_number: ByNumber<'_> = document
+        .frames
+        .iter()
+        .filter_map(|frame| {
+            let video = frame.video.as_ref()?;
+            Some(((video.path.as_str(), video.frame_index), &**frame))
+        })
+        .collect();
+    // The new frames of each gap, by the frame before it.
     let mut filled: BTreeMap<FrameId, Vec<Frame>> = BTreeMap::new();
     let (mut long, mut held) = (0_usize, 0_usize);
     for run in runs(document, choice) {
@@ -35,13 +44,15 @@ pub fn interpolate_gaps(
                 long += 1;
                 continue;
             }
-            match between(document, before, after) {
+            match between(document, &by_number, before, after) {
                 Some(between) => drop(filled.insert(before.id.clone(), between)),
                 None => held += 1,
             }
         }
     }
     let mut frames: Vec<Shared<Frame>> = Vec::new();
+    // Frames that were there without a camera are in `filled` with one, behind the frame before
+    // their gap, and nowhere else.
     let new: BTreeSet<&FrameId> = filled.values().flatten().map(|frame| &frame.id).collect();
     for frame in document
         .frames
@@ -80,6 +91,9 @@ pub fn interpolate_gaps(
     )
 }
 
+/// The frames of a document by their video and their number in it.
+type ByNumber<'a> = BTreeMap<(&'a str, u64), &'a Frame>;
+
 /// The number of video frames between two frames.
 fn missing_between(before: &Frame, after: &Frame) -> u64 {
     let number = after.video_frame_index().unwrap_or(0);
@@ -114,33 +128,29 @@ fn sort_by_number(mut run: Vec<(u64, &Frame)>) -> Vec<&Frame> {
 
 /// The interpolated frames between two; none if one of the frames there is rejected or has a
 /// camera.
-fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Frame>> {
+fn between(
+    document: &Document,
+    by_number: &ByNumber<'_>,
+    before: &Frame,
+    after: &Frame,
+) -> Option<Vec<Frame>> {
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
-    let there: BTreeMap<u64, &Frame> = document
-        .frames
-        .iter()
-        .filter(|frame| is_within(frame, first, last))
-        .filter_map(|frame| Some((frame.video_frame_index()?, &**frame)))
-        .collect();
-    if there
-        .values()
-        .any(|frame| frame.status == FrameStatus::Rejected || frame.ptz.is_some())
+    let path = first.path.as_str();
+    let numbers = first.frame_index + 1..last.frame_index;
+    // A person rejected what is there, or chose other frames: neither is to be invented anew.
+    if by_number
+        .range((path, numbers.start)..(path, numbers.end))
+        .any(|(_, frame)| frame.status == FrameStatus::Rejected || frame.ptz.is_some())
     {
         return None;
     }
     let camera = document.camera_of(before)?;
-    let numbers = first.frame_index + 1..last.frame_index;
     numbers
-        .map(|number| frame_at(number, there.get(&number).copied(), before, after, camera))
+        .map(|number| {
+            let there = by_number.get(&(path, number)).copied();
+            frame_at(number, there, before, after, camera)
+        })
         .collect()
-}
-
-/// Whether a frame lies between two frames of a video.
-fn is_within(frame: &Frame, first: &VideoFrame, last: &VideoFrame) -> bool {
-    frame.video.as_ref().is_some_and(|video| {
-        video.path == first.path
-            && (first.frame_index + 1..last.frame_index).contains(&video.frame_index)
-    })
 }
 
 /// A frame with an interpolated camera.
@@ -154,17 +164,24 @@ fn frame_at(
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
     let share = (number - first.frame_index) as f64 / (last.frame_index - first.frame_index) as f64;
     let (from, to) = (before.ptz.as_ref()?, after.ptz.as_ref()?);
-    // Linear in the frame number.
-    let mix = |from: f64, to: f64| from + (to - from) * share;
     let ptz = from.ptz().interpolate(&to.ptz(), share);
+    // A camera with a curve knows its k₁ at any focal length; only where there is none, the frames
+    // state their own.
     let mut solved = FramePtz::new(
         ptz,
         camera.curve().map(|curve| curve.radial_at(ptz.focal_px)),
     );
     if camera.curve().is_none() {
-        solved.k1 = from.k1.zip(to.k1).map(|(from, to)| mix(from, to));
+        solved.k1 = from
+            .k1
+            .zip(to.k1)
+            .map(|(from, to)| at_share(from, to, share));
     }
-    let pts_s = first.pts_s.zip(last.pts_s).map(|(from, to)| mix(from, to));
+    let pts_s = first
+        .pts_s
+        .zip(last.pts_s)
+        .map(|(from, to)| at_share(from, to, share));
+    // A frame of the document keeps its image, clicks and id.
     let frame = there.cloned().unwrap_or_else(|| Frame {
         clip: before.clip.clone(),
         ..Frame::from_video(
@@ -185,6 +202,11 @@ fn frame_at(
     })
 }
 
+/// The value at a share of the way from one to another.
+fn at_share(from: f64, to: f64, share: f64) -> f64 {
+    from + (to - from) * share
+}
+
 /// Exports each take separately: a run of chosen, solved frames with consecutive numbers. Frames
 /// without a number form one take.
 ///
@@ -203,21 +225,20 @@ pub fn in_takes(
         );
     }
     let known: BTreeSet<&FrameId> = takes.iter().flatten().collect();
-    let rest: BTreeSet<FrameId> = at
+    let rest: Vec<&Frame> = at
         .document
         .frames
         .iter()
-        .map(|frame| frame.id.clone())
-        .filter(|id| !known.contains(id))
+        .map(|frame| &**frame)
+        .filter(|frame| !known.contains(&frame.id))
         .collect();
-    let numberless = rest.iter().any(|id| {
-        at.document
-            .frames
-            .by_id(id)
-            .is_some_and(|frame| frame.ptz.is_some() && is_chosen(frame, choice))
-    });
-    if numberless || takes.is_empty() {
-        takes.push(rest);
+    // The rest is a take where it has a camera to write; and where there is no other take, so that
+    // the export says why there is nothing.
+    let has_numberless = rest
+        .iter()
+        .any(|frame| frame.ptz.is_some() && is_chosen(frame, choice));
+    if has_numberless || takes.is_empty() {
+        takes.push(rest.iter().map(|frame| frame.id.clone()).collect());
     }
     let mut whole: Option<Exported> = None;
     for (index, take) in takes.iter().enumerate() {
@@ -238,12 +259,14 @@ pub fn in_takes(
             Some(whole) => append_take(whole, exported, &files),
         });
     }
+    // There is at least one take, so that this error does not occur.
     whole.ok_or_else(|| super::choose::nothing(super::format::Format::Json, &[]))
 }
 
 /// Whether a frame is the next one of the video after another.
 fn is_successor(frame: &Frame, before: &Frame) -> bool {
     let numbers = before.video_frame_index().zip(frame.video_frame_index());
+    // The largest number has no successor, where a plain sum would overflow.
     numbers.is_some_and(|(before, number)| before.checked_add(1) == Some(number))
 }
 

@@ -43,12 +43,15 @@ pub fn fit_image_from_ground(
         .collect();
     let fitted = homography(&pairs).ok()?;
     // The direct linear transform leaves the sign open: choose the one with positive depths.
+    // A homography of at least four pairs was found, so that there is a first one.
     let depth = fitted.row(2) * Vec3::new(pairs[0].0.x, pairs[0].0.y, 1.0);
     Some(fitted * depth[0].signum())
 }
 
 /// The point (x, y) of the field's plan that a pixel shows, m.
 fn place_from_image(camera: &PtzCamera, pixel: ImagePoint, field: &FieldModel) -> Option<Vec2> {
+    // The ray meets the ground at a height that depends on where it meets it. From flat ground each
+    // round uses the height at the place of the round before.
     let mut place = camera.plane_from_image(pixel, 0.0)?;
     if field.crown_m != 0.0 {
         for _ in 0..HEIGHT_ROUNDS {

@@ -46,6 +46,8 @@ pub fn relative_name(frame: &FrameCamera) -> String {
     let Some(image) = &frame.image else {
         return format!("{}.jpg", stem_of(frame));
     };
+    // A picture outside the document's folder has a path that readers would refuse as leading out
+    // of theirs.
     safe_path(image).unwrap_or_else(|_| {
         Path::new(image)
             .file_name()

@@ -9,7 +9,7 @@ use super::import_clicks::import_clicks;
 use super::imported::Imported;
 use super::options::ImportOptions;
 use super::registry::{camera_format, click_format};
-use crate::document::{document_from_bytes, resolve_path};
+use crate::document::{Document, document_from_bytes, resolve_path};
 use std::path::Path;
 
 /// The size of the authors' field where there is no model of it, yards.
@@ -31,6 +31,8 @@ pub fn import(
             instead: "exported",
         });
     }
+    // Relative paths of the new document start where the foreign files lie, because their pictures
+    // usually lie there, too.
     let folder = if path.is_dir() {
         path
     } else {
@@ -43,28 +45,29 @@ pub fn import(
     if let Some(click_format) = click_format(format) {
         return import_clicks(path, &folder, format, click_format, options);
     }
-    if format == Format::AuthorsMat {
-        let read = read_authors_folder(path, AUTHORS_FIELD_YD)?;
-        return Ok(Imported {
-            document: read.document,
-            folder,
-            format,
-            notes: Vec::new(),
-        });
-    }
-    let files = Files::read(path, &|_| false)?;
-    let Some((name, bytes)) = files.sorted_entries().into_iter().next() else {
-        return Err(no_files(path, "document; name the file itself"));
+    // What is left is the authors' files, which have clips, masks and a field that no other format
+    // has and become a document directly, and the document itself.
+    let document = if format == Format::AuthorsMat {
+        read_authors_folder(path, AUTHORS_FIELD_YD)?.document
+    } else {
+        read_document(path)?
     };
-    let read = document_from_bytes(bytes);
-    let document = read.map_err(|source| ExchangeError::NoDocument {
-        file: name.to_owned(),
-        source,
-    })?;
     Ok(Imported {
         document,
         folder,
         format,
         notes: Vec::new(),
+    })
+}
+
+/// Reads a document of this program. A folder gives none: which file of it is meant must be said.
+fn read_document(path: &Path) -> Result<Document, ExchangeError> {
+    let files = Files::read(path, &|_| false)?;
+    let Some((name, bytes)) = files.sorted_entries().into_iter().next() else {
+        return Err(no_files(path, "document; name the file itself"));
+    };
+    document_from_bytes(bytes).map_err(|source| ExchangeError::NoDocument {
+        file: name.to_owned(),
+        source,
     })
 }

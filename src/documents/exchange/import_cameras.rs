@@ -34,6 +34,8 @@ pub fn import_cameras(
         &|name| camera_format.is_wanted(name),
         camera_format.file_description(),
     )?;
+    // Formats that state no size read pixels with that of the options, or of the video to which the
+    // frames may be attached; which one a frame gets at last is decided below.
     let mut frames = camera_format.read(&files, &options.with_any_size())?;
     if frames.is_empty() {
         return Err(no_files(path, "frame"));
@@ -52,8 +54,12 @@ pub fn import_cameras(
     let mut views = Vec::with_capacity(frames.len());
     let mut sizes = Vec::with_capacity(frames.len());
     let mut first_error = None;
+    // Each frame gets a path that leads from the document's folder to its picture, whether or not
+    // the picture exists, the size of that picture, and a camera in its pixels.
     for frame in &mut frames {
         let (file, known) = image_of(frame.image.as_deref().unwrap_or(&frame.name), &images);
+        // A frame with a number and no image is of a video only; the name of a file would be an
+        // invention.
         if frame.image.is_some() || frame.frame_index.is_none() {
             frame.image = Some(path_between(folder, &images.join(file)));
         }
@@ -62,9 +68,13 @@ pub fn import_cameras(
             .as_ref()
             .map(|video| path_between(folder, &images.join(video)));
         sizes.push(known.or(options.size).or(options.video_size));
+        // Its size is noted above all the same: such a frame is in the document without a camera.
         if frame.unreadable.is_some() {
             continue;
         }
+        // One frame that fits no camera costs that frame alone, like a damaged file. A size that is
+        // not known or has other proportions is an error of the whole import, because it would
+        // concern every frame.
         match reader.view(frame, known)? {
             Ok(view) => views.push(view),
             Err(error) => {
@@ -72,6 +82,7 @@ pub fn import_cameras(
             }
         }
     }
+    // The reason of the first frame tells the user more than that all failed.
     if let Some(error) = first_error.filter(|_| views.is_empty()) {
         return Err(error);
     }
@@ -125,6 +136,8 @@ impl ViewReader<'_> {
         frame: &mut FrameCamera,
         known: Option<ImageSize>,
     ) -> Result<Result<View, ExchangeError>, ExchangeError> {
+        // The camera in px of its picture, which may be of another size than the one that the
+        // camera was made for.
         let size = self.size_of(frame, known)?;
         let (fit, factor) = fit_to_picture(frame, size, self.source).ok_or_else(|| {
             ExchangeError::OtherProportions {
@@ -136,6 +149,8 @@ impl ViewReader<'_> {
         if let Some(stated) = frame.size.filter(|_| factor != 1.0) {
             self.fitted_sizes.count(stated, size);
         }
+        // A homography gives a camera only by a fit, which `validate` must check, too: it may place
+        // the camera anywhere.
         let made = camera_of(&fit, size).map_err(|source| ExchangeError::NoCamera {
             path: self.path.to_path_buf(),
             frame: shorten(&frame.name),
@@ -169,6 +184,8 @@ impl ViewReader<'_> {
         let sizes = KnownSizes {
             image: known,
             given: self.options.size,
+            // A video of other proportions is not the one of these cameras; the size that the
+            // format states is then the better one.
             video: self
                 .options
                 .video_size
@@ -233,6 +250,8 @@ impl SizesBy {
     /// The image's own size, else the given one, else that of the video, else the one stated by the
     /// format.
     fn choose(&mut self, sizes: KnownSizes, source: SizeSource) -> Option<ImageSize> {
+        // The picture itself is the surest source, and needs no note. All others are said, because
+        // a wrong size scales every focal length.
         let KnownSizes {
             image,
             given,

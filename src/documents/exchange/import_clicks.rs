@@ -17,7 +17,8 @@ use std::path::Path;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::ImageSize;
 
-/// The maximum distance of a point from the picture's corner, px; a larger one is a mistake.
+/// The maximum distance of a point from the picture's corner, px. A picture has at most 65,535 px a
+/// side, so that a point this far away is a mistake, not one dragged beyond the border.
 const FARTHEST_PX: f64 = 1e6;
 
 /// Reads a file or folder of clicks as a document of drafts.
@@ -38,6 +39,7 @@ pub fn import_clicks(
     )?;
     let images = options.images_folder(folder);
     let options = &options.with_any_size();
+    // Some formats state points as shares of the picture, so that its size is needed to read them.
     let frames = click_format.read(&files, options, &|name| {
         image_of(name, &images).1.or(options.size)
     })?;
@@ -46,12 +48,16 @@ pub fn import_clicks(
     }
     refuse_damaged(&frames, path)?;
     let field = options.field.model(folder)?;
+    // A user's map is for labels that people chose; classes of a challenge mean the same for
+    // everybody.
     let labels = if click_format.has_own_classes() {
         click_format.own_labels()
     } else {
         options.map.clone()
     };
     let mut document = Document::new(options.field.clone());
+    // Labels without a meaning are counted over all frames before the import fails, so that one
+    // error names everything that the map must have.
     let mut unmapped: BTreeMap<String, usize> = BTreeMap::new();
     let mut twice: BTreeMap<String, usize> = BTreeMap::new();
     for frame in frames {
@@ -106,6 +112,8 @@ pub fn import_clicks(
 fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeError> {
     let mut names = BTreeSet::new();
     for frame in frames {
+        // The same picture in two files would be two frames of the document, each with half of the
+        // clicks.
         let name = frame.image.as_ref().unwrap_or(&frame.name);
         if !names.insert(name) {
             return Err(ExchangeError::SameFrame {
@@ -153,6 +161,7 @@ fn field_size_note(field: &FieldModel) -> Option<String> {
 /// Drops all clicks on a landmark that occurs twice, because it is unknown which one is right. A
 /// line keeps all its clicks.
 fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String, usize>) {
+    // Points of a line may lie anywhere on it, so that several are no contradiction.
     let mut counts: BTreeMap<Target, usize> = BTreeMap::new();
     for target in clicks.iter().filter_map(|click| click.target.clone()) {
         *counts.entry(target).or_default() += 1;
@@ -199,6 +208,7 @@ fn frame_of(
 ) -> Frame {
     let named = frame.image.as_deref().unwrap_or(&frame.name);
     let path = path_between(folder, &images.join(image_of(named, images).0));
+    // A frame that was opened in the other tool and got no point counts as not begun.
     let status = if clicks.is_empty() {
         FrameStatus::New
     } else {

@@ -50,28 +50,31 @@ pub type View = (FrameCamera, ImageSize, Pinhole);
 #[must_use]
 pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Document {
     let mut document = Document::new(field);
-    let mut ids = FreeIds::default();
+    let mut ids = FreeNames::new("-");
+    // Frames that may share a camera, by index. Their order within a group is that of the file, so
+    // that a camera is named and based on its first frame.
     let groups = group_by_position(frames, exact.place_m);
     let mut made: Vec<Option<(CameraId, FramePtz)>> = vec![None; frames.len()];
     for group in groups {
         let views: Vec<&Pinhole> = group.iter().map(|&index| &frames[index].2).collect();
         let axis = pan_axis(&views, exact.angle_rad);
         let lens = lens_of(&views);
-        // Frames of one position without a common pan axis or lens get a camera each.
-        let parts: Vec<(Vec<usize>, Vec3, FocalCurve)> =
-            if let (Some(axis), Some(lens)) = (axis, lens) {
-                vec![(group, axis, lens)]
-            } else {
-                group
-                    .iter()
-                    .filter_map(|&index| {
-                        let view = &frames[index].2;
-                        Some((vec![index], upright_axis(view), view.curve()?))
-                    })
-                    .collect()
-            };
+        // Frames of one position without a common pan axis or lens get a camera each. A lens that
+        // no curve describes leaves its frame out; `Pinhole::validate` refuses such lenses.
+        let parts: Vec<(Vec<usize>, Vec3, FocalCurve)> = match axis.zip(lens) {
+            Some((axis, lens)) => vec![(group, axis, lens)],
+            None => group
+                .into_iter()
+                .filter_map(|index| {
+                    let view = &frames[index].2;
+                    Some((vec![index], upright_axis(view), view.curve()?))
+                })
+                .collect(),
+        };
         for (members, axis, curve) in parts {
             let (first, size, view) = &frames[members[0]];
+            // The gauge of pan zero is that of the program (`rotation_about`), so that cameras of
+            // one place have comparable pans, whatever the file counts from.
             let base = CameraBase {
                 distortion: curve,
                 ..CameraBase::new(
@@ -80,7 +83,9 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                     view.principal_point,
                 )
             };
-            let id = ids.take(first.camera.as_deref());
+            // A format without names of cameras gives `main`.
+            let name = first.camera.as_deref().filter(|name| !name.is_empty());
+            let id = CameraId::from(ids.take(name.unwrap_or("main")).as_str());
             let mut camera = Camera::new(id.clone(), *size);
             camera.set_base(&base);
             if curve == FocalCurve::NONE {
@@ -89,8 +94,9 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             document.cameras.push(camera.into());
             for index in members {
                 let view = &frames[index].2;
-                // Q_tilt · Q_pan of the view: its first row is (cos θ, 0, −sin θ), its second
-                // column (0, cos φ, −sin φ).
+                // Q_tilt · Q_pan of the view (`conventions`): its first row is (cos θ, 0, −sin θ),
+                // its second column (0, cos φ, −sin φ). What is left of a roll within the
+                // tolerance is dropped.
                 let turned = view.cam_from_world * base.base_from_world.transpose();
                 let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
                 let tilt = Angle::from_radians((-turned[(2, 1)]).atan2(turned[(1, 1)]));
@@ -99,12 +105,15 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                     tilt,
                     focal_px: view.focal_px,
                 };
+                // The frame records the lens as the curve gives it, within `SAME_LENS` of the one
+                // that was read.
                 let lens =
                     Some(base.distortion.radial_at(view.focal_px)).filter(|lens| !lens.is_none());
                 made[index] = Some((id.clone(), FramePtz::new(ptz, lens)));
             }
         }
     }
+    // The document has its frames in the order in which they were read, not camera by camera.
     for ((frame, size, _), made) in frames.iter().zip(made) {
         if let Some((camera, ptz)) = made {
             document
@@ -135,6 +144,8 @@ fn document_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize, ptz: F
 
 /// The document's frame of a view without its camera.
 pub(super) fn unsolved_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize) -> Frame {
+    // A frame of a video only has a number and no image; a track that names no video is named by
+    // its own frames (`places::names_video`).
     let image = frame.image.clone().unwrap_or_else(|| frame.name.clone());
     match (&frame.image, frame.frame_index) {
         (None, Some(index)) => {
@@ -155,6 +166,7 @@ fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
     let mut by_cell: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
         let cell = [0, 1, 2].map(|axis: usize| (frame.2.position_m[axis] / place_m).floor() as i64);
+        // The earliest group within reach: as if all groups were compared in their order.
         let near = cells_around(cell)
             .filter_map(|cell| {
                 by_cell
@@ -176,6 +188,8 @@ fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
 
 /// Whether two frames may share a camera.
 fn may_share_camera(first: &View, other: &View, place_m: f64) -> bool {
+    // Size and principal point belong to a camera of the document, not to its frames. The principal
+    // point is compared to rounding, 1e-9 px.
     first.1 == other.1
         && first.0.camera == other.0.camera
         && (first.2.position_m - other.2.position_m).amax() <= place_m
@@ -191,27 +205,37 @@ fn cells_around(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     })
 }
 
-/// Free camera ids: the first of `main`, `main-2`, … that is not taken. A name from the format
-/// replaces `main`.
-#[derive(Default)]
-struct FreeIds {
+/// Free names: the first of `main`, `main-2`, … that is not taken.
+pub(super) struct FreeNames {
+    /// What stands between a name and its number.
+    separator: &'static str,
     taken: BTreeSet<String>,
+    /// The number with which the search for a free name goes on. Thousands of cameras of one name
+    /// would otherwise each be compared with all others.
     next: BTreeMap<String, usize>,
 }
 
-impl FreeIds {
-    fn take(&mut self, name: Option<&str>) -> CameraId {
-        let name = name.filter(|name| !name.is_empty()).unwrap_or("main");
+impl FreeNames {
+    pub(super) const fn new(separator: &'static str) -> Self {
+        Self {
+            separator,
+            taken: BTreeSet::new(),
+            next: BTreeMap::new(),
+        }
+    }
+
+    /// Takes the first free one of a name.
+    pub(super) fn take(&mut self, name: &str) -> String {
         let next = self.next.entry(name.to_owned()).or_insert(1);
         loop {
-            let id = if *next == 1 {
+            let free = if *next == 1 {
                 name.to_owned()
             } else {
-                format!("{name}-{next}")
+                format!("{name}{}{next}", self.separator)
             };
             *next += 1;
-            if self.taken.insert(id.clone()) {
-                return id.as_str().into();
+            if self.taken.insert(free.clone()) {
+                return free;
             }
         }
     }
@@ -226,6 +250,8 @@ fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     }
     // A camera without roll keeps its x axis perpendicular to the pan axis. So the pan axis is the
     // eigenvector of the mean of x xᵀ with the smallest eigenvalue, if the views differ in pan.
+    // Without a spread of pans two eigenvalues vanish, and any axis in their plane fits: then the
+    // one nearest to the vertical is taken.
     let mut moments = Mat3::zeros();
     for view in views {
         moments += right_axis(view) * right_axis(view).transpose();
@@ -235,6 +261,7 @@ fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     let axis = if eigen.eigenvalues[order[1]] > MIN_PAN_SPREAD {
         let axis: Vec3 = eigen.eigenvectors.column(order[0]).into_owned();
+        // The sign of an eigenvector is arbitrary.
         axis * axis.z.signum()
     } else {
         upright_axis(views.first()?)
@@ -277,16 +304,19 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     let high = views
         .iter()
         .max_by(|a, b| a.focal_px.total_cmp(&b.focal_px))?;
-    // The line through the shortest and the longest focal length; all other views are checked
-    // against it.
+    // The line through the shortest and the longest focal length, where rounding of k₁ changes the
+    // slope least; all views are checked against it. A fit would hide a lens that is not linear.
     let mut curve = low.curve()?;
     if views
         .iter()
         .any(|view| (view.lens.k1 - low.lens.k1).abs() > SAME_LENS)
     {
+        // Views of one focal length and different k₁ divide by zero here; the check below then
+        // fails for all of them.
         let slope = (high.lens.k1 - low.lens.k1) / (high.focal_px - low.focal_px);
         curve.at_focal_px = low.focal_px;
         curve.per_1000_px = 1000.0 * slope;
+        // One multiple for all: the model of the document has k₂ = share · k₁² (`FocalCurve`).
         if let Some(with_k2) = views.iter().find(|view| view.lens.k2 != 0.0) {
             curve.k2_per_k1_squared = with_k2.lens.k2 / with_k2.lens.k1.powi(2);
         }
@@ -311,6 +341,9 @@ pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlaneP
         FrameProjection::Ground(image_from_ground) => grid_on_ground(image_from_ground, size),
         FrameProjection::Nothing => Vec::new(),
     };
+    // The homography of a plane gives two equations on the calibration (after K⁻¹ its first two
+    // columns are orthogonal and equally long), too few for f and a principal point of two numbers.
+    // The middle of the picture is the likeliest one. The closed form starts the refinement in px.
     let principal_point = size.centre();
     let pose = pose_from_plane(&points, principal_point)?.refine(&points, principal_point);
     Ok(Pinhole {
@@ -327,6 +360,8 @@ fn grid_on_ground(image_from_ground: &Mat3, size: ImageSize) -> Vec<(Vec2, Image
     let Some(view) = PlaneView::new(image_from_ground, size) else {
         return Vec::new();
     };
+    // A grid of pixels weights the whole picture equally. Pixels above the horizon show no ground,
+    // and near it they show ground kilometres away, which would dominate the closed form.
     (0..=GRID_STEPS)
         .flat_map(|column| (0..=GRID_STEPS).map(move |row| grid_pixel(column, row, size)))
         .filter_map(|pixel| Some((view.ground_from_image(pixel)?, pixel)))

@@ -52,11 +52,13 @@ pub struct JoinedPair {
 #[must_use]
 pub fn join(open: DocumentAt<'_>, imported: &Imported) -> JoinedImport {
     let attachment = plan_attachment(open, imported);
+    // The most plausible way, which is the first; the window lets the user choose another one.
     let attached = attachment.as_ref().ok().and_then(|plan| {
         let plan = plan.as_ref()?;
         Some(plan.apply(imported, plan.candidates().first()?))
     });
     let imported = attached.as_ref().unwrap_or(imported);
+    // Where numbers contradict the video, the same numbers must not find frames of it.
     let may_match = attachment.is_ok();
     let reason = attachment.as_ref().err().map(ToString::to_string);
     let mut joined = JoinedImport {
@@ -82,14 +84,12 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> JoinedImport {
         ids: BTreeMap::new(),
     };
     for (frame, moved) in imported.document.frames.iter().zip(&moved.frames) {
-        let place = may_match.then(|| places.find(frame, &imported.folder));
-        match place.flatten().and_then(|place| {
-            joined
-                .document
-                .frames
-                .get(place)
-                .map(|there| (place, (**there).clone()))
-        }) {
+        let there = may_match
+            .then(|| places.find(frame, &imported.folder))
+            .flatten()
+            .and_then(|place| Some((place, Frame::clone(joined.document.frames.get(place)?))));
+        match there {
+            // Clicks and cameras are in px of a picture of another size.
             Some((_, there)) if there.image_size != frame.image_size => joined.other_size += 1,
             Some((place, there)) => {
                 joined.pairs.push(JoinedPair {
@@ -109,6 +109,8 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> JoinedImport {
                 }
             }
             None => {
+                // A frame with a camera brings it; clicks alone join a camera of the document that
+                // has their size and field.
                 let camera = match frame.ptz {
                     Some(_) => cameras.take(&frame.camera, &mut joined.document),
                     None => cameras.take_of_size(frame, &mut joined.document),
@@ -143,16 +145,20 @@ fn label(
 ) -> Option<Frame> {
     let mut frame = there;
     frame.labels_name = imported.labels_name.clone().or(frame.labels_name);
+    // A camera is taken by a frame that a person has not touched, clicks by one that has none of
+    // its own.
     let mut changed = false;
-    if (imported.ptz.is_some() || imported.lens.is_some()) && frame.is_open() {
+    let is_open = frame.is_open();
+    if is_open && (imported.ptz.is_some() || imported.lens.is_some()) {
         frame.camera = cameras.take(&imported.camera, document);
         frame.lens = imported.lens.clone().or(frame.lens);
         changed = true;
     }
-    if imported.ptz.is_some() && frame.is_open() {
+    if is_open && imported.ptz.is_some() {
         (frame.ptz, frame.solution) = (imported.ptz.clone(), imported.solution.clone());
         frame.status = FrameStatus::Suggested;
     }
+    // A frame that a person accepted or rejected is decided.
     let is_undecided = matches!(
         frame.status,
         FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested
@@ -189,6 +195,8 @@ impl Cameras<'_> {
             .cameras
             .iter()
             .find(|known| {
+                // Cameras without a base are never the same: nothing says that they stand in one
+                // place.
                 known.base() == camera.base()
                     && known.base().is_some()
                     && field_of(known, document).is_same_field(field)
@@ -248,6 +256,7 @@ fn free_id(document: &Document, name: &CameraId) -> CameraId {
             format!("{name}-{number}")
         }
     });
+    // There are more numbers than cameras, so that one is free.
     let mut ids = numbered.map(|id| CameraId::from(id.as_str()));
     ids.find(|id| document.camera(id).is_none())
         .unwrap_or_else(|| name.clone())

@@ -53,8 +53,10 @@ fn to_json(index: usize, frame: &ClickedFrame) -> Value {
 /// The file of an image that was uploaded: without its folders and its prefix of hexadecimal
 /// digits.
 fn file_name(path: &str) -> Result<String, Problem> {
+    // Images may be addresses with a query behind them.
     let path = path.split(['?', '#']).next().unwrap_or(path);
     let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    // Only names below `upload/` have the prefix; the name of a picture may begin alike.
     let uploaded = name.split_once('-').filter(|(prefix, _)| {
         prefix.len() == PREFIX
             && prefix.bytes().all(|byte| byte.is_ascii_hexdigit())
@@ -111,6 +113,7 @@ fn annotation<'a>(task: &Node<'a>, annotator: Option<&str>) -> Result<Option<Nod
     else {
         return Ok(None);
     };
+    // The last one is the newest.
     Ok(all.items()?.rfind(|node| {
         !is_cancelled(node)
             && annotator.is_none_or(|wanted| annotator_of(node).as_deref() == Some(wanted))
@@ -127,6 +130,7 @@ fn is_cancelled(annotation: &Node<'_>) -> bool {
 /// The e-mail address or the number of the annotator.
 fn annotator_of(annotation: &Node<'_>) -> Option<String> {
     let user = annotation.find("completed_by")?;
+    // An object with an e-mail address, or a number, depending on how the file was exported.
     let user = user.find("email").unwrap_or(user);
     let text = user.value().as_str();
     Some(text.map_or_else(|| user.value().to_string(), ToOwned::to_owned))
@@ -138,8 +142,11 @@ fn read_task(
     sizes: &Sizes<'_>,
 ) -> Result<LabelledFrame, Problem> {
     let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    // The flat form has the image beside the points.
     let data = task.find("data").unwrap_or_else(|| task.clone());
     let image = file_name(data.key("image")?.text()?)?;
+    // Each result states the size of the picture that it was placed in, which is the surest one.
+    // An image without results has its size beside its name, if this program wrote it.
     let mut size = size_of(&data, "width", "height")?.or_else(|| sizes(&image));
     let mut marks = Vec::new();
     let results: Vec<(Node<'_>, Node<'_>)> =
@@ -149,7 +156,9 @@ fn read_task(
                 .filter_map(|result| Some((result.find("value")?, result)))
                 .collect()
         } else {
-            // JSON-MIN: points are beside the image, under the name of the tag.
+            // JSON-MIN: points are beside the image, under the name of the tag. A whole task
+            // without an annotation to read comes here, too; its lists have no labels and give no
+            // marks.
             let lists = task.entries()?.filter_map(|(_, node)| node.items().ok());
             lists
                 .flatten()
@@ -157,6 +166,7 @@ fn read_task(
                 .collect()
         };
     for (value, result) in results {
+        // Choices, brushes and boxes are results of the same list.
         let Some(labels) = KINDS.iter().find_map(|kind| value.find(kind)) else {
             continue;
         };
@@ -177,10 +187,10 @@ fn read_task(
             .items()?
             .map(|label| label.text())
             .collect::<Result<Vec<_>, _>>()?;
-        let known = size.or(options.size).ok_or_else(|| size_needed(&image))?;
+        let known = size.ok_or_else(|| size_needed(&image))?;
         marks.extend(marks_of(&value, &labels, known, shift)?);
     }
-    let size = size.or(options.size).ok_or_else(|| size_needed(&image))?;
+    let size = size.ok_or_else(|| size_needed(&image))?;
     Ok(LabelledFrame {
         name: image.clone(),
         image: Some(image),

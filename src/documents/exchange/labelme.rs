@@ -52,6 +52,8 @@ fn read_file(bytes: &[u8], shift: f64, sizes: &Sizes<'_>) -> Result<LabelledFram
         (Some(width), Some(height)) => Some(ImageSize::new(width.side_px()?, height.side_px()?)),
         _ => None,
     };
+    // labelme counts pixels in the picture as its EXIF orientation shows it. A stated size that
+    // differs from the picture's own means that the points are of another orientation or picture.
     let there = sizes(&image);
     if let (Some(stated), Some(there)) = (stated, there)
         && stated != there
@@ -68,6 +70,8 @@ fn read_file(bytes: &[u8], shift: f64, sizes: &Sizes<'_>) -> Result<LabelledFram
     let size = stated.or(there).ok_or_else(|| size_needed(&image))?;
     let mut marks = Vec::new();
     for shape in root.key("shapes")?.items()? {
+        // Each point of a line is a mark of its label. Boxes, circles and polygons say nothing of a
+        // landmark or line.
         let kind = shape.key("shape_type")?.text()?;
         if !matches!(kind, "point" | "points" | "line" | "linestrip") {
             continue;

@@ -92,7 +92,9 @@ pub fn keypoints(names: KeypointNames, field: &FieldModel) -> Vec<String> {
     }
 }
 
-/// The index of the point with a given caption (1 to 32) among the 32 points.
+/// The index of the point with a given caption (1 to 32) among the 32 points. Captions number the
+/// points as Roboflow's pictures show them: the two sides of the centre circle, which the index has
+/// last, are 14 and 19 there.
 const fn index_of_caption(caption: usize) -> Option<usize> {
     match caption {
         1..=13 => Some(caption - 1),
@@ -152,12 +154,14 @@ impl LabelMap {
                 };
                 Meaning::from_name(name, field)
             }
+            // `index_of_caption` gives 0 to 31.
             Self::Roboflow32Captions => {
                 let index = label.parse().ok().and_then(index_of_caption);
                 Meaning::from_name(index.map(|index| ROBOFLOW_32[index]), field)
             }
             Self::SoccerNet if SOCCERNET_UNKNOWN.contains(&label.trim_end()) => Meaning::Nothing,
             Self::SoccerNet => {
+                // One class ends in a space in one challenge and not in the other.
                 let class = SOCCERNET_LINES
                     .iter()
                     .find(|(class, _)| class.trim_end() == label.trim_end());
@@ -167,6 +171,8 @@ impl LabelMap {
                 None => Meaning::Unknown,
                 Some(None) => Meaning::Nothing,
                 Some(Some(name)) => {
+                    // A wrong name in a map is a mistake of its author. As an unknown label it
+                    // would be reported as one of the files.
                     let Some(target) = ours(name, field) else {
                         let unknown = Problem::Unknown {
                             what: "the landmark or line",

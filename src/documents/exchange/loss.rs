@@ -33,6 +33,7 @@ pub struct Loss {
 impl Loss {
     /// The loss of these frames and of others together.
     pub(super) fn join(mut self, other: Self) -> Self {
+        // Root mean squares are joined through the sums of squares that they are of.
         let [sum, other_sum] =
             [&self, &other].map(|loss| loss.rms_px.powi(2) * loss.distances as f64);
         self.distances += other.distances;
@@ -119,6 +120,7 @@ fn points_of(field: &FieldModel) -> Vec<FieldPoint> {
         .landmarks
         .iter()
         .map(|landmark| FieldPoint::from_nominal(landmark.nominal_m, field));
+    // Ends and points between them: a lens moves the middle of a line and its ends differently.
     let shares = (0..LINE_POINTS).map(|step| step as f64 / (LINE_POINTS - 1) as f64);
     let lines = field
         .lines
@@ -162,6 +164,12 @@ pub fn loss_between(
     let mut sum = 0.0;
     for (frame, kept) in frames.iter().zip(held) {
         let what = differences(frame, kept);
+        // Frames that lose nothing would only dilute the root mean square of the others.
+        if what.is_empty() {
+            continue;
+        }
+        loss.frames += 1;
+        loss.what.extend(what);
         let is_ground = matches!(kept.shown, FrameProjection::Ground(_));
         let mut moved = 0.0_f64;
         for (point, image) in visible(frame, &points) {
@@ -179,10 +187,6 @@ pub fn loss_between(
         }
         if moved > loss.worst_px {
             (loss.worst_px, loss.worst_frame) = (moved, frame.name.clone());
-        }
-        if !what.is_empty() {
-            loss.frames += 1;
-            loss.what.extend(what);
         }
     }
     loss.what.sort_unstable();
@@ -209,6 +213,7 @@ pub fn crown_off_px(frames: &[FrameCamera], field: &FieldModel) -> f64 {
 
 /// The kinds of difference between a frame and what is kept of it.
 fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
+    // What is kept is a homography then.
     let (Some(from), Some(to)) = (frame.pinhole(), kept.pinhole()) else {
         let is_distorted = frame
             .pinhole()
@@ -220,6 +225,7 @@ fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
         };
     };
     let off_centre = from.principal_point.distance_px(to.principal_point) > ROUNDING_PX;
+    // Entries of a rotation: 1e-9 is far below a pixel at any focal length.
     let turned = (from.cam_from_world - to.cam_from_world).amax() > 1e-9;
     [
         (from.lens != to.lens, "lens distortion"),
@@ -256,10 +262,13 @@ pub fn farthest_landmark(
         else {
             continue;
         };
+        // NaN counts as infinite: it would compare as neither larger nor smaller than the others.
         let off_px = other
             .image_from_world(point)
-            .map_or(f64::INFINITY, |there| there.distance_px(image));
-        if !(off_px <= farthest.1) {
+            .map(|there| there.distance_px(image))
+            .filter(|off_px| off_px.is_finite())
+            .unwrap_or(f64::INFINITY);
+        if off_px > farthest.1 {
             farthest = (landmark.id.to_string(), off_px);
         }
     }
@@ -279,6 +288,43 @@ fn is_near(image: ImagePoint, size: Option<ImageSize>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exchange::frame_camera::Pinhole;
+    use std::slice::from_ref;
+    use touchline_core::camera::Radial;
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::Mat3;
+
+    /// A camera behind the near touchline that looks at the middle of the field, 30° down.
+    fn camera(lens: Radial, focal_px: f64) -> FrameCamera {
+        let size = ImageSize::new(1920, 1080);
+        let (sin, cos) = 30.0_f64.to_radians().sin_cos();
+        let pinhole = Pinhole {
+            cam_from_world: Mat3::new(1.0, 0.0, 0.0, 0.0, -sin, -cos, 0.0, cos, -sin),
+            position_m: Vec3::new(0.0, -60.0 * cos, 60.0 * sin),
+            focal_px,
+            principal_point: size.centre(),
+            lens,
+        };
+        FrameCamera::new("a", Some(size), FrameProjection::Camera(pinhole))
+    }
+
+    #[test]
+    fn frames_that_lose_nothing_do_not_dilute_what_the_others_lose() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let bare = camera(Radial::default(), 2000.0);
+        let with_lens = camera(Radial { k1: 0.1, k2: 0.0 }, 2000.0);
+        let alone = loss_between(from_ref(&with_lens), from_ref(&bare), &field).unwrap();
+        let both = loss_between(&[with_lens, bare.clone()], &[bare.clone(), bare], &field).unwrap();
+        assert_eq!((alone.rms_px, alone.frames), (both.rms_px, both.frames));
+    }
+
+    #[test]
+    fn a_landmark_that_is_nowhere_is_farther_than_all_others() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let frame = camera(Radial::default(), 2000.0);
+        let (_, off_px) = farthest_landmark(&frame, &camera(Radial::default(), f64::NAN), &field);
+        assert_eq!(off_px, f64::INFINITY);
+    }
 
     #[test]
     fn losses_of_other_frames_are_joined() {

@@ -6,6 +6,7 @@ use super::strict_json;
 use super::values::{shorten, side_px};
 use serde_json::Value;
 use std::fmt;
+use touchline_core::geometry::ImageSize;
 
 /// A value and its path.
 #[derive(Clone, Debug)]
@@ -73,12 +74,15 @@ impl<'a> Node<'a> {
 
     /// A key that may be absent or null.
     pub fn find(&self, key: &str) -> Option<Self> {
+        // Programs write `null` for what they do not know, which means the same as no key.
         let value = self.value.get(key).filter(|value| !value.is_null())?;
         Some(self.at(value, key, true))
     }
 
     /// A required key.
     pub fn key(&self, key: &str) -> Result<Self, Problem> {
+        // A list in place of an object is another file, not one with a key too few; the message
+        // must say so.
         if !self.value.is_object() {
             return Err(self.kind("an object"));
         }
@@ -154,9 +158,28 @@ impl<'a> Node<'a> {
         side_px(self.path(), self.number()?)
     }
 
+    /// The size of a picture, by the keys of its width and height.
+    pub fn size_at(&self, width: &str, height: &str) -> Result<ImageSize, Problem> {
+        Ok(ImageSize::new(
+            self.key(width)?.side_px()?,
+            self.key(height)?.side_px()?,
+        ))
+    }
+
+    /// The numbers under some keys.
+    pub fn numbers_at<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N], Problem> {
+        let mut numbers = [0.0; N];
+        for (number, key) in numbers.iter_mut().zip(keys) {
+            *number = self.key(key)?.number()?;
+        }
+        Ok(numbers)
+    }
+
     /// A list of `N` numbers.
     pub fn numbers<const N: usize>(&self) -> Result<[f64; N], Problem> {
         let found = self.count()?;
+        // The count comes first: a list of the wrong length with a text in it is of the wrong
+        // length.
         if found == N
             && let Ok(numbers) = <[f64; N]>::try_from(self.all_numbers()?)
         {
@@ -188,6 +211,8 @@ impl<'a> Node<'a> {
 
 /// A path with `/` between its parts that stays within the folder it starts from.
 pub(super) fn safe_path(name: &str) -> Result<String, Problem> {
+    // A file written on Windows is read on Linux, where `\` is a letter of a name; and `C:` must
+    // lead nowhere on either system.
     let name = name.replace('\\', "/");
     let drive = name.as_bytes().get(1) == Some(&b':');
     let leaves = name.split('/').any(|part| part == "..") || name.starts_with('/') || drive;

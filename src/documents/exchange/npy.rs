@@ -28,9 +28,12 @@ impl Array {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let sides: Vec<String> = self.shape.iter().map(ToString::to_string).collect();
+        // The header is a literal of Python (NumPy, `numpy.lib.format`): a tuple of one has a comma
+        // behind it.
         let comma = if sides.len() == 1 { "," } else { "" };
         let shape = format!("({}{comma})", sides.join(", "));
         let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        // Blanks and a line break fill the header, so that the numbers begin at a multiple of 64.
         let length = (BEFORE_HEADER + header.len() + 1).next_multiple_of(ALIGNMENT) - BEFORE_HEADER;
         let mut bytes = MAGIC.to_vec();
         bytes.extend([1, 0]);
@@ -124,6 +127,8 @@ impl<'a> Header<'a> {
         let rest = bytes
             .strip_prefix(MAGIC)
             .ok_or_else(|| wrong(wanted, "the magic bytes are missing"))?;
+        // Version 1 has a length of two bytes, versions 2 and 3 of four; the minor version does not
+        // matter.
         let (length, rest) = match rest {
             [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
             [2 | 3, _, a, b, c, d, rest @ ..] => {
@@ -142,10 +147,14 @@ impl<'a> Header<'a> {
             .ok_or_else(|| too_short(wanted, bytes.len()))?;
         let text =
             std::str::from_utf8(text).map_err(|_| wrong(wanted, "a header that is not text"))?;
+        // Without blanks the keys can be searched for in any order and spacing; no value that is
+        // read here has a blank of its own.
         let text: String = text
             .chars()
             .filter(|letter| !letter.is_whitespace())
             .collect();
+        // An array of Python objects is a pickle, which names functions that are called when it is
+        // read.
         if text.contains("'descr':'|O'") || text.contains("'descr':\"|O\"") {
             let why = "reading it would run code; save the matrix as float64";
             return Err(Problem::Unsupported {
@@ -182,8 +191,10 @@ impl<'a> Header<'a> {
             let found = format!("numbers of the type {}", shorten(&self.kind));
             return Err(wrong(wanted, found));
         };
+        // A trailing comma, as in `(5,)`, leaves an empty part. No side at all is a single number.
         let sides = self.shape.split(',').filter(|side| !side.is_empty());
         let shape: Option<Vec<usize>> = sides.map(|side| side.parse().ok()).collect();
+        // The header may state any numbers, so that the product may overflow.
         let count = shape
             .iter()
             .flatten()
@@ -191,6 +202,7 @@ impl<'a> Header<'a> {
         let (Some(shape), Some(count)) = (shape, count) else {
             return Err(wrong_shape(wanted, &self.shape));
         };
+        // Bytes behind the numbers are ignored, as NumPy ignores them.
         if self.data.len() / bytes < count {
             return Err(too_short(wanted, self.length));
         }

@@ -94,15 +94,19 @@ impl<'a> Npz<'a> {
         if bytes.is_empty() {
             return Err(Problem::Empty);
         }
+        // An archive of no arrays begins with its end.
         if !bytes.starts_with(LOCAL) && !bytes.starts_with(END) {
             return Err(wrong("it does not begin as a zip file"));
         }
+        // The record at the end is followed by a comment of any length up to the limit, so that it
+        // is searched from behind; the same four bytes may stand within an array.
         let from = bytes.len().saturating_sub(END_BYTES + MAX_COMMENT);
         let end = bytes[from..]
             .windows(END.len())
             .rposition(|window| window == END)
             .map(|at| from + at);
         let end = end.ok_or_else(damaged_table)?;
+        // The number of entries and the place of the table, as counted from the file's beginning.
         let count = usize::from(u16_at(bytes, end + 10).ok_or_else(damaged_table)?);
         if count > MAX_ENTRIES {
             return Err(wrong(format!(
@@ -160,6 +164,7 @@ impl<'a> Npz<'a> {
                 why: "it is encrypted",
             });
         }
+        // Before anything is unpacked: a few kilobytes may state, and unpack to, gigabytes.
         if entry.unpacked as u64 > MAX_FILE_BYTES {
             let too_large = Problem::TooLarge {
                 bytes: entry.unpacked as u64,
@@ -173,6 +178,7 @@ impl<'a> Npz<'a> {
             STORED => data.to_vec(),
             DEFLATED => {
                 let mut unpacked = Vec::new();
+                // One byte more than stated is enough to see that a size is wrong.
                 let limit = entry.unpacked as u64 + 1;
                 let read = DeflateDecoder::new(data)
                     .take(limit)
@@ -222,6 +228,8 @@ fn data_of(bytes: &[u8], entry: Entry) -> Option<&[u8]> {
     if !local.starts_with(LOCAL) {
         return None;
     }
+    // The name and the extra field stand before the data. Their lengths are read here, for the
+    // local extra field may differ from that of the table.
     let lengths = usize::from(u16_at(local, 26)?) + usize::from(u16_at(local, 28)?);
     let from = LOCAL_BYTES + lengths;
     local.get(from..from.checked_add(entry.packed)?)

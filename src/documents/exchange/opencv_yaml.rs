@@ -11,7 +11,9 @@ use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
 use super::unreadable::read_frame_files;
-use super::values::{are_oblong_pixels, shorten, side_px};
+use super::values::{
+    coefficient, refuse_further_coefficients, refuse_skewed_pixels, shorten, side_px,
+};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use touchline_core::camera::Radial;
@@ -25,6 +27,7 @@ pub struct OpenCvYaml;
 const MATRIX: &str = "!!opencv-matrix";
 
 fn push_matrix(name: &str, rows: usize, columns: usize, data: &[f64], into: &mut String) {
+    // `{:?}` writes all digits and a decimal point in every number, as OpenCV does.
     let data: Vec<String> = data.iter().map(|value| format!("{value:?}")).collect();
     // Writing to a string cannot fail.
     let _ = write!(
@@ -76,6 +79,8 @@ type Entries = BTreeMap<String, Vec<f64>>;
 /// The plain numbers and the matrices' data of a file, by name. Other lines are ignored.
 fn entries(text: &str) -> Result<Entries, Problem> {
     let mut found = Entries::new();
+    // OpenCV writes a small part of YAML: entries begin at the margin, and the lines of a matrix
+    // are indented. So the file is read line by line.
     let mut lines = text.lines().enumerate().peekable();
     while let Some((index, line)) = lines.next() {
         let Some((key, value)) = line
@@ -141,25 +146,15 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
         side(&entries, "image_width")?,
         side(&entries, "image_height")?,
     );
+    // By rows: f 0 cx, 0 f cy, 0 0 1.
     let k = values_of(&entries, "camera_matrix", 9)?;
-    if are_oblong_pixels(k[0], k[4]) || k[1] != 0.0 {
-        let what = format!("focal lengths {} and {} px, skew {}", k[0], k[4], k[1]);
-        return Err(Problem::Unsupported {
-            what,
-            why: "pixels must be square",
-        });
-    }
+    refuse_skewed_pixels(k[0], k[4], k[1])?;
+    // OpenCV writes 4, 5, 8, 12 or 14 coefficients, k1 and k2 first; without the entry there is no
+    // distortion.
     let lens = entries
         .get("distortion_coefficients")
         .map_or(&[][..], Vec::as_slice);
-    if let Some(other) = lens.iter().skip(2).find(|value| **value != 0.0) {
-        let what = format!("a distortion coefficient of {other} beyond k1 and k2");
-        return Err(Problem::Unsupported {
-            what,
-            why: "the document's lens has k1 and k2 only",
-        });
-    }
-    let coefficient = |index: usize| lens.get(index).copied().unwrap_or(0.0);
+    refuse_further_coefficients(lens.get(2..).unwrap_or_default())?;
     let rotation = Vec3::from_column_slice(values_of(&entries, "rvec", 3)?);
     let translation = Vec3::from_column_slice(values_of(&entries, "tvec", 3)?);
     let cam_from_world = from_rotation_vector(rotation);
@@ -170,8 +165,8 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
         focal_px: k[0],
         principal_point: ImagePoint::new(k[2] + shift, k[5] + shift),
         lens: Radial {
-            k1: coefficient(0),
-            k2: coefficient(1),
+            k1: coefficient(lens, 0),
+            k2: coefficient(lens, 1),
         },
     };
     Ok((pinhole.validate("the camera")?, size))
@@ -185,6 +180,7 @@ fn values_of<'a>(entries: &'a Entries, key: &str, wanted: usize) -> Result<&'a [
     if values.len() == wanted {
         return Ok(values);
     }
+    // `entries` keeps a key with a text, without numbers.
     if values.is_empty() {
         return Err(Problem::Kind {
             what: key.to_owned(),

@@ -15,6 +15,7 @@ use super::held::parts;
 use super::node::{Node, parse};
 use super::options::ImportOptions;
 use super::rate::Rate;
+use super::values::coefficient;
 use crate::document::SolutionSource;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
@@ -42,6 +43,8 @@ const NAME_KEY: &str = "touchlineFrame";
 
 /// A reproducible id, from a hash of what it identifies.
 fn urn(of: &str) -> String {
+    // A random id would change with each export of the same document. The schema wants the form of
+    // a UUID in small letters, not its version bits.
     let digest = hex(&Sha256::digest(of.as_bytes()));
     format!(
         "urn:uuid:{}-{}-{}-{}-{}",
@@ -94,9 +97,11 @@ fn timing(frame: &FrameCamera, context: &WriteContext<'_>) -> Option<Value> {
 }
 
 fn lens(pinhole: &Pinhole, size: ImageSize, sensor_mm: f64) -> Value {
+    // The coefficients act on mm from the centre of projection, ours on x / z = mm / F: k1 r² = (k1
+    // / F²) (F r)².
     let mm_per_px = sensor_mm / f64::from(size.width);
     // Px to mm by the sensor's pixel pitch. The offset is that of the principal point from the
-    // picture's middle.
+    // picture's middle, positive to the right and down as ours.
     let (focal, offset) = (
         pinhole.focal_px * mm_per_px,
         pinhole.principal_point.offset_from(size.centre()) * mm_per_px,
@@ -122,6 +127,8 @@ fn sample(
     let at = pinhole.position_m;
     let nominal = if given.is_some() { "" } else { NOMINAL_NOTE };
     let camera = frame.camera.as_deref().unwrap_or_default();
+    // The notes are for people. A name that they cut, or that could be read as another one, goes
+    // into `custom`: the schema lets unknown keys pass at the top level.
     let notes = format!("{OWN_NOTES}{nominal}; {}", frame.name)
         .chars()
         .take(MAX_NOTES)
@@ -163,9 +170,13 @@ fn name_in_notes(notes: &str) -> Option<&str> {
 
 /// The name of a frame in its sample; none in samples of other programs.
 fn name_in_sample<'a>(root: &Node<'a>) -> Option<&'a str> {
-    let text_at = |path: &[&str]| find_path(root, path)?.value().as_str();
-    text_at(&["custom", NAME_KEY])
-        .or_else(|| text_at(&["tracker", "notes"]).and_then(name_in_notes))
+    text_at(root, &["custom", NAME_KEY])
+        .or_else(|| text_at(root, &["tracker", "notes"]).and_then(name_in_notes))
+}
+
+/// The text under keys within each other.
+fn text_at<'a>(root: &Node<'a>, path: &[&str]) -> Option<&'a str> {
+    find_path(root, path)?.value().as_str()
 }
 
 /// The sensor's width (mm) and the size of the picture, which only some samples contain; the last
@@ -178,6 +189,8 @@ struct Static {
 
 impl Static {
     fn update(&mut self, root: &Node<'_>) -> Result<(), Problem> {
+        // Only the first sample and one every few seconds have the static part, so that a receiver
+        // can begin anywhere.
         let Some(camera) = root.find("static").and_then(|part| part.find("camera")) else {
             return Ok(());
         };
@@ -185,10 +198,7 @@ impl Static {
             self.sensor_mm = Some(sensor.key("width")?.positive()?);
         }
         if let Some(size) = camera.find("activeSensorResolution") {
-            self.size = Some(ImageSize::new(
-                size.key("width")?.side_px()?,
-                size.key("height")?.side_px()?,
-            ));
+            self.size = Some(size.size_at("width", "height")?);
         }
         Ok(())
     }
@@ -211,20 +221,11 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
             });
         }
         let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
-        // Each transform is in the axes of the one before.
-        place += rotation * Vec3::from(numbers_at(&t, ["x", "y", "z"])?);
-        rotation *= world_from_body(numbers_at(&r, ["pan", "tilt", "roll"])?);
+        // Each transform is in the axes of the one before: a crane, its arm, its head.
+        place += rotation * Vec3::from(t.numbers_at(["x", "y", "z"])?);
+        rotation *= world_from_body(r.numbers_at(["pan", "tilt", "roll"])?);
     }
     Ok((rotation, place))
-}
-
-/// The numbers under three keys.
-fn numbers_at(node: &Node<'_>, [first, second, third]: [&str; 3]) -> Result<[f64; 3], Problem> {
-    Ok([
-        node.key(first)?.number()?,
-        node.key(second)?.number()?,
-        node.key(third)?.number()?,
-    ])
 }
 
 /// Entries that affect the picture and are not read.
@@ -284,6 +285,9 @@ fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
     let Some(list) = lens.find("distortion") else {
         return Ok(Radial::default());
     };
+    // A list may have a model for each direction. The first one that distorts counts, and it must
+    // be ours: the other direction has no closed form in our coefficients. `unread` reports a
+    // second one.
     for distortion in list.items()? {
         let terms = distortion.key("radial")?.all_numbers()?;
         let tangential = distortion
@@ -302,6 +306,8 @@ fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
                 why: "only Brown-Conrady U-D is read",
             });
         }
+        // Numerator and denominator alternate: l1 and l3 are the first two terms of the numerator,
+        // k1 and k2. All others must be zero.
         let further = terms
             .iter()
             .enumerate()
@@ -313,11 +319,10 @@ fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
                 why: "the document's lens has k1 and k2 only",
             });
         }
-        let term = |index: usize| terms.get(index).copied().unwrap_or(0.0);
         if bends {
             return Ok(Radial {
-                k1: term(0) * focal_mm.powi(2),
-                k2: term(2) * focal_mm.powi(4),
+                k1: coefficient(&terms, 0) * focal_mm.powi(2),
+                k2: coefficient(&terms, 2) * focal_mm.powi(4),
             });
         }
     }
@@ -333,6 +338,8 @@ fn read_line(
     let value = parse(line.as_bytes())?;
     let root = Node::root(&value);
     known.update(&root)?;
+    // What the file states goes before what the user says: one file may have samples of several
+    // cameras.
     let size = known.size.or(options.size);
     let size =
         size.ok_or_else(|| Problem::Missing("static.camera.activeSensorResolution".to_owned()))?;
@@ -351,7 +358,7 @@ fn read_line(
         .unwrap_or(0.0);
     let mut principal_point = size.centre();
     if let Some(offset) = lens.find("projectionOffset") {
-        let [x, y] = [offset.key("x")?.number()?, offset.key("y")?.number()?];
+        let [x, y] = offset.numbers_at(["x", "y"])?;
         principal_point = ImagePoint::new(
             principal_point.x + x / mm_per_px,
             principal_point.y + y / mm_per_px,
@@ -398,6 +405,7 @@ impl CameraFormat for OpenTrackIo {
         held: &[FrameCamera],
         context: &WriteContext<'_>,
     ) -> Result<Files, ExchangeError> {
+        // Without a rate no interval is known, and each sample has the static part.
         let every = context.rate.map_or(1, |rate| {
             (rate.per_second() * REPEAT_SECONDS).ceil() as usize
         });
@@ -408,6 +416,7 @@ impl CameraFormat for OpenTrackIo {
                 continue;
             };
             let mut sample = sample(frame, &pinhole, size, context);
+            // Another camera, or another size, also begins with its own.
             if index % every == 0 || last != Some((&frame.camera, size)) {
                 let sensor_mm = context.options.sensor_width_mm.unwrap_or(NOMINAL_MM);
                 sample["static"] = static_part(frame, size, sensor_mm, context.rate_of(frame));
@@ -452,6 +461,8 @@ impl CameraFormat for OpenTrackIo {
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         let mut count = 0;
         files.read_all(|_, bytes| {
+            // The files of a folder are tracks of their own; names without numbers are counted over
+            // all of them.
             let mut known = Static::default();
             let lines = text(bytes)?
                 .lines()

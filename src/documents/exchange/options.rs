@@ -107,6 +107,7 @@ impl Recording {
     /// Whether a text is a time in UTC such as `2026-03-01T18:59:30Z`.
     #[must_use]
     pub fn is_start(text: &str) -> bool {
+        // jiff also reads offsets such as +01:00, which the Common Data Format does not allow.
         text.ends_with('Z') && text.parse::<jiff::Timestamp>().is_ok()
     }
 }

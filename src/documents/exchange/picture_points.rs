@@ -10,7 +10,7 @@
 
 use super::cvat::{Element, attribute, number_attribute, parse_annotations};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, base_name, no_files, text, without_ending};
+use super::files::{Files, no_files, text, without_ending};
 use super::table::{Table, TableRow, number};
 use super::values::frame_number;
 use crate::document::Frame;
@@ -67,8 +67,7 @@ enum FrameName {
 
 /// A picture's name without folders and ending.
 fn picture_name(path: &str) -> &str {
-    let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
-    without_ending(base_name(name))
+    without_ending(path.rsplit(['/', '\\']).next().unwrap_or(path))
 }
 
 /// Reads the points of a file in MOT's format, a table, or CVAT's XML.
@@ -89,6 +88,8 @@ pub fn read_picture_points(path: &Path) -> Result<PicturePoints, ExchangeError> 
 
 fn points_of(bytes: &[u8]) -> Result<PicturePoints, Problem> {
     let text = text(bytes)?;
+    // XML is known by its first letter, a table by a column `frame` in its header. MOT has no
+    // header; whatever else a file is, its first line then fails as one of MOT.
     let first = text.lines().next().unwrap_or_default();
     if text.trim_start().starts_with('<') {
         points_of_cvat(text)
@@ -119,6 +120,7 @@ fn point_of_mot(line: &str) -> Result<(u64, ImagePoint), Problem> {
             found: fields.len(),
         });
     };
+    // MOT counts frames from 1, this program from 0.
     let counted = frame_number("frame", number("frame", frame)?)?;
     let frame = counted.checked_sub(1).ok_or_else(|| Problem::OutOfRange {
         what: "frame".to_owned(),
@@ -138,6 +140,7 @@ fn foot_of_box([left, top]: [f64; 2], [width, height]: [f64; 2]) -> ImagePoint {
 fn points_of_table(bytes: &[u8]) -> Result<PicturePoints, Problem> {
     let table = Table::read(bytes)?;
     table.needs(&["frame", "x", "y"])?;
+    // Without a box the point itself is meant: a box without extent has its foot there.
     let has_box = table.needs(&["w", "h"]).is_ok();
     let mut points = PicturePoints::default();
     for row in table.rows() {
@@ -155,6 +158,7 @@ fn points_of_table(bytes: &[u8]) -> Result<PicturePoints, Problem> {
 /// The frame of a row: a number, else a picture's name.
 fn frame_of_row(row: &TableRow<'_>) -> Result<FrameName, Problem> {
     let frame = row.text("frame").ok_or_else(|| row.missing("frame"))?;
+    // A name of digits alone is a number: trackers count frames, and pictures have endings.
     match number("frame", frame) {
         Ok(value) => frame_number("frame", value)
             .map(FrameName::Number)

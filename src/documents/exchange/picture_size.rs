@@ -52,6 +52,7 @@ pub fn fit_to_picture(
 
 fn has_its_centre_in(frame: &FrameCamera, picture: ImageSize) -> bool {
     let principal_point = frame.pinhole().map(|pinhole| pinhole.principal_point);
+    // A homography has no principal point, and the sizes of its formats are never derived from one.
     principal_point.is_some_and(|point| {
         point.distance_px(picture.centre()) <= OFF_CENTRE * f64::from(picture.width)
     })
@@ -60,6 +61,8 @@ fn has_its_centre_in(frame: &FrameCamera, picture: ImageSize) -> bool {
 fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera {
     let shown = match frame.shown {
         FrameProjection::Camera(pinhole) => FrameProjection::Camera(pinhole.scale_by(factor)),
+        // Pixels count from the corner, so that a scaling about the origin is all; from pixel
+        // centres it would also shift them.
         FrameProjection::Ground(image_from_ground) => FrameProjection::Ground(
             Mat3::from_diagonal(&Vec3::new(factor, factor, 1.0)) * image_from_ground,
         ),

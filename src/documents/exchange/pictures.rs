@@ -11,6 +11,8 @@ const IMAGE_ENDINGS: [&str; 6] = ["jpg", "png", "jpeg", "JPG", "tif", "bmp"];
 /// The file of a named image within a folder, and its size if it exists.
 #[must_use]
 pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
+    // SoccerNet, WC14 and YOLO name a frame without the ending of its picture. A name may have dots
+    // of its own, so that only known endings count as one.
     let candidates: Vec<PathBuf> = if IMAGE_ENDINGS.iter().any(|ending| has_ending(named, ending)) {
         vec![PathBuf::from(named)]
     } else {
@@ -21,6 +23,8 @@ pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
     };
     let found = candidates.iter().find(|file| images.join(file).is_file());
     let size = found.and_then(|file| media::image_size(&images.join(file)).ok());
+    // Where no picture is there, the document still names one, so that it is found when it comes:
+    // with the commonest ending.
     let first = candidates.first().cloned().unwrap_or_default();
     (found.cloned().unwrap_or(first), size)
 }

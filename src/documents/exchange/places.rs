@@ -57,6 +57,7 @@ impl<'a> Places<'a> {
                 places.by_number.insert((file, video.frame_index), index);
             }
         }
+        // The keys of the map are sorted by video, so that equal videos are neighbours.
         places.videos = places
             .by_number
             .keys()
@@ -68,6 +69,9 @@ impl<'a> Places<'a> {
 
     /// The position of the frame that shows the same picture as an imported one.
     pub fn find(&self, imported: &Frame, folder: &Path) -> Option<usize> {
+        // The rules of the table above, in its order. Where a picture of this name is there but
+        // another one by its digest, the frame is none of the document: the number of a video must
+        // not overrule it.
         let by_file =
             image_file(imported, folder).and_then(|file| self.by_file.get(&file).copied());
         let by_image =
@@ -98,6 +102,7 @@ impl<'a> Places<'a> {
         let video = self.find_video(&imported.path, folder)?;
         let index = *self.by_number.get(&(video.clone(), imported.frame_index))?;
         let known = self.open.document.frames.get(index)?.video.as_ref()?;
+        // A track that names no video counts from its own beginning, so that its times say nothing.
         let times_s = known.pts_s.zip(imported.pts_s);
         let are_apart = times_s.is_some_and(|(a, b)| (a - b).abs() > SAME_TIME_S);
         (!(are_apart && names_video(&imported.path))).then_some(index)
@@ -108,11 +113,13 @@ impl<'a> Places<'a> {
         if let Some(same) = self.videos.iter().find(|video| **video == file) {
             return Some(same);
         }
+        // Only where the document has one video is it clear which one a nameless track is of.
         if !names_video(path) {
             return <&[PathBuf; 1]>::try_from(&self.videos[..])
                 .ok()
                 .map(|[only]| only);
         }
+        // Two videos of one name and length are no match at all.
         let mut alike = self
             .videos
             .iter()

@@ -40,6 +40,9 @@ impl Rate {
     /// The usual rate within 0.02 % of a measured one.
     #[must_use]
     pub fn nearest(per_second: f64) -> Option<Self> {
+        // Broadcast rates are a thousandth apart (30 and 30000/1001), five times the tolerance, so
+        // that a measured rate cannot be taken for its neighbour. NaN, of no or equal times, is
+        // near none.
         let nearest = Self::USUAL.into_iter().min_by(|a, b| {
             a.deviation_from(per_second)
                 .total_cmp(&b.deviation_from(per_second))
@@ -60,6 +63,8 @@ impl Rate {
             return (frames > 0 && seconds > 0).then_some(Self { frames, seconds });
         }
         let per_second: f64 = text.parse().ok()?;
+        // A whole number is meant as it stands. A decimal one is a rounded ratio, such as 29.97,
+        // and stands for the usual rate near it.
         if per_second.fract() == 0.0 && (1.0..=1000.0).contains(&per_second) {
             return Some(Self::new(per_second as u32, 1));
         }

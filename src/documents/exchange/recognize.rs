@@ -28,6 +28,8 @@ const FREED_PACKET: (usize, u8) = (29, 0xd1);
 /// Nothing can be read there, or the files are of no known format or of several.
 pub fn recognize_format(path: &Path) -> Result<Format, ExchangeError> {
     let is_folder = path.is_dir();
+    // `Files::read` takes a function that changes nothing; the counts of the sample are behind a
+    // cell.
     let sample = RefCell::new(Sample::default());
     let files = Files::read(path, &|name| sample.borrow_mut().takes(name))?;
     let found: BTreeSet<Format> = files
@@ -65,8 +67,10 @@ impl Sample {
         if self.taken == MAX_FILES || !is_ending_of_format(&ending_of(name)) {
             return false;
         }
+        // Thousands of files with names that differ in their numbers are of one format.
         let kind = name.replace(|letter: char| letter.is_ascii_digit(), "");
         let alike = self.alike.entry(kind).or_default();
+        // More than one, because some of them may be damaged.
         let takes = *alike < MAX_ALIKE;
         *alike += usize::from(takes);
         self.taken += usize::from(takes);
@@ -117,6 +121,7 @@ fn format_of_file(name: &str, bytes: &[u8]) -> Option<Format> {
         "mat" => Some(Format::AuthorsMat),
         "chan" => Some(Format::Chan),
         "homographymatrix" => Some(Format::Wc14),
+        // Any program may write a `.bin`.
         "freed" | "bin" => is_freed(bytes).then_some(Format::FreeD),
         "csv" => format_of_table(bytes),
         "yml" | "yaml" => format_of_yaml(text(bytes).ok()?),
@@ -152,6 +157,7 @@ fn format_of_yaml(text: &str) -> Option<Format> {
 
 /// The format of JSON, JSON lines, or a text of numbers.
 fn format_of_text(name: &str, bytes: &[u8]) -> Option<Format> {
+    // A whole file of JSON first: the first line of an indented file is a bare brace.
     if let Ok(value) = parse(bytes) {
         return format_of_json(name, &value);
     }
@@ -160,6 +166,7 @@ fn format_of_text(name: &str, bytes: &[u8]) -> Option<Format> {
     if let Ok(value) = parse(first.as_bytes()) {
         return format_of_json(name, &value);
     }
+    // These names are Colmap's alone. Other texts are known by how many numbers they have.
     if matches!(base_name(name), "cameras.txt" | "images.txt") {
         return Some(Format::Colmap);
     }
@@ -181,6 +188,7 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
     if value.get("format").and_then(Value::as_str) == Some("touchline") {
         return Some(Format::Json);
     }
+    // The first entry counts of which the object has all keys.
     let keys: [(&[&str], Format); 9] = [
         (&["cam_params"], Format::PnlCalib),
         (&["parameters"], Format::PnlCalib),
@@ -193,6 +201,7 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
         (&["data", "completions"], Format::LabelStudio),
     ];
     if is_camera(value) {
+        // The keys are the same; SoccerNet's evaluator reads files by their prefix.
         let is_soccernet = base_name(name).starts_with("camera_");
         return Some(if is_soccernet {
             Format::SoccerNet
@@ -218,6 +227,7 @@ fn format_of_list(items: &[Value]) -> Option<Format> {
         if is_camera(item) {
             return Some(Format::PnlCalib);
         }
+        // A task of Label Studio, or one of its flat form JSON-MIN.
         let is_task = item.get("data").is_some() || item.get("image").is_some();
         is_task.then_some(Format::LabelStudio)
     })

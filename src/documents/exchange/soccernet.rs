@@ -14,7 +14,7 @@ use super::node::{Node, parse};
 use super::options::ImportOptions;
 use super::picture_size::SizeSource;
 use super::unreadable::read_frame_files;
-use super::values::are_oblong_pixels;
+use super::values::{refuse_further_coefficients, refuse_oblong_pixels};
 use serde_json::{Value, json};
 use touchline_core::camera::Radial;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
@@ -47,7 +47,11 @@ pub fn flip_rotation(cam_from_world: &Mat3) -> Mat3 {
 /// 180°, −tilt, roll + 180°) is the same rotation. The triple with the smaller roll is returned.
 #[must_use]
 pub fn angles_deg(cam_from_their_world: &Mat3) -> [f64; 3] {
+    // o = Rz(pan) Rx(tilt) Rz(roll): its third column is (sin pan sin tilt, −cos pan sin tilt, cos
+    // tilt), its third row (sin tilt sin roll, sin tilt cos roll, cos tilt).
     let o = cam_from_their_world.transpose();
+    // |sin tilt|. The arctangents below keep the digits that an arccosine of o₂₂ loses near 0° and
+    // 180°.
     let sine = o[(0, 2)].hypot(o[(1, 2)]);
     if sine < 1e-15 {
         // Straight down or up, only the sum of pan and roll (or their difference) is determined.
@@ -123,13 +127,9 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
         node.key("x_focal_length")?.positive()?,
         node.key("y_focal_length")?.positive()?,
     ];
-    if are_oblong_pixels(fx, fy) {
-        let what = format!("focal lengths {fx} and {fy} px");
-        return Err(Problem::Unsupported {
-            what,
-            why: "pixels must be square",
-        });
-    }
+    refuse_oblong_pixels(fx, fy)?;
+    // k1 and k2, the third of the numerator and the three of the denominator of OpenCV's rational
+    // model. All ten keys are required, as their loader requires them.
     let radial: [f64; 6] = node.key("radial_distortion")?.numbers()?;
     let others: Vec<f64> = [
         &radial[2..],
@@ -137,18 +137,8 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
         &node.key("thin_prism_distortion")?.numbers::<4>()?,
     ]
     .concat();
-    if let Some(value) = others.iter().find(|value| **value != 0.0) {
-        let what = format!("a distortion coefficient of {value} beyond k1 and k2");
-        return Err(Problem::Unsupported {
-            what,
-            why: "the document's lens has k1 and k2 only",
-        });
-    }
-    let angles = [
-        node.key("pan_degrees")?.number()?,
-        node.key("tilt_degrees")?.number()?,
-        node.key("roll_degrees")?.number()?,
-    ];
+    refuse_further_coefficients(&others)?;
+    let angles = node.numbers_at(["pan_degrees", "tilt_degrees", "roll_degrees"])?;
     let [x, y]: [f64; 2] = node.key("principal_point")?.numbers()?;
     Pinhole {
         cam_from_world: flip_rotation(&rotation_of(angles)),
@@ -172,6 +162,8 @@ const SAME_PROPORTIONS: f64 = 0.005;
 /// an unusual aspect ratio, which means that the principal point is not in the middle.
 #[must_use]
 pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
+    // The usual readers take twice the principal point for the size. That is a guess, so that it
+    // must give a picture as cameras have them.
     let (width, height) = (2.0 * point.x, 2.0 * point.y);
     let is_usual = USUAL_PROPORTIONS
         .iter()
@@ -264,6 +256,8 @@ impl CameraFormat for SoccerNet {
 
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
         let off: Vec<&FrameCamera> = frames.iter().filter(|frame| is_off_centre(frame)).collect();
+        // Such a camera projects correctly where the size is known, but a reader that rescales by
+        // twice the principal point gets another picture.
         let centre = off
             .first()
             .and_then(|frame| Some((frame.pinhole()?.principal_point, frame.size?)));
@@ -278,6 +272,7 @@ impl CameraFormat for SoccerNet {
                 size.height
             )
         });
+        // The challenge evaluates at 960 × 540; a camera of another size scores as wrong.
         let wide = frames
             .iter()
             .find_map(|frame| frame.size)
@@ -357,6 +352,8 @@ impl CameraFormat for PnlCalib {
         _options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         let sorted = files.sorted_entries();
+        // Of several files each is a frame. A single one may be a list of samples; where it has
+        // none, it is read again as a frame.
         let [(name, bytes)] = sorted[..] else {
             return read_files(files);
         };

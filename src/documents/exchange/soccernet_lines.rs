@@ -40,6 +40,8 @@ fn class_of(click: &Click) -> Option<&'static str> {
 fn annotation(frame: &ClickedFrame, game_state: bool) -> Value {
     let (width, height) = (f64::from(frame.size.width), f64::from(frame.size.height));
     let mut lines = Map::new();
+    // In the order of the classes, so that the same clicks give the same bytes whatever the order
+    // in which they were set.
     for (class, line) in SOCCERNET_LINES {
         let points: Vec<Value> = frame
             .clicks
@@ -84,6 +86,7 @@ fn share_of_side(coordinate: &Node<'_>) -> Result<f64, Problem> {
     if (-BORDER_SHARE..=1.0 + BORDER_SHARE).contains(&value) {
         return Ok(value.clamp(0.0, 1.0));
     }
+    // Values far beyond are no shares but pixels.
     if (-0.5..=1.5).contains(&value) {
         return Ok(value);
     }
@@ -124,6 +127,7 @@ impl ClickFormat for SoccerNetLines {
 
     fn is_wanted(&self, name: &str) -> bool {
         let file = base_name(name);
+        // Files of the same data set that are no annotations: cameras, and the lists of matches.
         let other = file.starts_with("camera_") || file.ends_with("match_info.json");
         has_ending(name, "json") && !other
     }
@@ -131,14 +135,12 @@ impl ClickFormat for SoccerNetLines {
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
+        _options: &ImportOptions,
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         files.read_all(|file, bytes| {
             let path = without_ending(file);
-            let size = sizes(path)
-                .or(options.size)
-                .ok_or_else(|| size_needed(path))?;
+            let size = sizes(path).ok_or_else(|| size_needed(path))?;
             let marks = read_file(bytes, size)?;
             Ok(Some(LabelledFrame {
                 name: path.to_owned(),

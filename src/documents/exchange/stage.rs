@@ -16,6 +16,8 @@ pub const fn takes_stage(format: Format) -> bool {
 
 /// The axes of a stage in `world`, as columns: x to its right, y ahead, z up.
 fn world_from_stage(stage: &Stage) -> Mat3 {
+    // The heading is positive to the right, like pan: at 90° the stage looks along +x of the field,
+    // and its x axis points along −y.
     let (sin, cos) = stage.heading_deg.to_radians().sin_cos();
     Mat3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0)
 }
@@ -27,6 +29,7 @@ fn transform_camera(
     position: impl Fn(Vec3) -> Vec3,
     rotation: &Mat3,
 ) -> FrameCamera {
+    // Only a camera has axes; tracks have no homographies.
     let FrameProjection::Camera(pinhole) = &frame.shown else {
         return frame.clone();
     };

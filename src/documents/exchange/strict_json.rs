@@ -65,6 +65,7 @@ impl<'de> Visitor<'de> for Keys {
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        // The parser refuses numbers that overflow, so that none is infinite here.
         Ok(Number::from_f64(value).map_or(Value::Null, Value::Number))
     }
 

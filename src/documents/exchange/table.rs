@@ -24,6 +24,9 @@ struct Fields {
     ends: Vec<usize>,
     /// The number of fields up to the end of each row.
     row_ends: Vec<usize>,
+    /// The line in which each row begins, from 1. Empty lines and line breaks within quotes make
+    /// it differ from the row's number.
+    row_lines: Vec<usize>,
 }
 
 impl Fields {
@@ -50,13 +53,14 @@ impl Fields {
         self.ends.push(self.text.len());
     }
 
-    /// Ends a row; an empty line is none.
-    fn end_row(&mut self) {
+    /// Ends a row that began in a line; an empty line is none.
+    fn end_row(&mut self, line: usize) {
         let row = self.row(self.rows());
         if row.len() == 1 && self.field(row.start).is_empty() {
             self.ends.pop();
         } else {
             self.row_ends.push(self.ends.len());
+            self.row_lines.push(line);
         }
     }
 }
@@ -83,6 +87,8 @@ impl Table {
             .row(0)
             .map(|number| fields.field(number).to_owned())
             .collect();
+        // A field is found by the first column of its name; a second one of the same name would be
+        // ignored.
         for (index, name) in header.iter().enumerate() {
             if header[..index].contains(name) {
                 return Err(Problem::Twice {
@@ -91,6 +97,8 @@ impl Table {
                 });
             }
         }
+        // With as many fields in each row as in the header, a field is found by its column's
+        // position.
         for index in 1..fields.rows() {
             let found = fields.row(index).len();
             if found != header.len() {
@@ -99,7 +107,7 @@ impl Table {
                     wanted: header.len(),
                     found,
                 };
-                return Err(problem.at_line(index + 1));
+                return Err(problem.at_line(fields.row_lines[index]));
             }
         }
         Ok(Self { header, fields })
@@ -125,10 +133,10 @@ impl Table {
 }
 
 impl TableRow<'_> {
-    /// The line of the row in the file, where no field holds a line break.
+    /// The line of the file in which the row begins, from 1.
     #[must_use]
-    pub const fn line(&self) -> usize {
-        self.index + 1
+    pub fn line(&self) -> usize {
+        self.table.fields.row_lines[self.index]
     }
 
     /// A field; none where it is empty or the column is missing.
@@ -138,6 +146,7 @@ impl TableRow<'_> {
         let fields = &self.table.fields;
         let field = Some(fields.field(fields.row(self.index).nth(at)?))
             .filter(|field| !field.is_empty())?;
+        // The apostrophe that `text_cell` puts before what a spreadsheet would calculate.
         Some(
             field
                 .strip_prefix('\'')
@@ -215,6 +224,9 @@ pub fn numbers(what: &str, line: &str) -> Result<Vec<f64>, Problem> {
 fn split(text: &str) -> Result<Fields, Problem> {
     let mut fields = Fields::default();
     let mut quoted = false;
+    let (mut line, mut row_line) = (1, 1);
+    // Letter by letter, because RFC 4180 allows commas, line breaks and doubled quotes within
+    // quotes, so that neither lines nor commas can be split first.
     let mut letters = text.chars().peekable();
     while let Some(letter) = letters.next() {
         match letter {
@@ -226,22 +238,25 @@ fn split(text: &str) -> Result<Fields, Problem> {
             ',' if !quoted => {
                 fields.end_field();
                 if fields.row(fields.rows()).len() >= MAX_COLUMNS {
-                    let found = format!(
-                        "line {} has more than {MAX_COLUMNS} columns",
-                        fields.rows() + 1
-                    );
+                    let found = format!("line {row_line} has more than {MAX_COLUMNS} columns");
                     return Err(Problem::NotFormat {
                         wanted: "a table",
                         found,
                     });
                 }
             }
+            // Lines may end as on Windows.
             '\r' if !quoted && letters.peek() == Some(&'\n') => {}
             '\n' if !quoted => {
                 fields.end_field();
-                fields.end_row();
+                fields.end_row(row_line);
+                line += 1;
+                row_line = line;
             }
-            other => fields.text.push(other),
+            other => {
+                line += usize::from(other == '\n');
+                fields.text.push(other);
+            }
         }
     }
     if quoted {
@@ -250,9 +265,15 @@ fn split(text: &str) -> Result<Fields, Problem> {
             found: "a quote is never closed".to_owned(),
         });
     }
+    // The last line may lack its line break.
     fields.end_field();
-    fields.end_row();
+    fields.end_row(row_line);
     Ok(fields)
+}
+
+/// The text of a field; empty where there is no value.
+pub fn field_text(value: Option<impl ToString>) -> String {
+    value.map(|value| value.to_string()).unwrap_or_default()
 }
 
 /// Writes a row; fields with commas, quotes or line breaks are quoted.
@@ -302,6 +323,18 @@ mod tests {
             let table = Table::read(table.as_bytes()).unwrap();
             assert_eq!(table.rows().next().unwrap().text("w"), Some(words));
         }
+    }
+
+    #[test]
+    fn a_row_is_named_by_the_line_in_which_it_begins() {
+        let table = Table::read(b"a,b\r\n\n\"1\n2\",3\n4,x\n").unwrap();
+        let lines: Vec<usize> = table.rows().map(|row| row.line()).collect();
+        assert_eq!(lines, [3, 5]);
+        let said = table.rows().nth(1).unwrap().number("b").unwrap_err();
+        assert_eq!(
+            said.to_string(),
+            "line 5: b: a number is expected, found \"x\""
+        );
     }
 
     #[test]

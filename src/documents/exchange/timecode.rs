@@ -29,6 +29,8 @@ fn nominal(rate: Rate) -> u64 {
 /// 59.94; none at other rates.
 fn drops_per_minute(rate: Rate) -> Option<u64> {
     let nominal = nominal(rate);
+    // Two numbers in each of 54 minutes of an hour: 108 of 108,000, which is the lag of 30000/1001
+    // behind 30 (SMPTE ST 12-1). 24000/1001 has no such code.
     (rate.seconds == 1001 && nominal.is_multiple_of(30)).then_some(nominal / 15)
 }
 
@@ -40,6 +42,8 @@ impl Timecode {
     pub fn from_start(start: Option<Self>, frame_index: u64, rate: Rate) -> Self {
         let dropped =
             drops_per_minute(rate).filter(|_| start.is_none_or(|start| start.is_drop_frame));
+        // The start counts as frames, so that numbers which its own minutes drop are not counted
+        // twice.
         let before = start.map_or(0, |start| start.count(nominal(rate), dropped));
         let nominal = nominal(rate);
         let mut number = before.saturating_add(frame_index);
@@ -51,6 +55,8 @@ impl Timecode {
             // A day has 144 blocks of ten minutes; whole days do not show in the code.
             number %= 144 * ten_minutes;
             let (tens, rest) = (number / ten_minutes, number % ten_minutes);
+            // Within a block the first minute has `dropped` frames more than the others, which is
+            // why `rest` is taken without them.
             number += 9 * dropped * tens
                 + if rest >= dropped {
                     dropped * ((rest - dropped) / minute)
@@ -72,6 +78,7 @@ impl Timecode {
     fn count(self, nominal: u64, dropped: Option<u64>) -> u64 {
         let minutes = 60 * self.hours + self.minutes;
         let numbers = (60 * minutes + self.seconds) * nominal + self.frames;
+        // One drop at the start of every minute so far but each tenth.
         let left_out = dropped.map_or(0, |dropped| dropped * (minutes - minutes / 10));
         let is_left_out = dropped.is_some_and(|dropped| {
             self.seconds == 0 && self.frames < dropped && !self.minutes.is_multiple_of(10)

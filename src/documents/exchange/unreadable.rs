@@ -36,6 +36,8 @@ pub fn read_frame_files(
                 is_any_read = true;
                 frames.push(frame);
             }
+            // The frame stays in its place in the order, because frames without numbers are
+            // attached to a video by their order.
             Err(problem) => {
                 let unreadable = Unreadable {
                     file: Some(file.to_owned()),
@@ -59,6 +61,8 @@ pub fn read_frame_files(
 /// read.
 pub fn note_unreadable(frames: &[FrameCamera]) -> Option<String> {
     let mut named = Vec::new();
+    // A frame that was read but fits no camera has no file of its own to name; then all are called
+    // frames.
     let (mut unreadable, mut has_files) = (0_usize, true);
     for frame in frames {
         let Some(Unreadable { file, problem }) = &frame.unreadable else {
@@ -89,9 +93,12 @@ pub fn note_unreadable(frames: &[FrameCamera]) -> Option<String> {
 /// read. `sizes` are those of their pictures; where one is not known, it is that of a frame with a
 /// camera.
 pub fn add_unsolved(document: &mut Document, frames: &[FrameCamera], sizes: &[Option<ImageSize>]) {
+    // `document` is of at least one frame with a camera; the import fails where there is none.
     let Some(size) = document.frames.first().map(|frame| frame.image_size) else {
         return;
     };
+    // The document has the frames with a camera in the order in which they were read, so that one
+    // pass over all frames merges the two kinds. A frame is shared, so that copies of it are cheap.
     let solved: Vec<Shared<Frame>> = document.frames.iter().cloned().collect();
     let mut solved = solved.into_iter();
     let mut all = Vec::with_capacity(frames.len());

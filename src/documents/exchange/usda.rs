@@ -12,6 +12,7 @@ use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::held::{parts, with};
+use super::into_document::FreeNames;
 use super::options::ImportOptions;
 use super::table::{number, numbers};
 use super::values::{frame_number, side_px};
@@ -71,12 +72,16 @@ fn prim_name(camera: &str) -> String {
 
 fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
     let mut takes: Vec<Take<'_>> = Vec::new();
+    let mut names = FreeNames::new("_take");
     for (index, frame) in held.iter().enumerate() {
         let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else {
             continue;
         };
+        // Pictures without a number are a frame each, in their order.
         let time = frame.frame_index.unwrap_or(index as u64);
         let camera = frame.camera.as_deref().unwrap_or_default();
+        // Readers interpolate between samples of one camera, across any gap; and aperture and its
+        // offsets are of a camera, not of a sample.
         if let Some(take) = takes
             .last_mut()
             .filter(|take| take.is_continued_by(time, pinhole, size, camera))
@@ -85,7 +90,7 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
             continue;
         }
         takes.push(Take {
-            name: free_name(&prim_name(camera), &takes),
+            name: names.take(&prim_name(camera)),
             camera,
             size,
             samples: vec![(time, pinhole)],
@@ -94,21 +99,10 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
     takes
 }
 
-/// The first of `name`, `name_take2`, `name_take3`, … that no take has.
-fn free_name(name: &str, takes: &[Take<'_>]) -> String {
-    let mut free = name.to_owned();
-    let mut number = 1;
-    while takes.iter().any(|take| take.name == free) {
-        number += 1;
-        free = format!("{name}_take{number}");
-    }
-    free
-}
-
 /// The pose of a camera as a matrix of USD.
 fn matrix_text(pinhole: &Pinhole) -> String {
     // The columns are the camera's right, up and back axes in the stage; USD multiplies row
-    // vectors, so they are written as rows.
+    // vectors, so they are written as rows. The stage is in cm, our world in m.
     let axes: Mat3 = y_up() * pinhole.cam_from_world.transpose() * looking_back();
     let at = y_up() * pinhole.position_m * CM;
     let [right, up, back] = [0, 1, 2].map(|column| {
@@ -123,6 +117,7 @@ fn matrix_text(pinhole: &Pinhole) -> String {
 
 fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
     let (width, height) = (f64::from(take.size.width), f64::from(take.size.height));
+    // Apertures and focal length are in tenths of a stage unit, which are mm in a stage in cm.
     let per_px = aperture_mm / width;
     // Aperture offsets, mm: positive where the principal point lies left of the middle, or below
     // it.
@@ -167,6 +162,8 @@ fn single(what: &str, text: &str) -> Result<f64, Problem> {
 
 /// The frames of a camera written by [`push_take`]. Stages of other programs are not supported.
 fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
+    // Only what `push_take` writes is read, to verify an export, so that the text is searched for
+    // its exact words.
     let name = prim.split('"').next().unwrap_or_default();
     let camera: String = serde_json::from_str(between(prim, "touchline:camera = ", "\n")?)
         .map_err(|error| Problem::NotFormat {
@@ -197,6 +194,9 @@ fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
         mm_per_px,
         principal_point,
     };
+    // Both lists have a sample a frame. The poses are 16 numbers each, in which only brackets and
+    // commas separate them, and the time stands before the first. A missing one gives a frame too
+    // few, which the comparison with what was written finds.
     let lengths = between(prim, "focalLength.timeSamples = { ", " }")?.split(',');
     let poses = between(prim, "transform.timeSamples = { ", " }")?.replace(['(', ')'], " ");
     let poses: Vec<&str> = poses.split(',').collect();
@@ -299,12 +299,15 @@ impl CameraFormat for Usda {
             .iter()
             .flat_map(|take| take.samples.iter().map(|(time, _)| *time))
             .collect();
+        // Over all cameras, which may overlap in time.
         let first = times.iter().min().copied().unwrap_or(0);
         let last = times.iter().max().copied().unwrap_or(0);
         let rate = context.rate.map(|rate| {
             let rate = rate.per_second();
             format!("    timeCodesPerSecond = {rate}\n    framesPerSecond = {rate}\n")
         });
+        // USD has no size of picture; the entry of each camera is for people and for the reader
+        // below.
         let sizes: Vec<String> = takes
             .iter()
             .map(|take| {

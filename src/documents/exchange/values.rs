@@ -16,6 +16,37 @@ pub const fn are_oblong_pixels(fx: f64, fy: f64) -> bool {
     (fx / fy - 1.0).abs() >= SQUARE
 }
 
+/// Refuses focal lengths of pixels that are not square.
+///
+/// # Errors
+/// They differ.
+pub fn refuse_oblong_pixels(fx: f64, fy: f64) -> Result<(), Problem> {
+    if are_oblong_pixels(fx, fy) {
+        return Err(not_square(format!("focal lengths {fx} and {fy} px")));
+    }
+    Ok(())
+}
+
+/// Refuses a calibration matrix of pixels that are not square, or are skewed.
+///
+/// # Errors
+/// They are.
+pub fn refuse_skewed_pixels(fx: f64, fy: f64, skew: f64) -> Result<(), Problem> {
+    if are_oblong_pixels(fx, fy) || skew != 0.0 {
+        let what = format!("focal lengths {fx} and {fy} px, skew {skew}");
+        return Err(not_square(what));
+    }
+    Ok(())
+}
+
+/// The error of pixels that are not square.
+fn not_square(what: String) -> Problem {
+    Problem::Unsupported {
+        what,
+        why: "pixels must be square",
+    }
+}
+
 /// A side of a picture: a whole number of pixels, 1 to 65 535.
 ///
 /// # Errors
@@ -46,10 +77,32 @@ pub fn frame_number(what: &str, value: f64) -> Result<u64, Problem> {
     })
 }
 
+/// The entry of a list of coefficients; one that the list does not have is zero.
+#[must_use]
+pub fn coefficient(list: &[f64], index: usize) -> f64 {
+    list.get(index).copied().unwrap_or(0.0)
+}
+
+/// Refuses a lens with coefficients beyond k1 and k2, which no document can have. Files often have
+/// places for them, filled with zeros.
+///
+/// # Errors
+/// One of them is not zero; it is named.
+pub fn refuse_further_coefficients(others: &[f64]) -> Result<(), Problem> {
+    match others.iter().find(|value| **value != 0.0) {
+        Some(value) => Err(Problem::Unsupported {
+            what: format!("a distortion coefficient of {value} beyond k1 and k2"),
+            why: "the document's lens has k1 and k2 only",
+        }),
+        None => Ok(()),
+    }
+}
+
 /// The beginning of a text, for a message.
 #[must_use]
 pub fn shorten(text: &str) -> String {
     const LONGEST: usize = 60;
+    // Letters, not bytes: a cut within a letter of several bytes would panic.
     let mut clipped: String = text.chars().take(LONGEST).collect();
     if clipped.len() < text.len() {
         clipped.push('…');

@@ -19,8 +19,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use touchline_core::files;
-use touchline_core::files::{PROJECT_FILE, folder_of, temporary_folder_in};
+use touchline_core::files::{PROJECT_FILE, folder_of, replace_folder, temporary_folder_in};
 
 /// Writes the document in packages of `count` frames each into a folder that is empty or does not
 /// exist. Returns the number of frames of each.
@@ -42,27 +41,36 @@ pub fn write_packages(
     if !outside {
         refuse_outside(at)?;
     }
-    let failed = |source| cannot_write(folder, source);
+    // A template lies elsewhere on the other machine, so that each package has a copy; the document
+    // names the copies.
     let (document, templates) = with_templates(at)?;
-    let temporary = temporary_folder_in(folder_of(folder)).map_err(failed)?;
+    let temporary =
+        temporary_folder_in(folder_of(folder)).map_err(|source| cannot_write(folder, source))?;
     let packages = split_into_packages(&document, count);
     for (index, package) in packages.iter().enumerate() {
         let place = temporary.path().join(format!("package{:03}", index + 1));
-        for (name, bytes) in &templates {
-            let file = place.join(name);
-            fs::create_dir_all(folder_of(&file))
-                .and_then(|()| fs::write(file, bytes))
-                .map_err(failed)?;
-        }
         let package = copy_pictures(package, at.folder, &place)?;
-        fs::create_dir_all(&place).map_err(failed)?;
-        fs::write(place.join(PROJECT_FILE), document_to_string(&package)?).map_err(failed)?;
+        let project = document_to_string(&package)?.into_bytes();
+        let texts = templates
+            .iter()
+            .map(|(name, bytes)| (name.as_str(), bytes))
+            .chain([(PROJECT_FILE, &project)]);
+        for (name, bytes) in texts {
+            write_new(&place.join(name), bytes).map_err(|source| cannot_write(folder, source))?;
+        }
     }
-    files::replace_folder(temporary, folder, &|_, _| false)?;
+    // The folder is empty or absent: nothing in it is replaced.
+    replace_folder(temporary, folder, &|_, _| false)?;
     Ok(packages
         .iter()
         .map(|package| package.frames.len())
         .collect())
+}
+
+/// Writes a file, and the folders that it lies in.
+fn write_new(file: &Path, bytes: &[u8]) -> io::Result<()> {
+    fs::create_dir_all(folder_of(file))?;
+    fs::write(file, bytes)
 }
 
 /// A version of `base` as a whole document: what a package does not contain is taken from `base`,
@@ -75,6 +83,8 @@ pub fn restore_version(
     version: &Document,
 ) -> Result<Document, ExchangeError> {
     let mut whole = restore_package(base.document, version);
+    // The package names copies of the templates, under names that are computed again here. A field
+    // that was changed in the package is another one and stays.
     let (packed, _) = with_templates(base)?;
     if whole.field == packed.field {
         whole.field = base.document.field.clone();
@@ -133,6 +143,8 @@ fn copy_pictures(
         }
         if let Some(video) = &mut frame.video {
             let path = video.file_path(folder);
+            // A video is that of many frames and is copied once; an image is of one frame as a
+            // rule.
             let is_new = !names.by_file.contains_key(&path);
             let name = names.take("videos", &path);
             if is_new {
@@ -153,6 +165,7 @@ fn copy_or_link(from: &Path, to: &Path, as_link: bool) -> io::Result<()> {
     fs::create_dir_all(folder_of(to))?;
     // A symbolic link within the project would be broken in the package.
     let from = fs::canonicalize(from)?;
+    // A hard link needs no space; across disks it fails, and the file is copied.
     if as_link && fs::hard_link(&from, to).is_ok() {
         return Ok(());
     }

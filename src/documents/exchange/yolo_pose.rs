@@ -10,7 +10,7 @@ use super::camera_format::has_ending;
 use super::clicked_frame::{
     ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
 };
-use super::coco::{in_order, is_keypoint};
+use super::coco::{in_order, is_keypoint, range_of};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, base_name, text, without_ending};
 use super::format::Format;
@@ -69,10 +69,13 @@ fn label_line(frame: &ClickedFrame, names: &[String]) -> String {
         return String::new();
     }
     let (width, height) = (f64::from(frame.size.width), f64::from(frame.size.height));
+    // A column for every keypoint, in their order; absent ones are zeros.
     let points: Vec<Option<(f64, f64)>> = in_order(&frame.clicks, names)
         .into_iter()
         .map(|click| click.map(|click| (click.image.x / width, click.image.y / height)))
         .collect();
+    // The box is that of the points. The margin gives it a width and a height for a single point,
+    // too: readers drop a box without them.
     let (left, right) = padded_range(points.iter().flatten().map(|(x, _)| *x));
     let (top, bottom) = padded_range(points.iter().flatten().map(|(_, y)| *y));
     let mut line = format!(
@@ -95,15 +98,23 @@ fn label_line(frame: &ClickedFrame, names: &[String]) -> String {
 
 /// The range of coordinates with a margin, within the picture.
 fn padded_range(coordinates: impl Iterator<Item = f64>) -> (f64, f64) {
-    let range = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = coordinates.fold(range, |(low, high), at| (low.min(at), high.max(at)));
+    let (low, high) = range_of(coordinates);
     ((low - PADDING).max(0.0), (high + PADDING).min(1.0))
 }
 
 /// The names of keypoints in a `data.yaml`, where it has some.
 fn names_of(yaml: &str) -> Option<Vec<String>> {
     let (_, behind) = yaml.split_once("kpt_names:")?;
-    let (_, list) = behind.split_once('[')?;
+    let (before, list) = behind.split_once('[')?;
+    // A list in YAML's block style (`- name`) has no bracket. The next bracket is then of another
+    // key, such as `flip_idx`, with as many numbers as there are points.
+    let is_of_another_key = before
+        .lines()
+        .skip(1)
+        .any(|line| line.trim_start().starts_with('-') || line.starts_with(char::is_alphabetic));
+    if is_of_another_key {
+        return None;
+    }
     let (list, _) = list.split_once(']')?;
     Some(
         list.split(',')
@@ -116,6 +127,8 @@ fn names_of(yaml: &str) -> Option<Vec<String>> {
 fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
     let values = numbers("a column", line)?;
     let count = values.len().saturating_sub(5) / 3;
+    // Five columns of class and box, three a point. Without names any number of points fits, so
+    // that only a remainder is an error.
     let wanted = 5 + 3 * names.map_or(count, <[String]>::len);
     if values.len() != wanted || values.len() < 5 {
         let what = "columns (class, box, and x y v for each keypoint)".to_owned();
@@ -139,6 +152,7 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
                     wanted: "0, 1 or 2",
                 });
             }
+            // Ultralytics allows this much beyond the border (`verify_image_label`).
             if let Some(value) = point[..2]
                 .iter()
                 .find(|value| !(-0.01..=1.01).contains(*value))
@@ -150,6 +164,7 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
                     wanted: "between 0 and 1",
                 });
             }
+            // There are as many names as points, as `wanted` has it.
             let label = names.map_or_else(|| index.to_string(), |names| names[index].clone());
             let image = ImagePoint::new(
                 point[0] * f64::from(size.width),
@@ -162,7 +177,6 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
 
 impl ClickFormat for YoloPose {
     fn holds(&self, click: &Click, context: &ClickContext<'_>) -> bool {
-        // Whatever the options, a point outside would make readers drop the whole picture.
         is_keypoint(click, context)
     }
 
@@ -178,6 +192,8 @@ impl ClickFormat for YoloPose {
         let names = keypoints(context.options.names, context.field);
         let mut files = Files::one(DATA, data_yaml(&names, context.field).into_bytes());
         for frame in frames {
+            // `--outside keep` does not help here: a point outside makes readers drop the whole
+            // picture.
             if let Some(outside) = frame
                 .clicks
                 .iter()
@@ -214,7 +230,7 @@ impl ClickFormat for YoloPose {
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
+        _options: &ImportOptions,
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         let yaml = files
@@ -229,7 +245,8 @@ impl ClickFormat for YoloPose {
             }
             let stem = without_ending(base_name(file));
             let at_image = without_ending(file).replacen("labels/", "images/", 1);
-            let size = sizes(&at_image).or_else(|| sizes(stem)).or(options.size);
+            // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
+            let size = sizes(&at_image).or_else(|| sizes(stem));
             let size = size.ok_or_else(|| size_needed(&at_image))?;
             // A picture without labels has an empty file.
             let lines = if bytes.is_empty() { "" } else { text(bytes)? };
@@ -281,6 +298,16 @@ mod tests {
         let published = "flip_idx: [24, 25, 26, 27, 28, 29, 22, 23, 21, 17, 18, 19, 20, 13, 14, 15, 16, 9, 10, 11, 12, 8, 6, 7, 0, \
                          1, 2, 3, 4, 5, 31, 30]";
         assert!(yaml.contains(published), "{yaml}");
+    }
+
+    #[test]
+    fn names_in_block_style_are_not_taken_from_another_list() {
+        let list = "kpt_names: {0: [\"left\", right]}\nflip_idx: [1, 0]\n";
+        assert_eq!(names_of(list).unwrap(), ["left", "right"]);
+        let indented = "kpt_names:\n  0: [left, right]\n";
+        assert_eq!(names_of(indented).unwrap(), ["left", "right"]);
+        let block = "kpt_names:\n  0:\n    - left\n    - right\nflip_idx: [1, 0]\n";
+        assert_eq!(names_of(block), None);
     }
 
     #[test]

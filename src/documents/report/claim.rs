@@ -102,12 +102,17 @@ impl Stated {
     /// The difference of two numbers that are stated to two decimals.
     #[must_use]
     pub fn difference(more: f64, less: f64) -> Self {
+        // Both numbers have two decimals, so their difference has no more: the rest is rounding of
+        // `f64`.
         Self::Effect(((more - less) * 100.0).round() / 100.0)
     }
 
     /// Compares a confidence interval with the statement; [`Stated::RULES`] has the rules.
     #[must_use]
     pub fn verdict(self, [low, high]: [f64; 2]) -> Verdict {
+        // The order of the arms matters. An interval without numbers decides nothing. A number is
+        // first missed on one side, and only then found too uncertain; a difference first has the
+        // wrong sign.
         match self {
             Self::Nothing => Verdict::NotComparable,
             _ if !(low <= high) => Verdict::Undecided,
@@ -117,11 +122,11 @@ impl Stated {
             Self::Level(..) => Verdict::Confirmed,
             Self::Effect(_) if high < 0.0 => Verdict::Differs,
             Self::Effect(size) => {
-                let holds_size = low <= size && size <= high;
+                let has_size = low <= size && size <= high;
                 let is_near = low >= 0.5 * size && high <= 1.5 * size;
-                if holds_size && low <= 0.0 {
+                if has_size && low <= 0.0 {
                     Verdict::Undecided
-                } else if holds_size || is_near {
+                } else if has_size || is_near {
                     Verdict::Confirmed
                 } else if high < size {
                     Verdict::Smaller
@@ -180,8 +185,8 @@ impl Stated {
 }
 
 /// The verdict on a bound.
-const fn on_one_side(holds: bool, fails: bool) -> Verdict {
-    match (holds, fails) {
+const fn on_one_side(confirms: bool, contradicts: bool) -> Verdict {
+    match (confirms, contradicts) {
         (true, _) => Verdict::Confirmed,
         (_, true) => Verdict::Differs,
         _ => Verdict::Undecided,
@@ -247,6 +252,8 @@ impl Claim {
 
     /// A measured number for readers: a difference with its sign.
     fn describe_number(&self, value: f64) -> String {
+        // Differences have three decimals, one more than the stated ones. Of numbers, small ones
+        // have a fourth, and large ones four significant digits.
         if self.paper.is_difference() {
             format!("{value:+.3}")
         } else if value.abs() < 10.0 {

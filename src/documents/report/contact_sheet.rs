@@ -15,10 +15,12 @@ const COLUMNS: usize = 3;
 const WIDTH: f64 = 420.0;
 const GAP: f64 = 9.0;
 const TILE: f64 = (WIDTH - GAP * (COLUMNS as f64 + 1.0)) / COLUMNS as f64;
+/// The height of the captions' text, and of the row that it stands in, figure px.
 const TEXT: f64 = 10.0;
 const CAPTION: f64 = 15.0;
 /// Ground shown around the field, m.
 const AROUND_M: f64 = 4.0;
+/// Blue and vermilion of the figures' palette (Okabe and Ito), distinct with any colour vision.
 const TRUE: Rgb = [0, 114, 178];
 const FOUND: Rgb = [213, 94, 0];
 const FIELD_LINE: Rgb = [190, 190, 190];
@@ -108,6 +110,7 @@ fn add_lines_over_picture(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, to
     let Some(camera) = &frame.estimate else {
         return;
     };
+    // The margin is cut off: a line may not leave its tile.
     let scale = TILE / f64::from(frame.size().width);
     let options = MarkingOptions {
         margin_px: 0.0,
@@ -139,6 +142,8 @@ fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]
         px_per_m: TILE / (field.length_m + 2.0 * AROUND_M),
     };
     for line in field.lines.iter().filter(|line| line.painted) {
+        // Circles and arcs become polygons: 24 sides of a circle of this size differ from it by
+        // less than a tenth of a figure px.
         let steps = if matches!(line.curve, Curve::Segment { .. }) {
             1
         } else {
@@ -162,6 +167,7 @@ fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]
     for (camera, width, colour) in outlines {
         let Some(camera) = camera else { continue };
         for ring in visible_field(field, camera, frame.size()) {
+            // A ring does not repeat its first point; an outline has to close.
             let points = ring
                 .iter()
                 .chain(ring.first())

@@ -89,11 +89,7 @@ impl Report {
 
     /// Adds a table.
     pub fn table(&mut self, stem: &str, caption: &str, table: Table) {
-        self.blocks.push(Block::Table {
-            stem: self.stem(stem),
-            caption: caption.to_owned(),
-            table,
-        });
+        self.blocks.push(self.table_block(stem, caption, table));
     }
 
     /// Adds a long table, which is written as CSV only.
@@ -107,11 +103,7 @@ impl Report {
 
     /// Adds a figure.
     pub fn figure(&mut self, stem: &str, caption: &str, figure: Figure) {
-        self.blocks.push(Block::Figure {
-            stem: self.stem(stem),
-            caption: caption.to_owned(),
-            figure,
-        });
+        self.blocks.push(self.figure_block(stem, caption, figure));
     }
 
     /// Adds a picture.
@@ -125,23 +117,32 @@ impl Report {
 
     /// Adds a table of numbers that depend on the machine.
     pub fn time_table(&mut self, stem: &str, caption: &str, table: Table) {
-        self.times.push(Block::Table {
-            stem: self.stem(stem),
-            caption: caption.to_owned(),
-            table,
-        });
+        self.times.push(self.table_block(stem, caption, table));
     }
 
     /// Adds a figure of numbers that depend on the machine.
     pub fn time_figure(&mut self, stem: &str, caption: &str, figure: Figure) {
-        self.times.push(Block::Figure {
+        self.times.push(self.figure_block(stem, caption, figure));
+    }
+
+    fn table_block(&self, stem: &str, caption: &str, table: Table) -> Block {
+        Block::Table {
+            stem: self.stem(stem),
+            caption: caption.to_owned(),
+            table,
+        }
+    }
+
+    fn figure_block(&self, stem: &str, caption: &str, figure: Figure) -> Block {
+        Block::Figure {
             stem: self.stem(stem),
             caption: caption.to_owned(),
             figure,
-        });
+        }
     }
 
-    /// A table of this report by the name of its file; that of a [`Block::Data`] or [`Block::Table`].
+    /// A table of this report by the name of its file; that of a [`Block::Data`] or
+    /// [`Block::Table`].
     #[must_use]
     pub fn table_of_file(&self, file: &str) -> Option<&Table> {
         self.blocks
@@ -226,6 +227,7 @@ impl Report {
 
     /// The tables of these blocks as JSON.
     fn json(&self, blocks: &[Block]) -> String {
+        // Long tables are in their CSV files alone.
         let tables = blocks.iter().filter_map(|block| match block {
             Block::Table { stem, table, .. } => Some((stem.clone(), table.to_json())),
             _ => None,

@@ -124,21 +124,20 @@ impl Cell {
             Self::Number(number) | Self::Fixed(number, _) => Some(*number),
         }
     }
-
-    const fn is_number(&self) -> bool {
-        matches!(self, Self::Count(_) | Self::Number(_) | Self::Fixed(..))
-    }
 }
 
 /// A number with four significant digits, without an exponent between a millionth and a million.
 #[must_use]
 pub fn significant(number: f64) -> String {
     if !number.is_finite() {
-        return if number.is_nan() {
-            "–".to_owned()
+        let symbol = if number.is_nan() {
+            "–"
+        } else if number > 0.0 {
+            "∞"
         } else {
-            "∞".to_owned()
+            "-∞"
         };
+        return symbol.to_owned();
     }
     let magnitude = number.abs();
     if magnitude == 0.0 {
@@ -147,6 +146,9 @@ pub fn significant(number: f64) -> String {
     if !(1e-6..1e6).contains(&magnitude) {
         return format!("{number:.3e}");
     }
+    // The first digit stands at 10^floor(log10), so three more follow it. From 1000 on all digits
+    // before the point are shown, for a zero in their place would be wrong. The range above bounds
+    // the decimals at nine.
     let digits = (3.0 - magnitude.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{number:.digits$}")
 }
@@ -196,7 +198,27 @@ impl Table {
     #[must_use]
     pub fn to_text(&self) -> String {
         let shown = self.with_shown_columns();
-        shown.align()
+        let cells: Vec<Vec<String>> = shown
+            .rows
+            .iter()
+            .map(|row| row.iter().map(ToString::to_string).collect())
+            .collect();
+        let labels: Vec<String> = shown
+            .columns
+            .iter()
+            .map(|column| column.label.clone())
+            .collect();
+        // Widths are in characters, not bytes: labels have signs such as ° and σ.
+        let widths: Vec<usize> = labels
+            .iter()
+            .enumerate()
+            .map(|(column, label)| {
+                let texts = cells.iter().map(|row| &row[column]).chain([label]);
+                texts.map(|text| text.chars().count()).max().unwrap_or(0)
+            })
+            .collect();
+        let rows = cells.iter().map(|row| shown.align_line(row, &widths));
+        shown.align_line(&labels, &widths) + &rows.collect::<String>()
     }
 
     /// The table without the columns that only files have.
@@ -217,30 +239,6 @@ impl Table {
         }
     }
 
-    /// All columns, aligned.
-    fn align(&self) -> String {
-        let cells: Vec<Vec<String>> = self
-            .rows
-            .iter()
-            .map(|row| row.iter().map(ToString::to_string).collect())
-            .collect();
-        let labels: Vec<String> = self
-            .columns
-            .iter()
-            .map(|column| column.label.clone())
-            .collect();
-        let widths: Vec<usize> = labels
-            .iter()
-            .enumerate()
-            .map(|(column, label)| {
-                let texts = cells.iter().map(|row| &row[column]).chain([label]);
-                texts.map(|text| text.chars().count()).max().unwrap_or(0)
-            })
-            .collect();
-        let rows = cells.iter().map(|row| self.align_line(row, &widths));
-        self.align_line(&labels, &widths) + &rows.collect::<String>()
-    }
-
     /// The texts of a row, each as wide as its column.
     fn align_line(&self, texts: &[String], widths: &[usize]) -> String {
         let padded = texts.iter().enumerate().map(|(column, text)| {
@@ -257,17 +255,13 @@ impl Table {
     /// A Markdown table.
     #[must_use]
     pub fn to_markdown(&self) -> String {
-        self.with_shown_columns().all_in_markdown()
-    }
-
-    /// All columns as a Markdown table.
-    fn all_in_markdown(&self) -> String {
-        let mut out = markdown_line(self.columns.iter().map(|column| column.label.clone()));
-        let rules =
-            (0..self.columns.len()).map(|column| if self.is_right(column) { "--:" } else { "---" });
+        let shown = self.with_shown_columns();
+        let mut out = markdown_line(shown.columns.iter().map(|column| column.label.clone()));
+        let rules = (0..shown.columns.len())
+            .map(|column| if shown.is_right(column) { "--:" } else { "---" });
         // Writing to a string cannot fail.
         let _ = writeln!(out, "|{}|", rules.collect::<Vec<_>>().join("|"));
-        for row in &self.rows {
+        for row in &shown.rows {
             out.push_str(&markdown_line(row.iter().map(ToString::to_string)));
         }
         out
@@ -312,7 +306,7 @@ impl Table {
 
     /// Whether a column contains numbers, and is therefore aligned to the right.
     fn is_right(&self, column: usize) -> bool {
-        self.rows.iter().any(|row| row[column].is_number())
+        self.rows.iter().any(|row| row[column].number().is_some())
     }
 }
 
@@ -412,12 +406,15 @@ mod tests {
             -0.5,
             1e-9,
             f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NAN,
         ]
         .map(significant);
         assert_eq!(
             shown,
             [
-                "0", "1.000", "12.35", "1234", "99999", "0.001235", "-0.5000", "1.000e-9", "∞"
+                "0", "1.000", "12.35", "1234", "99999", "0.001235", "-0.5000", "1.000e-9", "∞",
+                "-∞", "–"
             ]
         );
     }

@@ -47,12 +47,16 @@ fn write_whole(
     replace: bool,
     is_replaced: &dyn Fn() -> bool,
 ) -> io::Result<bool> {
+    // In the same folder, because a rename is atomic only within a file system. If a call fails,
+    // the temporary file is deleted as it is dropped.
     let folder = folder_of(path);
     let mut file = calls::temporary_in(folder)?;
     calls::write_all(file.as_file_mut(), bytes)?;
     if let Ok(old) = fs::metadata(path) {
         file.as_file().set_permissions(old.permissions())?;
     }
+    // The content must be on the disk before the name: otherwise a power cut could leave the new
+    // name with an empty file.
     calls::flush(file.as_file(), file.path())?;
     if is_replaced() {
         return Ok(false);
@@ -68,6 +72,8 @@ fn write_whole(
 /// # Errors
 /// As [`write_atomically`], or the pipe or device refuses the bytes.
 pub fn write_output(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    // The metadata are those of a link's target. A regular file is replaced at its real path,
+    // because a rename over the link would replace the link.
     match fs::metadata(path) {
         Ok(there) if there.is_file() => write_atomically(&fs::canonicalize(path)?, bytes),
         Ok(there) if !there.is_dir() => OpenOptions::new().write(true).open(path)?.write_all(bytes),
@@ -83,11 +89,12 @@ pub(super) fn is_pipe_or_device(path: &Path) -> bool {
 }
 
 /// Keeps the file at `path` under the name `backup` as well, in place of an older backup. Does
-/// nothing if there is no file.
+/// nothing if there is no file. A crash in between leaves no backup, but the file itself is whole.
 pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
     if !path.exists() {
         return Ok(());
     }
+    // Neither a link nor a copy replaces a file, so the older backup goes first.
     match calls::remove(backup) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
@@ -129,10 +136,12 @@ pub(super) fn write_new_as(
     bytes: &[u8],
 ) -> io::Result<PathBuf> {
     let free = free_name(path, word, ending);
-    write_atomically(&free, bytes)?;
+    write_new(&free, bytes)?;
     Ok(free)
 }
 
+/// The first name of `path.WORD-1ENDING`, `path.WORD-2ENDING`, … that nothing has, not even a link
+/// that leads nowhere.
 fn free_name(path: &Path, word: &str, ending: &str) -> PathBuf {
     let mut number = 1;
     loop {

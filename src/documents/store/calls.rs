@@ -20,7 +20,7 @@ fn try_call<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
 }
 
 /// Makes a call that flushes the file or folder at a path. In the store's tests, what is flushed
-/// survives a simulated power cut.
+/// survives a simulated power cut, and nothing else does.
 fn try_flush(path: &Path, call: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
     try_call(call)?;
     #[cfg(test)]
@@ -66,12 +66,13 @@ pub(super) fn flush(file: &File, path: &Path) -> io::Result<()> {
     try_flush(path, || file.sync_all())
 }
 
-/// Flushes a file's content to disk.
+/// Flushes a file's content to disk, without metadata that reading does not need, such as times.
 pub(super) fn flush_data(file: &File, path: &Path) -> io::Result<()> {
     try_flush(path, || file.sync_data())
 }
 
-/// Flushes a folder's entries. Does nothing on systems other than Unix, which cannot.
+/// Flushes a folder's entries: only then a new name or a rename survives a power cut. Does nothing
+/// on systems other than Unix, which cannot.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
     try_flush(folder, || {
         if cfg!(unix) {

@@ -105,6 +105,8 @@ pub enum StoreError {
 impl StoreError {
     /// Converts an error of the system.
     pub(super) fn from_io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        // The most telling error first: what is in the place of the file says more than that the
+        // call failed, and in a working folder that was removed no relative path leads anywhere.
         if let Some(wrong) = WrongKind::behind(&source) {
             return Self::WrongKind(wrong.clone());
         }

@@ -434,3 +434,36 @@ fn after_a_journal_is_lost_nothing_is_acknowledged_before_the_document_is_whole(
     }
     assert!((1..30).contains(&saved_early), "{saved_early}");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_deleted_lock_is_taken_again_unless_another_program_has_the_document() {
+    let folder = project();
+    let place = fs::canonicalize(folder.path()).unwrap();
+    let open_to_write = || match open(&place).unwrap() {
+        Opened {
+            access: Access::Writable(store),
+            location,
+            ..
+        } => (store, location),
+        Opened {
+            access: Access::ReadOnly(reason),
+            ..
+        } => panic!("{reason}"),
+    };
+    let (mut store, location) = open_to_write();
+    fs::remove_file(location.lock()).unwrap();
+    store.save(&start(), &History::default()).unwrap();
+    assert!(location.lock().exists());
+
+    fs::remove_file(location.lock()).unwrap();
+    let (other, _) = open_to_write();
+    let refusal = store.save(&start(), &History::default()).unwrap_err();
+    assert!(matches!(refusal, StoreError::ReadOnly { .. }), "{refusal}");
+    drop(store);
+    assert!(
+        location.journal().exists(),
+        "it is the other program's by now"
+    );
+    drop(other);
+}

@@ -29,7 +29,8 @@ pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
 }
 
-/// Device and inode, which identify a file.
+/// Device and inode, which identify a file as long as it is open: no other file gets its inode
+/// before it is closed.
 #[cfg(unix)]
 fn id(metadata: &Metadata) -> (u64, u64) {
     use std::os::unix::fs::MetadataExt;

@@ -108,6 +108,7 @@ pub(super) struct HistoryFile {
 impl HistoryFile {
     /// Reads the file; none if it does not exist.
     pub fn read(path: &Path) -> Result<Option<Self>, HistoryLeftOut> {
+        // The size is checked before anything is read: the file may come from anybody.
         let file = match open_regular(path, OpenOptions::new().read(true)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             other => other?,
@@ -162,6 +163,7 @@ impl HistoryFile {
         let mut rest = &self.steps[..];
         while !rest.is_empty() {
             let (json, length) = first_line(rest)?;
+            // All steps to undo come before those to redo. Other orders were never written.
             match serde_json::from_slice(json).ok()? {
                 Record::Undo(step) if redo.is_empty() => undo.push(step),
                 Record::Redo(step) => redo.push(step),
@@ -180,6 +182,8 @@ pub(super) fn write(
     document: &Document,
     history: &History<Document>,
 ) -> io::Result<()> {
+    // A link or a pipe in place of the file is refused here, because a rename would replace it
+    // without a word.
     if let Err(error) = open_regular(path, OpenOptions::new().read(true))
         && error.kind() != io::ErrorKind::NotFound
     {

@@ -147,6 +147,8 @@ impl JournalContent {
         {
             return Pending::Newer { version: *version };
         }
+        // The last line that names the document: what was announced before it is in the document,
+        // too. A hash occurs twice where a write failed after its announcement and was repeated.
         let start = self
             .records
             .iter()
@@ -165,6 +167,7 @@ impl JournalContent {
                     .push((pending.edits.len(), document_sha256)),
             }
         }
+        // A journal without edits may belong to any document: there is nothing in it to lose.
         if start.is_none() && !pending.edits.is_empty() {
             return Pending::OtherDocument {
                 edits: pending.edits.len(),
@@ -187,7 +190,8 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Opens a journal and keeps its first `whole_bytes` bytes, or creates it.
+    /// Opens a journal, or creates it. Its first `whole_bytes` bytes stay; the next write cuts off
+    /// what is behind them.
     pub fn open(path: &Path, whole_bytes: u64) -> io::Result<Self> {
         let file = calls::open(path)?;
         calls::flush_folder(folder_of(path))?;
@@ -235,6 +239,8 @@ impl Journal {
             document_sha256,
         });
         let lines = start.map_or(Ok(String::new()), |start| line(&start))? + lines;
+        // The state changes only after the flush. Whatever fails before it, the next write cuts off
+        // what this one left and writes it again.
         calls::truncate(&mut self.file, self.whole_bytes)?;
         calls::write_all(&mut self.file, lines.as_bytes())?;
         calls::flush_data(&self.file, &self.path)?;

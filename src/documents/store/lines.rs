@@ -24,6 +24,7 @@ pub(super) fn line_within(
         room: most_bytes.saturating_sub(PREFIX_BYTES + 1),
     };
     match serde_json::to_writer(&mut json, record) {
+        // `Bounded` is the only writer that can fail here, and only for want of room.
         Err(error) if error.is_io() => Ok(None),
         Err(error) => Err(error.into()),
         Ok(()) => {
@@ -58,6 +59,9 @@ impl Write for Bounded {
 /// The JSON of the first line, and the line's length in bytes. None if the line is incomplete or
 /// its checksum is wrong.
 pub(super) fn first_line(bytes: &[u8]) -> Option<(&[u8], usize)> {
+    // Nothing of the bytes is trusted: a length may exceed what is there, or overflow. The prefix
+    // that belongs to the JSON is made anew and compared, which checks length, checksum and form at
+    // once.
     let digits = std::str::from_utf8(bytes.get(..8)?).ok()?;
     let end = PREFIX_BYTES.checked_add(usize::from_str_radix(digits, 16).ok()?)?;
     let json = bytes.get(PREFIX_BYTES..end)?;

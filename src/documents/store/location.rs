@@ -32,6 +32,7 @@ impl Location {
         if !file.is_file() {
             return Err(StoreError::NotAFile { path: file });
         }
+        // Journal, history and lock lie beside the real file, by whatever link it was opened.
         Ok(Self {
             file: fs::canonicalize(file).map_err(io)?,
         })
@@ -49,6 +50,7 @@ impl Location {
         } else {
             path.into()
         };
+        // The folder is resolved, not the file, which need not exist yet.
         let folder = folder_of(&file);
         fs::create_dir_all(folder)
             .map_err(|source| StoreError::from_io("make the folder", folder, source))?;
@@ -69,6 +71,7 @@ impl Location {
     }
 
     /// Whether both are the same document, by any path. If so, their lock files are the same file.
+    /// Without a lock file, only equal paths are recognised: then no program has the document open.
     #[must_use]
     pub fn is_same_document(&self, other: &Self) -> bool {
         self.file == other.file || is_same_file(&self.lock(), &other.lock())

@@ -6,7 +6,7 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 
 /// Maximum number of attempts, if the previous owner deletes the lock file between opening and
-/// locking it.
+/// locking it. Each further one needs another owner that ends at just that moment.
 const ATTEMPTS: usize = 10;
 
 /// An exclusive lock on a lock file. The system releases it when the process ends, even
@@ -26,7 +26,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // On other systems an open file cannot be deleted. A file that stays does no harm.
+        // The file is deleted while it is still locked: no other process can lock it in between. On
+        // other systems an open file cannot be deleted. A file that stays does no harm.
         if cfg!(unix)
             && self.is_in_place()
             && let Err(error) = fs::remove_file(&self.path)
@@ -66,6 +67,8 @@ pub(super) fn lock_or_fail(location: &Location) -> Result<Lock, StoreError> {
 /// Another process has the lock, or the file cannot be made.
 pub fn lock_file(path: PathBuf) -> Result<Lock, ReadOnly> {
     for _ in 0..ATTEMPTS {
+        // The lock is on the open file, not on its name. It counts only if the name still leads to
+        // that file once it is locked: otherwise the next process would lock another file.
         let opened = calls::open(&path);
         let mut file = opened.map_err(|error| not_writable(&error))?;
         match file.try_lock() {
@@ -102,6 +105,7 @@ fn write_holder(file: &mut File) -> io::Result<()> {
 
 /// Reads the name of the process that has the lock.
 fn read_holder(file: &mut File) -> String {
+    // What is read is shown to the user, so a limit keeps a foreign file from filling the message.
     let mut text = String::new();
     // On some systems a locked file cannot be read. Then the message names no process.
     let read = file.take(80).read_to_string(&mut text);

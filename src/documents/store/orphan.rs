@@ -56,6 +56,7 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
     let bytes =
         read_regular(orphan).map_err(|source| StoreError::from_io("read", orphan, source))?;
     // A base is any version of the document: the file, its backup, or a copy that was set aside.
+    // Its hash decides. What cannot be read is no base.
     let own = [
         location.journal(),
         location.history(),
@@ -68,6 +69,7 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
         let Some(version) = is_version.then(|| read_regular(&version).ok()).flatten() else {
             continue;
         };
+        // Parsed anew for each version, because `pending` consumes it.
         let content = JournalContent::parse(&bytes);
         let hash = hash_of(&version);
         if content.knows(&hash)
@@ -93,6 +95,7 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
 /// The orphan or the document cannot be read, or the new file cannot be written.
 pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreError> {
     let edits = read_orphan(location, orphan)?;
+    // Without a base, the edits are put into the present document, as a merge would do.
     let document = match edits.result() {
         Some(ours) => ours,
         None => graft(&edits.edits, &super::read(location.file())?.1).document,

@@ -40,6 +40,9 @@ impl OwnVersion {
         if edits.is_empty() {
             return Ok(None);
         }
+        // The user may have put the earlier file away meanwhile. Both texts are made before either
+        // file is written, so that a document that cannot be serialised leaves the earlier version
+        // as it is.
         let path = earlier
             .map(|earlier| earlier.orphan.path)
             .filter(|path| path.exists());
@@ -140,7 +143,8 @@ fn without_frames(own: &Document) -> Document {
     }
 }
 
-/// Descriptions of the user's changes from `base` to `own`. Suggestions are left out.
+/// Descriptions of the user's changes from `base` to `own`. Suggestions are left out: they are made
+/// again, and are no work that could be lost.
 fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
     let [base, own] = [base, own].map(Document::without_suggestions);
     let mut names = Vec::new();

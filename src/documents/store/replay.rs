@@ -69,6 +69,8 @@ impl Replay {
 
     /// Applies an edit, as a new step of the history. Nothing changes if it does not apply.
     fn make(&mut self, edit: Edit) -> Result<(), EditMismatch> {
+        // Undo works on the document without suggestions, while edits are made on the one of the
+        // file. Both are brought forward; the state before shows which frames the edit changed.
         let (before, name, kind) = (self.document.clone(), edit.name.clone(), edit.kind.clone());
         edit.apply(&mut self.document)?;
         let edited = self

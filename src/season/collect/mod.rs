@@ -131,6 +131,8 @@ pub fn collect(
     })?;
     report_parts_of_others(plan, parts, progress)?;
 
+    // Projects are written match by match, so that only one is in memory. Queue and table come
+    // last, from what the projects have by then.
     let mut collected = Collected::default();
     let mut queue = Queue::new(options.below);
     let mut table = SeasonTable::new();
@@ -179,14 +181,17 @@ impl Collected {
 
 /// Refuses a folder that holds something, but no queue of an earlier collection.
 fn refuse_other_folder(output: &Path) -> Result<(), CollectError> {
-    let Ok(mut entries) = fs::read_dir(output) else {
-        return if output.exists() {
-            Err(CollectError::NotAFolder {
+    let mut entries = match fs::read_dir(output) {
+        Ok(entries) => entries,
+        Err(_) if !output.exists() => return Ok(()),
+        Err(source) if output.is_dir() => {
+            return Err(CollectError::from_io("read", output, source));
+        }
+        Err(_) => {
+            return Err(CollectError::NotAFolder {
                 output: output.to_path_buf(),
-            })
-        } else {
-            Ok(())
-        };
+            });
+        }
     };
     // A first collection that was killed, or is going on, has left at least its lock. Snakemake
     // deletes the queue before it collects again.
@@ -215,6 +220,7 @@ fn report_parts_of_others(
         .map(|entry| entry.path())
         .filter(|path| shard_of_path(path).is_some_and(|shard| !ids.contains(shard)))
         .collect();
+    // A folder lists its files in no order; messages have one.
     others.sort();
     for path in others {
         let _ = progress.report(CollectEvent::NotOfPlan { path });

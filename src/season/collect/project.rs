@@ -53,6 +53,8 @@ impl MatchToCollect<'_> {
         let found = match Part::read(self.parts, &self.of_match.find) {
             Ok(found) => found,
             Err(why) => {
+                // Frames without cameras are of no use, so the whole match is one gap. What was
+                // collected of it earlier stays and is counted.
                 collected.gaps = 1 + self.of_match.labels.len();
                 let what = format!("no cameras and no frames: {why}");
                 let _ = progress.report(CollectEvent::Gap {
@@ -73,6 +75,8 @@ impl MatchToCollect<'_> {
             made.frames = Frames::new();
         }
         made.frames = merge_frames(&made.frames, &labelled);
+        // The empty name ends the path in a separator, by which a folder is meant that need not
+        // exist yet.
         let location = Location::for_new_document(&folder.join(""))?;
         let made = made.relocate(&self.source_folder(), location.folder());
         if !is_there {
@@ -101,6 +105,7 @@ impl MatchToCollect<'_> {
         let mut frames = Vec::new();
         let mut gap: Option<Gap<'_>> = None;
         for label in &self.of_match.labels {
+            // A window that is there ends the gap before it, which is then reported.
             let why = match Part::read(self.parts, &label.shard) {
                 Ok(part) => {
                     frames.extend(part.document.frames.iter().cloned());
@@ -179,6 +184,7 @@ fn bring_up_to_date(
     let Opened {
         document, access, ..
     } = before;
+    // The lock of the store keeps the window out until the project is written.
     let mut store = match access {
         Access::Writable(store) => store,
         Access::ReadOnly(reason) => return Ok((document, Some(format!("it is {reason}")))),
@@ -195,6 +201,8 @@ fn bring_up_to_date(
         frames: merge_frames(&document.frames, &labelled),
         ..document.clone()
     };
+    // Collecting is no step of a person, so there is nothing to undo in it, and steps of earlier
+    // sessions lead to a state without the new frames.
     if updated != document {
         store.save(&updated, &History::default())?;
     }
@@ -213,6 +221,8 @@ fn camera_with_other_base(document: &Document, made: &Document) -> Option<Camera
 /// The frames of a project with those of the parts, which are in the order of time: frames of both
 /// are updated, new ones come after the frame before them.
 fn merge_frames(project: &Frames, labelled: &[Shared<Frame>]) -> Frames {
+    // A merge of two sorted lists in one pass: `next` is the first frame of the project that is not
+    // in its place yet.
     let in_parts: BTreeSet<&FrameId> = labelled.iter().map(|frame| &frame.id).collect();
     let mut merged = Vec::with_capacity(project.len().max(labelled.len()));
     let mut next = 0;
@@ -242,6 +252,8 @@ fn update_by_part(frame: &Shared<Frame>, part: &Shared<Frame>) -> Shared<Frame> 
     if !is_free || frame.camera != part.camera {
         return frame.clone();
     }
+    // A part without a suggestion takes the old one away: the newest parts count. An equal frame
+    // keeps its handle, so that a project without news is not written again.
     let mut updated = frame.without_suggestion();
     if let Some(suggestion) = Suggestion::in_frame(part, None) {
         suggestion.show_in(&mut updated);

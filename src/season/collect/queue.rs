@@ -90,6 +90,8 @@ impl Queue {
     /// Whether the file at a path begins as a queue does.
     #[must_use]
     pub fn is_at(path: &Path) -> bool {
+        // A queue may be large, so only its beginning is read: `to_text` writes these keys first
+        // and without blanks.
         let mut beginning = Vec::new();
         let read = open_named(path).and_then(|file| file.take(64).read_to_end(&mut beginning));
         let begins = format!("{{\"format\":\"{FORMAT}\"");
@@ -126,6 +128,8 @@ impl Queue {
             .map(|frame| &**frame)
             .enumerate()
             .collect();
+        // Stretches of frames that are all doubtful, or all not, and of one camera. A suggestion
+        // without a stated confidence counts as the worst.
         let stretches = frames.chunk_by(|(_, one), (_, next)| {
             let is_doubtful = [one, next].map(|frame| self.is_doubtful(frame));
             is_doubtful[0] == is_doubtful[1] && one.camera == next.camera
@@ -159,6 +163,7 @@ impl Queue {
     /// Puts the worst first; of equals the larger stretch, then the order of the season.
     pub(super) fn sort(&mut self) {
         let confidence = |entry: &QueueEntry| entry.confidence.unwrap_or(0.0);
+        // The sort is stable, which leaves equals in the order of the season.
         self.entries.sort_by(|one, other| {
             confidence(one)
                 .total_cmp(&confidence(other))

@@ -85,6 +85,8 @@ impl SeasonTable {
                 }
             }
         }
+        // Frames that no part has: of missing windows, and images that cannot be read. A project of
+        // the match may have frames of its own beside these, so the rest may not become negative.
         let counted = counts.certain + counts.uncertain + counts.none;
         counts.gap = planned.num_frames.saturating_sub(counted);
         self.push(
@@ -129,6 +131,7 @@ impl Counts {
     }
 }
 
+/// Whether a frame with a camera counts as right: a person accepted it, or its confidence says so.
 fn is_certain(frame: &Frame, below: f64) -> bool {
     frame.status == FrameStatus::Reference
         || confidence_of(frame).is_some_and(|confidence| confidence >= below)
@@ -156,6 +159,8 @@ fn why(of_match: Option<&str>, reasons: &BTreeMap<&str, usize>) -> String {
 
 /// What the shards of a match cost, as far as it is stated beside their parts.
 fn core_hours(planned: &PlannedMatch, parts: &Path) -> f64 {
+    // A part without a stated cost counts as nothing, so the sum is a lower bound. Where the system
+    // states no processor time, the clock's stands for it, as if one core had worked.
     let labels = planned.labels.iter().map(|label| &label.shard);
     let costs = labels
         .chain([&planned.find])

@@ -210,6 +210,8 @@ impl Part {
         let path = part_path(parts, shard);
         match write_new(&path, &bytes) {
             Ok(()) => Ok(()),
+            // Another process was faster. The same bytes are the expected case; other bytes show
+            // that the processor class does not determine them.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                 let there = read_bytes(&path)?;
                 if there == bytes {
@@ -231,6 +233,7 @@ impl Part {
             shard: shard.to_owned(),
             source,
         })?;
+        // Structures of texts and whole numbers always become JSON, here and below.
         let about = serde_json::to_string(&self.about).unwrap_or_default();
         let mut body = Vec::with_capacity(about.len() + document.len() + self.forest.len());
         for section in [about.as_bytes(), document.as_bytes(), &self.forest] {
@@ -302,6 +305,9 @@ impl<'a> Sections<'a> {
         let not_a_part = || PartError::NotAPart {
             path: path.to_path_buf(),
         };
+        // The order of the checks gives the most telling error: what is no part, then a part of
+        // another shard, then one that is not whole. Only after the lengths agree is the hash worth
+        // its time.
         let end = bytes
             .iter()
             .take(MAX_HEADER_BYTES)
@@ -318,6 +324,7 @@ impl<'a> Sections<'a> {
             });
         }
         let body = &bytes[end + 1..];
+        // Lengths come from the file and may be any numbers; their sum must not overflow.
         let stated = header
             .about_bytes
             .saturating_add(header.document_bytes)
@@ -334,6 +341,7 @@ impl<'a> Sections<'a> {
                 path: path.to_path_buf(),
             });
         }
+        // The lengths add up to the body's, so neither cut is beyond its end.
         let (about, rest) = body.split_at(header.about_bytes);
         let (document, forest) = rest.split_at(header.document_bytes);
         Ok(Self {

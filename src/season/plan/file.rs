@@ -162,6 +162,7 @@ impl Plan {
             reason,
         };
         let plan: Self = serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?;
+        // Strictly this version: a field that another one added may decide about a shard's bytes.
         if plan.format != FORMAT {
             return Err(refuse(format!("`format` is {:?}", plan.format)));
         }
@@ -215,6 +216,8 @@ impl Plan {
     }
 
     fn has_true_ids(&self, planned: &PlannedMatch) -> bool {
+        // Ranges are hashed as they stand, so ids alone do not show that a range is one of the
+        // match.
         planned.find == self.find_id(planned)
             && planned.labels.iter().all(|label| {
                 label.shard == label_id(&planned.find, label.first, label.last)
@@ -249,7 +252,7 @@ impl Plan {
     }
 }
 
-/// The path of a file of a plan at `plan`.
+/// The path of a file of a plan at `plan`. An absolute one stays as it is.
 #[must_use]
 pub(crate) fn path_in_plan(plan: &Path, path: &str) -> PathBuf {
     folder_of(plan).join(path)

@@ -8,7 +8,7 @@ use thiserror::Error;
 use touchline_core::files::folder_of;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    Document, FieldSpec, WriteError, document_to_string, generator, path_between, resolve_path,
+    Document, WriteError, document_to_string, generator, path_between, resolve_path,
 };
 use touchline_documents::store::{self, Location, StoreError};
 use touchline_vision::media::{MediaError, sha256_of_bytes, sha256_of_file};
@@ -81,6 +81,7 @@ pub fn make_plan(
     let mut made = Plan::new(generator(), processor.to_owned());
     for of_season in &season.matches {
         let mut planned = plan_match(of_season, &folder)?;
+        // Ids come last, because they are hashes of everything else.
         made.name_shards(&mut planned);
         made.matches.push(planned);
         if progress.report(()).is_break() {
@@ -121,6 +122,8 @@ fn plan_match(of_season: &Match, folder: &Path) -> Result<PlannedMatch, MakePlan
 /// Divides all frames into windows of equal length; the last one takes what is left.
 fn windows(state: &SourceState, of_season: &Match) -> Vec<LabelShard> {
     let options = &of_season.options;
+    // A damaged file may state any rate. Too large a number of frames becomes the largest there is,
+    // none at all becomes one frame, so that every frame is in some window.
     let length = state.fps.map_or(options.images, |fps| {
         let frames = (options.window_s * fps).round();
         if frames.is_finite() {
@@ -187,11 +190,8 @@ pub fn hash_of_project(location: &Location, document: &Document) -> Result<Strin
         .cameras
         .iter()
         .filter_map(|camera| camera.field.as_ref());
-    let own: Vec<&FieldSpec> = of_cameras
-        .chain([&document.field])
-        .filter(|field| field.is_file())
-        .collect();
-    for field in own {
+    let fields = of_cameras.chain([&document.field]);
+    for field in fields.filter(|field| field.is_file()) {
         // A template that cannot be read stops the shards, which say why.
         let hash = sha256_of_file(&location.folder().join(&field.template));
         text.push_str(&hash.unwrap_or_default());
@@ -212,6 +212,7 @@ fn path_for(path: &Path, folder: &Path) -> String {
 mod tests {
     use super::*;
     use crate::season_file::ShardOptions;
+    use touchline_documents::document::FieldSpec;
 
     /// First and last frame of each window.
     fn windows_of(num_frames: usize, fps: Option<f64>, options: ShardOptions) -> Vec<[usize; 2]> {

@@ -34,9 +34,11 @@ impl Stopwatch {
 /// The time that this process and the decoders that it waited for have used of all processors, s.
 #[cfg(target_os = "linux")]
 fn cpu_s() -> Option<f64> {
+    // User and system time of this process, then those of the children that it waited for, such as
+    // ffmpeg.
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     // The name of the program, in parentheses, may contain anything. Behind it the times are the
-    // columns 14 to 17 of proc(5), of which the first one here is column 3.
+    // columns 14 to 17 of proc(5); the first one here is column 3.
     let (_, columns) = stat.rsplit_once(')')?;
     let times = columns.split_whitespace().skip(11).take(4);
     let ticks: Vec<f64> = times.filter_map(|ticks| ticks.parse().ok()).collect();

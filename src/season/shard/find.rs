@@ -60,6 +60,7 @@ impl Work<'_> {
         if progress.is_cancelled() {
             return Err(ShardError::Stopped);
         }
+        // No camera is a result, too: the part states why, and the match is not searched again.
         let labelled = match labels? {
             MatchLabels::Labelled(labelled) => labelled,
             MatchLabels::NoCamera(why) => {
@@ -83,6 +84,8 @@ impl Work<'_> {
     }
 
     fn take_from_project(&self, planned: &PlannedFile) -> Result<Part, ShardError> {
+        // The project as it was planned, edits of its journal included, with its paths begun at the
+        // frames' folder, so that the part's bytes do not depend on where the project lies.
         let path = path_in_plan(self.plan_path, &planned.path);
         let (location, document, _) = store::read(&path)?;
         if hash_of_project(&location, &document)? != planned.sha256 {
@@ -174,6 +177,9 @@ impl Work<'_> {
         if sha256_of_bytes(&bytes) != planned.sha256 {
             return Err(ShardError::FileChanged { path });
         }
+        // The forest has a copy of the cameras that it was trained with. A camera without a base
+        // takes that one; another base is refused, because the rays of the forest would be wrong in
+        // it.
         let what = path.display().to_string();
         let model = read_model(&bytes, &what)?;
         let of_forest = document_from_bytes(model.document.as_bytes())

@@ -60,6 +60,7 @@ impl Work<'_> {
                 Ok(frames.collect())
             }
             FrameSource::Folder(listing) => {
+                // Numbers are found again by path, because images that cannot be read are missing.
                 let images = listing.images.get(numbers).unwrap_or_default().to_vec();
                 let made = self.document_of(&images.into(), field);
                 if self.progress.is_cancelled() {
@@ -75,6 +76,7 @@ impl Work<'_> {
     }
 
     fn frame_of_video(&self, info: &VideoInfo, number: usize) -> Frame {
+        // `frames_of_window` fills in the camera, which it takes from the find part.
         let video = VideoFrame::new(&self.source.name, number as u64, info.pts_s(number));
         Frame::from_video(video, CameraId::from(""), info.size)
     }
@@ -97,6 +99,8 @@ impl Work<'_> {
 
 /// Which camera took which frames: the runs of the numbered frames of a document.
 pub(super) fn runs_of(frames: impl IntoIterator<Item = (usize, CameraId)>) -> Vec<CameraRun> {
+    // In the order of the match, whatever the order of the document. Where the document lacks
+    // frames, a run goes on to the next frame that is of another camera.
     let numbered: BTreeMap<usize, CameraId> = frames.into_iter().collect();
     let mut runs: Vec<CameraRun> = Vec::new();
     for (number, camera) in numbered {

@@ -33,14 +33,9 @@ impl Work<'_> {
             frames: self.frames_of_window(found, label)?,
             ..found.document.clone()
         };
-        // Every other size would be fitted to this window's paint.
-        let fields = document
-            .cameras
-            .iter_mut()
-            .filter_map(|camera| camera.field.is_some().then(|| &mut **camera))
-            .filter_map(|camera| camera.field.as_mut())
-            .chain([&mut document.field]);
-        for field in fields {
+        // Every other size would be fitted to this window's paint. The mark is for the work alone:
+        // the part has the fields of the find shard.
+        for field in document.fields_mut() {
             field.size = Some(FieldSize::Fitted);
         }
         if document
@@ -101,6 +96,8 @@ impl Work<'_> {
         reader: &mut FrameReader,
     ) -> Result<(), ShardError> {
         let model = read_model(forest, "the forest of the match's find part")?;
+        // Frames between key frames are tracked later, which is more exact than the forest. Frames
+        // of a folder have none between them.
         let between: BTreeSet<usize> = KeyWindow::from_document(document.at(&self.source.folder))
             .into_iter()
             .flat_map(|window| window.between)

@@ -90,6 +90,7 @@ pub fn do_shard(
         source,
     })?;
     remove_stray_files(parts);
+    // Before the frames are opened: a shard that is done costs no more than reading its part.
     if is_part_whole(parts, id)? {
         return Ok(ShardDone::WasThere);
     }
@@ -133,32 +134,31 @@ impl Work<'_> {
     fn make(&self, shard: ShardOfPlan<'_>, parts: &Path) -> Result<Part, ShardError> {
         let find = &self.of_match.find;
         let Some(label) = shard.label else {
-            return self.write(Stopwatch::start(), Work::find_cameras, parts, find);
+            return self.write(Work::find_cameras, parts, find);
         };
+        // The find part may be missing because an engine does not know the order, or because it
+        // runs at this moment elsewhere. To make it here is right in both cases: both processes
+        // write the same bytes.
         let found = match Part::read(parts, find) {
             Err(PartError::Missing { .. }) => {
                 let _ = self.progress.report(ShardEvent::FindingFirst);
-                self.write(Stopwatch::start(), Work::find_cameras, parts, find)?
+                self.write(Work::find_cameras, parts, find)?
             }
             read => read?,
         };
-        self.write(
-            Stopwatch::start(),
-            |work| work.label_window(&found, label),
-            parts,
-            &label.shard,
-        )
+        self.write(|work| work.label_window(&found, label), parts, &label.shard)
     }
 
     /// Makes a part, writes it, and states its cost beside it.
     fn write(
         &self,
-        stopwatch: Stopwatch,
         make: impl FnOnce(&Self) -> Result<Part, ShardError>,
         parts: &Path,
         id: &str,
     ) -> Result<Part, ShardError> {
+        let stopwatch = Stopwatch::start();
         let part = make(self)?;
+        // A function that was cancelled may have returned what it had so far, which is no part.
         if self.progress.is_cancelled() {
             return Err(ShardError::Stopped);
         }
@@ -175,6 +175,7 @@ fn refuse_other_program(plan: &Plan) -> Result<(), ShardError> {
             here: generator(),
         });
     }
+    // The class is measured only where it counts: it starts ffmpeg and hashes libraries.
     if plan.processor == ANY {
         return Ok(());
     }
@@ -193,6 +194,7 @@ fn open_source(plan_path: &Path, of_match: &PlannedMatch) -> Result<OpenSource, 
     let path = path_in_plan(plan_path, &of_match.frames);
     let state = examine_source(&path)?;
     let (folder, name) = place_of_source(&path)?;
+    // The name counts, too: it names the frames in the part.
     if state.sha256 != of_match.frames_sha256
         || state.num_frames != of_match.num_frames
         || name != of_match.frames_name

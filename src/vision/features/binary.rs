@@ -104,7 +104,8 @@ pub fn extract_binary(
 ) -> Result<BinaryFeatures, FeatureError> {
     let image_size = picture.size();
     // A surplus, so that masks and spreading can choose.
-    let found = opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count)
+    let limit = max_count.saturating_mul(3);
+    let found = opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, limit)
         .map_err(|error| FeatureError::from_opencv(&error, image_size))?;
     let (keypoints, descriptors) = spread_unmasked(found, masks, image_size, max_count);
     Ok(BinaryFeatures {
@@ -168,6 +169,9 @@ pub(super) mod opencv_calls {
         let mut descriptors = Mat::default();
         match kind {
             BinaryKind::Orb => {
+                // Limit and scale are set; the others are OpenCV's defaults, in its order: levels,
+                // edge threshold, first level, points of a comparison, score, patch size, threshold
+                // of FAST.
                 let limit = limit.min(i32::MAX as usize) as i32;
                 let mut orb: Ptr<ORB> = ORB::create(
                     limit,
@@ -200,6 +204,8 @@ pub(super) mod opencv_calls {
                 )?;
             }
         }
+        // Rows of descriptors belong to keypoints by their order. The octave of ORB's keypoints is
+        // the level; AKAZE gives coordinates of the full picture.
         let mut found = Vec::with_capacity(keypoints.len());
         for (row, keypoint) in keypoints.iter().enumerate() {
             let at = keypoint.pt();

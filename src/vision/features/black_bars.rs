@@ -49,6 +49,8 @@ pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StaticGraphic> {
     let [first, _, ..] = lit[..] else {
         return Vec::new();
     };
+    // Boxes are in px of the full picture and end at its border, so that they include the columns
+    // and rows that the reduction dropped.
     let (width, height) = (f64::from(first.size.width), f64::from(first.size.height));
     let mut bars = Vec::new();
     for border in [Border::Top, Border::Bottom, Border::Left, Border::Right] {
@@ -56,45 +58,26 @@ pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StaticGraphic> {
             continue;
         };
         // One row more: the reduced row in which the bar ends is partly black.
-        let deep = (first.step * (rows + 1)) as f64;
-        let pixel_box = match border {
-            Border::Top => PixelBox {
-                x: 0.0,
-                y: 0.0,
-                width,
-                height: deep,
-            },
-            Border::Bottom => {
-                let y = (first.step * (first.height - rows - 1)) as f64;
-                PixelBox {
-                    x: 0.0,
-                    y,
-                    width,
-                    height: height - y,
-                }
-            }
-            Border::Left => PixelBox {
-                x: 0.0,
-                y: 0.0,
-                width: deep,
-                height,
-            },
-            Border::Right => {
-                let x = (first.step * (first.width - rows - 1)) as f64;
-                PixelBox {
-                    x,
-                    y: 0.0,
-                    width: width - x,
-                    height,
-                }
-            }
+        let rows = rows + 1;
+        let (mut x, mut y, mut right, mut bottom) = (0.0, 0.0, width, height);
+        match border {
+            Border::Top => bottom = (first.step * rows) as f64,
+            Border::Bottom => y = (first.step * (first.height - rows)) as f64,
+            Border::Left => right = (first.step * rows) as f64,
+            Border::Right => x = (first.step * (first.width - rows)) as f64,
+        }
+        let pixel_box = PixelBox {
+            x,
+            y,
+            width: right - x,
+            height: bottom - y,
         };
         bars.push(StaticGraphic::throughout(pixel_box, pictures.len()));
     }
     bars
 }
 
-/// Whether more than half of a picture is not black.
+/// Whether more than half of a picture is not black; false for a picture without pixels.
 fn is_lit(picture: &ReducedPicture) -> bool {
     let black = picture.grey.iter().filter(|grey| **grey < BLACK).count();
     2 * black < picture.grey.len()
@@ -108,6 +91,7 @@ fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
         Border::Top | Border::Bottom => first.height,
         Border::Left | Border::Right => first.width,
     };
+    // One row beyond `most` shows that a bar is too deep, and two more are compared at its end.
     let most = (LARGEST * all as f64) as usize;
     let rows: Vec<Vec<BorderRow>> = pictures
         .iter()
@@ -123,15 +107,16 @@ fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
     (deep >= THIN && deep <= most && ends >= EDGE_IN).then_some(deep)
 }
 
-/// The share of the pictures for which a condition on their rows holds.
-fn share_of_pictures(rows: &[Vec<BorderRow>], holds: impl Fn(&[BorderRow]) -> bool) -> f64 {
-    rows.iter().filter(|rows| holds(rows)).count() as f64 / rows.len() as f64
+/// The share of the pictures that meet a condition on their rows.
+fn share_of_pictures(rows: &[Vec<BorderRow>], condition: impl Fn(&[BorderRow]) -> bool) -> f64 {
+    rows.iter().filter(|rows| condition(rows)).count() as f64 / rows.len() as f64
 }
 
 /// The `at`-th row, or column, from a border.
 fn row(picture: &ReducedPicture, border: Border, at: usize) -> BorderRow {
     let (width, height) = (picture.width, picture.height);
-    // Index of the first pixel, distance between pixels, and their number, in row-major order.
+    // Index of the first pixel, distance between pixels, and their number, in row-major order. In a
+    // tiny picture rows beyond the last one repeat it.
     let (start, step, count) = match border {
         Border::Top => (at.min(height - 1) * width, 1, width),
         Border::Bottom => (height.saturating_sub(at + 1) * width, 1, width),

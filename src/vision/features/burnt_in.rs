@@ -92,13 +92,13 @@ pub fn burnt_in(
     pictures: &[&Features],
     moved: &(dyn Fn(usize, usize, ImagePoint) -> bool + Sync),
 ) -> BurntIn {
+    // One grid per picture serves all its pairs.
     let placed: Vec<FeatureGrid<'_>> = pictures
         .iter()
         .map(|features| FeatureGrid::new(features))
         .collect();
-    let pairs = pairs(pictures.len());
     // Static features of all pairs in which the camera moved.
-    let standing: Vec<(usize, usize)> = pairs
+    let standing: Vec<(usize, usize)> = pairs(pictures.len())
         .par_iter()
         .flat_map_iter(|&(one, other)| {
             let found = standing_pair(&placed[one], &placed[other]).unwrap_or_default();
@@ -161,6 +161,7 @@ fn pairs(count: usize) -> Vec<(usize, usize)> {
 
 /// The graphics: boxes of static features that lie together in enough pictures.
 fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGraphic> {
+    // The size of the first stands for all: pictures of one camera have one size.
     let Some(size) = pictures.first().map(|features| features.image_size) else {
         return Vec::new();
     };
@@ -178,7 +179,8 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
         group_points(&points, CELL_PX * size.scale_from_1920(), least_pictures)
             .into_iter()
             .filter_map(|members| graphic_from_points(&points, &members, size))
-            // A graphic that lasts for n pictures has at least n features.
+            // A graphic that lasts for n pictures has at least n features. With six alone, drawn
+            // clips had false boxes of 6 to 12 features (tests/benches/graphics.md).
             .filter(|graphic| {
                 graphic.features >= LEAST_FEATURES.max(graphic.last - graphic.first + 1)
             })

@@ -28,8 +28,8 @@ pub struct FeatureCache {
     folder: PathBuf,
     max_bytes: u64,
     /// Size of the folder when it was last measured, plus what was added since. None before the
-    /// first measurement.
-    held_bytes: Arc<Mutex<Option<u64>>>,
+    /// first measurement. Clones of the cache share it.
+    stored_bytes: Arc<Mutex<Option<u64>>>,
 }
 
 /// A hash of everything that determines the features of a picture.
@@ -41,6 +41,8 @@ impl FeatureKey {
     /// masks.
     #[must_use]
     pub fn new(picture_sha256: &str, options: &FeatureOptions, masks: &[PixelBox]) -> Self {
+        // The masks come last, because they alone vary in number: no two combinations are the same
+        // bytes. 128 bits are enough against accidental collisions.
         let mut digest = Sha256::new();
         digest.update(VERSION.to_le_bytes());
         digest.update(picture_sha256.as_bytes());
@@ -64,7 +66,7 @@ impl FeatureCache {
         Self {
             folder: folder.to_path_buf(),
             max_bytes,
-            held_bytes: Arc::default(),
+            stored_bytes: Arc::default(),
         }
     }
 
@@ -98,16 +100,19 @@ impl FeatureCache {
     /// Makes room for `more` bytes. The folder is measured the first time and when it seems full,
     /// not for every file.
     fn make_room_if_needed(&self, more: u64) -> io::Result<()> {
-        let mut held = self
-            .held_bytes
+        // The lock is taken while the folder is measured, so that two threads do not both delete.
+        // It guards a plain number, which a panic elsewhere cannot leave half changed.
+        let mut stored = self
+            .stored_bytes
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        // The count may be wrong if other programs use the folder; measuring again corrects it.
-        let total = match *held {
+        // The count may be wrong if other programs use the folder, a file replaces one, or writing
+        // fails afterwards; measuring again corrects it.
+        let total = match *stored {
             Some(bytes) if bytes + more <= self.max_bytes => bytes,
             _ => self.make_room(more)?,
         };
-        *held = Some(total + more);
+        *stored = Some(total + more);
         Ok(())
     }
 
@@ -117,10 +122,12 @@ impl FeatureCache {
         let mut files: Vec<(SystemTime, PathBuf, u64)> = Vec::new();
         for entry in std::fs::read_dir(&self.folder)? {
             let path = entry?.path();
-            // Another program may have deleted it meanwhile.
+            // Another program may have deleted it meanwhile. The metadata of a link are its own, so
+            // that nothing outside the folder is counted or deleted.
             let Ok(metadata) = std::fs::symlink_metadata(&path) else {
                 continue;
             };
+            // Files of other names are not the cache's to delete.
             if path
                 .extension()
                 .is_some_and(|extension| extension == EXTENSION)
@@ -133,12 +140,13 @@ impl FeatureCache {
             }
         }
         let mut total: u64 = files.iter().map(|(.., bytes)| bytes).sum();
-        // By time, then by path.
+        // By time, then by path. A file without a known time counts as the oldest.
         files.sort();
         for (_, path, bytes) in files {
             if total + more <= self.max_bytes {
                 break;
             }
+            // A file that another program has just deleted makes room, too.
             match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
                 _ => total -= bytes,

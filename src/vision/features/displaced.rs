@@ -63,6 +63,7 @@ impl CoarsePicture {
             let Some([near, far]) = block.correlations(self, other, kind) else {
                 continue;
             };
+            // Both correlations are of the same block, so that its own texture favours neither.
             moved += usize::from(far > near + CLEARER);
             stayed += usize::from(near > far + CLEARER);
         }
@@ -172,6 +173,7 @@ impl Block {
                 shared += (own - mean) * there;
             }
         }
+        // Where the other picture has hardly any contrast, the quotient would be noise.
         let count = (self.width * self.height) as f32;
         let of_other = (squares / count - (sum / count).powi(2)).max(0.0).sqrt();
         (of_other >= 0.5 * LEAST_CONTRAST).then(|| shared / (count * contrast * of_other))

@@ -140,6 +140,8 @@ fn gap([from, to]: [usize; 2], [other_from, other_to]: [usize; 2]) -> usize {
 /// Groups of edges whose cells touch, diagonals included, topmost first. The rims of a box are one
 /// group.
 pub(super) fn group_edges(edges: &[StaticEdge]) -> Vec<EdgeGroup> {
+    // A cell with fewer edges than `IN_CELL` may be chance, and would connect groups that do not
+    // belong together.
     let mut cells = BTreeMap::<(i64, i64), Vec<StaticEdge>>::new();
     for &edge in edges {
         let cell = ((edge.row / CELL) as i64, (edge.column / CELL) as i64);

@@ -97,7 +97,8 @@ fn bits(
         .collect())
 }
 
-/// Share of a picture that no mask covers, at least a tenth. Overlapping masks count twice.
+/// Share of a picture that no mask covers, at least a tenth. Overlapping masks count twice, which
+/// only requests more features than needed.
 #[cfg(feature = "opencv")]
 fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
     let whole = PixelBox {

@@ -28,6 +28,8 @@ pub(crate) fn count_cells(
     size: ImageSize,
     (columns, rows): (usize, usize),
 ) -> usize {
+    // Unlike in `cell_in_grid`, points outside the picture have cells of their own, so that points
+    // far beyond one border are not one place.
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let cells = points.map(|at| {
         (
@@ -41,6 +43,8 @@ pub(crate) fn count_cells(
 /// Joins the contents of cells that touch, diagonals included, by flood fill. Cells are given by
 /// row and column.
 pub(super) fn join_touching_cells<T>(mut cells: BTreeMap<(i64, i64), Vec<T>>) -> Vec<Vec<T>> {
+    // Cells leave the map as they join a group, hence each is visited once. An ordered map makes
+    // the groups come topmost first, and the same in every run.
     let mut groups = Vec::new();
     while let Some((first, mut group)) = cells.pop_first() {
         let mut open = vec![first];

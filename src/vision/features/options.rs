@@ -92,6 +92,8 @@ impl FeatureOptions {
     /// ([`Relocalized::is_certain`](crate::relocalize::Relocalized::is_certain)).
     #[must_use]
     pub fn coarse(&self, width_px: u32) -> Option<Self> {
+        // The width is stated so that `reduction` yields twice the factor: half the width rounded
+        // down would yield one more.
         let max_width_px = width_px.div_ceil(2 * self.reduction(width_px));
         (self.detector == Detector::Sift && max_width_px >= MIN_COARSE_WIDTH_PX).then_some(Self {
             max_width_px,

@@ -106,6 +106,7 @@ impl ReducedPicture {
     /// Reduces a picture by a whole factor.
     #[must_use]
     pub fn new(picture: &Picture) -> Self {
+        // A whole factor, so that every reduced pixel averages the same number of pixels.
         let size = picture.size();
         let step = (f64::from(size.width) / f64::from(WIDTH)).round().max(1.0) as usize;
         let (width, height) = (size.width as usize / step, size.height as usize / step);
@@ -174,7 +175,8 @@ pub(super) fn count_edges(one: &ReducedPicture, other: &ReducedPicture) -> Optio
             for slope in slopes.iter().filter(|slope| slope.strength() > LEAST_EDGE) {
                 counts[slope.kind() as usize].all += 0.5;
             }
-            // Static: both gradients are strong along the direction of their sum.
+            // Static: both gradients are strong along the direction of their sum. Opposite ones,
+            // as of a bright and a dark line at one place, have a small sum and fail.
             let shared = slopes[0].plus(slopes[1]);
             let direction = shared.unit();
             if slopes.iter().all(|slope| slope.is_edge_along(direction)) {

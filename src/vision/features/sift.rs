@@ -71,6 +71,7 @@ pub(super) fn sift(
         return Ok(Vec::new());
     }
     use_one_thread();
+    // A view of the grey values, not a copy. SIFT itself keeps the strongest `limit`.
     let image = Mat::new_rows_cols_with_bytes::<u8>(height as i32, width as i32, &grey.values)?;
     let mut sift = SIFT::create.detector(limit.min(i32::MAX as u32) as i32)?;
     let mut keypoints = Vector::<KeyPoint>::new();

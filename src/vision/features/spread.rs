@@ -29,10 +29,10 @@ pub fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) -> Vec<
     }
     // Without a quota, a textured crowd would take all features and leave none near the field.
     let quota = (CELL_SHARES * max_count).div_ceil(GRID.0 * GRID.1);
-    let mut held = [0usize; GRID.0 * GRID.1];
+    let mut in_cell = [0usize; GRID.0 * GRID.1];
     let (mut kept, mut surplus) = (Vec::with_capacity(max_count), Vec::new());
     for index in order {
-        let cell = &mut held[cell_in_grid(keypoints[index].point, size, GRID)];
+        let cell = &mut in_cell[cell_in_grid(keypoints[index].point, size, GRID)];
         if *cell < quota {
             *cell += 1;
             kept.push(index);

@@ -45,6 +45,7 @@ pub(super) struct FeatureGrid<'a> {
 impl<'a> FeatureGrid<'a> {
     pub(super) fn new(features: &'a Features) -> Self {
         let size = features.image_size;
+        // At least a pixel, so that a picture without width has cells, too.
         let cell_px = (NEAR_PX * size.scale_from_1920()).max(1.0);
         let columns = (f64::from(size.width) / cell_px) as usize + 1;
         let rows = (f64::from(size.height) / cell_px) as usize + 1;
@@ -88,9 +89,9 @@ impl<'a> FeatureGrid<'a> {
                 row * self.columns + columns.start,
                 row * self.columns + columns.end,
             );
-            let start = if first == 0 { 0 } else { self.ends[first - 1] };
-            let end = if last == 0 { 0 } else { self.ends[last - 1] };
-            self.order[start.min(end)..end]
+            let [start, end] =
+                [first, last].map(|cell| cell.checked_sub(1).map_or(0, |last| self.ends[last]));
+            self.order[start..end]
                 .iter()
                 .map(|&feature| feature as usize)
         })
@@ -127,7 +128,7 @@ fn cell_along(position_px: f64, cell_px: f64, cells: usize) -> usize {
 
 /// The indices, along one axis, of the cell at a position and of its neighbours.
 fn cells_around(position_px: f64, cell_px: f64, cells: usize) -> Range<usize> {
-    let at = (position_px / cell_px).max(0.0) as usize;
+    let at = cell_along(position_px, cell_px, cells);
     at.saturating_sub(1)..(at + 2).min(cells)
 }
 
@@ -178,16 +179,17 @@ pub fn place_share(
     all: impl IntoIterator<Item = ImagePoint>,
     size: ImageSize,
 ) -> f64 {
-    // For each cell, whether it has points of `all`, and of `some`.
-    let mut held = [(false, false); PLACES.0 * PLACES.1];
+    // For each cell, whether it has points of `all`, and of `some`. Cells without any feature, as
+    // on plain grass, say nothing and are left out of the share.
+    let mut cells = [(false, false); PLACES.0 * PLACES.1];
     for point in all {
-        held[cell_in_grid(point, size, PLACES)].0 = true;
+        cells[cell_in_grid(point, size, PLACES)].0 = true;
     }
     for point in some {
-        held[cell_in_grid(point, size, PLACES)].1 = true;
+        cells[cell_in_grid(point, size, PLACES)].1 = true;
     }
-    let textured = held.iter().filter(|(any, _)| *any).count();
-    let shared = held.iter().filter(|(any, some)| *any && *some).count();
+    let textured = cells.iter().filter(|(any, _)| *any).count();
+    let shared = cells.iter().filter(|(any, some)| *any && *some).count();
     if textured == 0 {
         0.0
     } else {

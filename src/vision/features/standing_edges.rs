@@ -86,9 +86,9 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StaticGraphic> {
     let width = first.width;
     let mut found = black_bars(pictures);
     let views = camera_views(pictures);
+    let has_few = views.iter().all(|of_kind| of_kind.len() < FEW_VIEWS);
     for window in windows(pictures.len()) {
         let is_part = window.len() < pictures.len();
-        let has_few = views.iter().all(|of_kind| of_kind.len() < FEW_VIEWS);
         // Shorter windows need more edges: fewer pictures leave more coincidences.
         let (least_views, least_edges) = match (is_part, has_few) {
             (true, _) => (LEAST_VIEWS_IN_WINDOW, LEAST_EDGES_IN_WINDOW),
@@ -190,7 +190,8 @@ fn mean_slope(slopes: impl Iterator<Item = Slope> + Clone, is_part: bool) -> Opt
     if strength < LEAST_MEAN {
         return None;
     }
-    // The t statistic of the gradients' components along their mean.
+    // The t statistic of the gradients' components along their mean. The added variance of rounding
+    // keeps equal gradients from being infinitely certain.
     let direction = mean.unit();
     let scatter: f32 = slopes
         .clone()
@@ -236,6 +237,7 @@ fn graphic_from_group(
         last: 0,
         edges: group.edges,
     };
+    // All pictures, not only those of the window: a graphic may outlast the window that found it.
     let shown: Vec<bool> = pictures
         .iter()
         .map(|picture| graphic.is_shown_in(picture))
@@ -252,9 +254,9 @@ fn graphic_from_group(
 }
 
 /// The longest run of true values, with gaps of at most [`LONGEST_GAP`] in it.
-fn longest_run(holds: &[bool]) -> Option<Range<usize>> {
+fn longest_run(values: &[bool]) -> Option<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
-    for place in (0..holds.len()).filter(|&place| holds[place]) {
+    for place in (0..values.len()).filter(|&place| values[place]) {
         match runs.last_mut() {
             Some(run) if place - run.end <= LONGEST_GAP => run.end = place + 1,
             _ => runs.push(place..place + 1),

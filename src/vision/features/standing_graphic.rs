@@ -52,6 +52,8 @@ impl StaticGraphic {
     /// Whether another picture of the same size shows the graphic.
     #[must_use]
     pub fn is_shown_in(&self, picture: &ReducedPicture) -> bool {
+        // Sums over all edges, not a count of edges: a half-transparent graphic over a busy picture
+        // hides single edges, but the components along its own add up.
         let (mut seen, mut mean) = (0.0, 0.0);
         for edge in &self.edges {
             // An edge at the border has no gradient and counts as missing.

@@ -36,8 +36,10 @@ impl FrameCache {
         self.frames.contains(frame)
     }
 
-    /// Inserts or replaces a frame, and evicts others until the budget holds.
+    /// Inserts or replaces a frame, and evicts others until the budget is met.
     pub fn insert(&mut self, frame: FrameRef, picture: Picture) {
+        // The new bytes are added before the old ones are subtracted, so that the count stays above
+        // zero.
         self.bytes += picture.bytes();
         if let Some(before) = self.frames.put(frame, picture) {
             self.bytes -= before.bytes();
@@ -45,12 +47,13 @@ impl FrameCache {
         self.keep_budget();
     }
 
-    /// Changes the budget, and evicts frames until it holds.
+    /// Changes the budget, and evicts frames until it is met.
     pub fn set_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = budget_bytes;
         self.keep_budget();
     }
 
+    /// Evicts the frames not used for longest; the last one stays, whatever its size.
     fn keep_budget(&mut self) {
         while self.bytes > self.budget_bytes && self.frames.len() > 1 {
             let Some((_, oldest)) = self.frames.pop_lru() else {
@@ -62,6 +65,8 @@ impl FrameCache {
 
     /// Inserts a frame only if it fits into the remaining budget, as the first to be evicted.
     pub fn offer(&mut self, frame: &FrameRef, picture: &Picture) {
+        // It fits, so that `insert` evicts nothing; demoted, it never displaces a frame that the
+        // user has viewed.
         if self.bytes + picture.bytes() <= self.budget_bytes && !self.contains(frame) {
             self.insert(frame.clone(), picture.clone());
             self.frames.demote(frame);

@@ -59,6 +59,7 @@ impl<R: ReadFrames> CachedReader<R> {
 
     /// The picture of a frame, if it is kept; it counts as read in this pass.
     fn find(&mut self, frame: &FrameRef) -> Option<Picture> {
+        // Frames are ordered by file and then by index, so a step back is a smaller frame.
         if self.last.as_ref().is_some_and(|last| frame < last) {
             self.pass += 1;
         }
@@ -70,6 +71,8 @@ impl<R: ReadFrames> CachedReader<R> {
 
     /// Keeps a picture that has just been read, if there is room for it.
     fn keep(&mut self, frame: &FrameRef, picture: &Picture) {
+        // Called only for frames that `find` has not found, so nothing is replaced below and the
+        // count of bytes is exact.
         while self.kept_bytes + picture.bytes() > self.budget_bytes {
             let Some(unused) = self.find_unused(frame) else {
                 return;
@@ -86,6 +89,8 @@ impl<R: ReadFrames> CachedReader<R> {
 
     /// A kept frame that the present pass, now at `frame`, will not read.
     fn find_unused(&self, frame: &FrameRef) -> Option<FrameRef> {
+        // Frames before this one that the pass has not read will not come in it any more. One ahead
+        // may still come; it is given up only if the whole pass before went without it.
         let mut skipped = self.kept.range(..frame);
         let mut ahead = self.kept.range(frame..);
         skipped

@@ -12,6 +12,7 @@ use touchline_core::geometry::hex;
 /// # Errors
 /// The file is missing, empty, not a file or cannot be read.
 pub fn sha256_of_file(path: &Path) -> Result<String, MediaError> {
+    // In blocks, so that the memory does not depend on the size of the file.
     let mut file = open_file(path)?;
     let mut digest = Sha256::new();
     let mut block = vec![0; 1 << 16];

@@ -202,6 +202,8 @@ pub(crate) fn one_line(text: &str) -> String {
 
 /// Opens a regular file with at least one byte.
 pub(super) fn open_file(path: &Path) -> Result<std::fs::File, MediaError> {
+    // The kind comes first, because `open_named` reports it as an error of the system. Emptiness
+    // comes last, because a lack of permission is the better reason.
     let metadata = std::fs::metadata(path).map_err(|error| MediaError::from_io(path, &error))?;
     if !metadata.is_file() {
         return Err(MediaError::NotAFile {

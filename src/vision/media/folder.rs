@@ -34,6 +34,8 @@ pub fn list_images(folder: &Path) -> Result<FolderListing, MediaError> {
         let path = entry
             .map_err(|error| MediaError::from_io(folder, &error))?
             .path();
+        // Hidden files are ignored because macOS puts a `._` file beside each image on disks of
+        // other systems. The kind comes last, since only it needs a call of the system.
         if !has_image_extension(&path) || is_hidden(&path) || path.is_dir() {
             continue;
         }

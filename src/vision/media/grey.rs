@@ -41,6 +41,8 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     }
     let size = ImageSize::new(full.width / factor, full.height / factor);
     let (factor, width) = (factor as usize, size.width as usize);
+    // `chunks_exact` drops the rows that fill no block, and the zip with `sums` the columns. A
+    // picture without width has no bytes, but the length of a chunk must not be 0.
     let row_bytes = 4 * full.width as usize;
     // Sums are in 1/256 of a grey level and start at half the divisor, so that the division rounds.
     let divisor = (factor * factor) as u32 * 256;

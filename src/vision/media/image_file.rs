@@ -46,7 +46,7 @@ impl ImageLimits {
         let area = u64::from(width) * u64::from(height);
         if width <= self.max_side_px
             && height <= self.max_side_px
-            && area <= self.max_megapixels * 1_000_000
+            && area <= self.max_megapixels.saturating_mul(1_000_000)
         {
             return Ok(());
         }
@@ -57,6 +57,12 @@ impl ImageLimits {
             max_side_px: self.max_side_px,
             max_megapixels: self.max_megapixels,
         })
+    }
+
+    /// Memory that decoding the largest allowed picture takes at most, bytes.
+    const fn max_decoded_bytes(&self) -> u64 {
+        self.max_megapixels
+            .saturating_mul(1_000_000 * MAX_BYTES_PER_PX)
     }
 }
 
@@ -78,17 +84,17 @@ pub fn load_image(path: &Path) -> Result<Picture, MediaError> {
 /// As [`load_image`].
 pub fn load_image_within(path: &Path, limits: ImageLimits) -> Result<Picture, MediaError> {
     let (format, mut decoder) = open_decoder(path, limits)?;
-    // The decoder fills a truncated JPEG with grey and reports no error.
+    // The decoder fills a truncated JPEG with grey and reports no error, so the bytes are read once
+    // more. The limit bounds the memory; it is far above the size of any real JPEG.
     if format == ImageFormat::Jpeg {
-        let limit = limits
-            .max_megapixels
-            .saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
-        let bytes = read_named(path, limit).map_err(|error| MediaError::from_io(path, &error))?;
+        let bytes = read_named(path, limits.max_decoded_bytes())
+            .map_err(|error| MediaError::from_io(path, &error))?;
         if is_cut_off(&bytes) {
             return Err(ends_too_early(path));
         }
     }
     let orientation = orientation_of(&mut decoder);
+    // Upright before anything else: all coordinates of documents belong to the upright picture.
     let mut image =
         DynamicImage::from_decoder(decoder).map_err(|error| media_error(path, limits, &error))?;
     image.apply_orientation(orientation);
@@ -128,17 +134,16 @@ fn open_decoder(
     path: &Path,
     limits: ImageLimits,
 ) -> Result<(ImageFormat, impl ImageDecoder), MediaError> {
-    let all = limits
-        .max_megapixels
-        .saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
     // The compressed colour profile of a PNG is inflated before its size is known, so the first
     // attempt has a small limit.
+    let all = limits.max_decoded_bytes();
     let max_alloc = if is_png(path)? {
         MAX_METADATA_BYTES
     } else {
         all
     };
     let (format, mut decoder) = open_with_max_alloc(path, limits, max_alloc)?;
+    // The size is known: open it again with the memory that a picture of this size takes.
     let (width, height) = decoder.dimensions();
     if format == ImageFormat::Png {
         let pixels = u64::from(width)
@@ -203,6 +208,7 @@ fn orientation_of(decoder: &mut impl ImageDecoder) -> Orientation {
 fn lay_over_black(rgba: &mut image::RgbaImage) {
     for pixel in rgba.pixels_mut() {
         let alpha = u16::from(pixel[3]);
+        // 127 rounds the division by 255; the largest product, 255 · 255 + 127, fits 16 bits.
         for channel in &mut pixel.0[..3] {
             *channel = ((u16::from(*channel) * alpha + 127) / 255) as u8;
         }
@@ -255,6 +261,8 @@ fn ends_too_early(path: &Path) -> MediaError {
 
 /// The innermost message of an error as one line, without a dumped data structure at its end.
 fn reason(error: &dyn Error) -> String {
+    // The outer messages of `image` repeat the format and the inner one; its PNG decoder appends
+    // the debug output of a chunk.
     let innermost = std::iter::successors(Some(error), |&error| error.source())
         .last()
         .unwrap_or(error);
@@ -408,5 +416,10 @@ mod tests {
             )
             .is_ok()
         );
+        let none = ImageLimits {
+            max_side_px: u32::MAX,
+            max_megapixels: u64::MAX,
+        };
+        assert!(load_image_within(&path, none).is_ok());
     }
 }

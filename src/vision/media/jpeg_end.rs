@@ -11,6 +11,8 @@ const END: u8 = 0xd9;
 /// (T.81, B.1.1.4). In entropy-coded data 0xff is always followed by a marker, or by 0 if it is
 /// data (B.1.1.5).
 pub(super) fn is_cut_off(bytes: &[u8]) -> bool {
+    // Position 2 is after the "start of image" marker. Every step goes on by at least two bytes, so
+    // that the loop ends.
     let mut at = 2;
     while let Some((marker, after)) = next_marker(bytes, at) {
         match marker {
@@ -18,6 +20,8 @@ pub(super) fn is_cut_off(bytes: &[u8]) -> bool {
             // Markers without a segment: stuffed data, temporary, restarts, start of image.
             0 | 0x01 | 0xd0..=0xd8 => at = after,
             _ => {
+                // The length counts its own two bytes. After the header of a scan, the
+                // entropy-coded data follow, in which the next marker is searched.
                 let Some(&[high, low]) = bytes.get(after..after + 2).and_then(<[u8]>::first_chunk)
                 else {
                     return true;

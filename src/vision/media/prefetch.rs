@@ -50,12 +50,13 @@ impl Default for PrefetchOptions {
 }
 
 impl PrefetchOptions {
-    /// Limits the numbers to half of the frames that a cache holds: 1,080p frames take 8 MB each,
-    /// 4K frames 33 MB.
+    /// Limits the numbers to half of the frames that fit a cache: 1,080p frames take 8 MB each, 4K
+    /// frames 33 MB.
     #[must_use]
     pub fn within(self, budget_bytes: usize, picture_bytes: usize) -> Self {
+        // The other half is for frames that the user has viewed and may return to. Stepping back in
+        // blocks keeps two blocks at a time.
         let room = budget_bytes / 2 / picture_bytes.max(1);
-        // Stepping back in blocks keeps two blocks at a time.
         let ahead = if self.in_blocks {
             room / 2
         } else {
@@ -83,30 +84,39 @@ pub fn prefetch_plan(
     if current >= count {
         return Vec::new();
     }
-    let later =
-        |frames: usize| (current + 1)..current.saturating_add(1).saturating_add(frames).min(count);
-    let earlier = |frames: usize| (current.saturating_sub(frames)..current).rev();
     match direction {
-        StepDirection::Forward => later(options.ahead)
-            .chain(earlier(options.behind))
+        StepDirection::Forward => later(current, count, options.ahead)
+            .chain(earlier(current, options.behind))
             .collect(),
         StepDirection::Backward if options.in_blocks => {
-            // The rest of the current block in ascending order, then the block before it.
+            // The rest of the current block in ascending order, then the block before it. Blocks
+            // begin at multiples of their length, so that a step within one requests nothing new.
             let block = options.ahead.max(1);
             let own = current / block * block;
             let before = own.saturating_sub(block)..own;
             (own..current)
                 .chain(before)
-                .chain(later(options.behind))
+                .chain(later(current, count, options.behind))
                 .collect()
         }
-        StepDirection::Backward => earlier(options.ahead)
-            .chain(later(options.behind))
+        StepDirection::Backward => earlier(current, options.ahead)
+            .chain(later(current, count, options.behind))
             .collect(),
-        StepDirection::Unknown => later(options.ahead.div_ceil(2))
-            .chain(earlier(options.behind))
+        StepDirection::Unknown => later(current, count, options.ahead.div_ceil(2))
+            .chain(earlier(current, options.behind))
             .collect(),
     }
+}
+
+/// The frames after `current`, of `count` frames, the nearest first.
+fn later(current: usize, count: usize, frames: usize) -> impl Iterator<Item = usize> {
+    let next = current.saturating_add(1);
+    next..next.saturating_add(frames).min(count)
+}
+
+/// The frames before `current`, the nearest first.
+fn earlier(current: usize, frames: usize) -> impl Iterator<Item = usize> {
+    (current.saturating_sub(frames)..current).rev()
 }
 
 #[cfg(test)]

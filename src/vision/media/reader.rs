@@ -55,7 +55,7 @@ pub struct FrameReader {
     counting: Progress<'static, CountProgress>,
 }
 
-/// Number of videos kept open: each holds a decoder with about twenty reference frames.
+/// Number of videos kept open: each has a decoder with about twenty reference frames.
 const OPEN_VIDEOS: usize = 2;
 
 impl Default for FrameReader {
@@ -108,7 +108,12 @@ impl FrameReader {
         Ok(self.video(path)?.info())
     }
 
+    /// A video, opened if it is not open. It becomes the latest one; beyond [`OPEN_VIDEOS`] the one
+    /// not used for longest is closed.
     fn video(&mut self, path: &Path) -> Result<&mut Video, MediaError> {
+        // It is taken out of the list even if it is open, so that it returns to the end. The
+        // progress is renewed because a cancelled one stays cancelled, and the next read tries
+        // again.
         let video = match self
             .videos
             .iter()

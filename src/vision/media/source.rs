@@ -25,7 +25,7 @@ pub enum FrameRef {
 }
 
 impl FrameRef {
-    /// The frame that an image file holds.
+    /// The frame of an image file.
     #[must_use]
     pub fn image(path: impl Into<Arc<Path>>) -> Self {
         Self::Image(path.into())
@@ -40,7 +40,7 @@ impl FrameRef {
         }
     }
 
-    /// The file that holds the frame.
+    /// The file that contains the frame.
     #[must_use]
     pub fn path(&self) -> &Path {
         match self {
@@ -56,6 +56,7 @@ impl FrameRef {
         let Self::Video { path, index } = self else {
             return None;
         };
+        // The canonical path, so that two names of one file have one identity.
         let metadata = std::fs::metadata(path).ok()?;
         let modified = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
         let path = path.canonicalize().ok()?;
@@ -108,6 +109,8 @@ impl FrameSource {
         if path.is_dir() {
             Ok(Self::Folder(list_images(path)?))
         } else if has_image_extension(path) {
+            // Reading the header reports a missing or damaged file here, not when it is first
+            // shown.
             image_size(path)?;
             Ok(vec![path.to_path_buf()].into())
         } else {

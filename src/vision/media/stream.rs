@@ -93,6 +93,8 @@ impl<I: ExactSizeIterator<Item = FrameRef>> Iterator for FrameStream<'_, I> {
     type Item = StreamedFrame;
 
     fn next(&mut self) -> Option<StreamedFrame> {
+        // A cancelled stream takes no frame from its list and reports nothing more; nor is the end
+        // of the list reported.
         if self.progress.is_cancelled() {
             return None;
         }

@@ -16,6 +16,8 @@ pub const THUMBNAIL_SIZE: ImageSize = ImageSize::new(160, 90);
 /// enlarged.
 #[must_use]
 pub fn letterbox(picture: &Picture, size: ImageSize) -> Picture {
+    // `fit_within` exceeds `size` in neither direction, so the margins are not negative; the
+    // smaller half of an odd one is at the left and at the top.
     let inner = fit_within(picture.size(), size);
     let (left, top) = (
         (size.width - inner.width) / 2,
@@ -56,8 +58,11 @@ fn mean_below(picture: &Picture, small: ImageSize, x: u32, y: u32) -> [u8; 4] {
 
 /// The indices in a row of `large` px that pixel `at` of a row of `small` px covers: at least one.
 fn covered_indices(at: u32, small: u32, large: u32) -> StepBy<Range<u32>> {
-    let edge = |at: u32| (u64::from(at) * u64::from(large) / u64::from(small.max(1))) as u32;
-    let (start, end) = (edge(at), edge(at + 1).max(edge(at) + 1));
+    // Neighbouring pixels share an edge, so together they cover every index once. 64 bits, because
+    // the product of two sides may exceed 32.
+    let [start, next] = [at, at + 1]
+        .map(|edge| (u64::from(edge) * u64::from(large) / u64::from(small.max(1))) as u32);
+    let end = next.max(start + 1);
     (start..end).step_by(((end - start) / SAMPLES).max(1) as usize)
 }
 
@@ -70,8 +75,11 @@ fn fit_within(inner: ImageSize, outer: ImageSize) -> ImageSize {
     let scale = (f64::from(outer.width) / width)
         .min(f64::from(outer.height) / height)
         .min(1.0);
-    let side = |length: f64, limit: u32| ((length * scale).round().max(1.0) as u32).min(limit);
-    ImageSize::new(side(width, outer.width), side(height, outer.height))
+    // A side keeps at least a pixel, however extreme the shape, and rounding may not exceed
+    // `outer`.
+    let [width, height] = [(width, outer.width), (height, outer.height)]
+        .map(|(length, limit)| ((length * scale).round().max(1.0) as u32).min(limit));
+    ImageSize::new(width, height)
 }
 
 #[cfg(test)]

@@ -129,6 +129,7 @@ pub fn adjust_labels(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Ma
         for (place, &member) in group.members.iter().enumerate() {
             let by = group.correction(place);
             let ptz = found[member].0;
+            // A pan beside ±180° may leave the range by its correction; tilts are far from there.
             let pan = (ptz.pan + Angle::from_radians(by.x)).wrap();
             let tilt = ptz.tilt + Angle::from_radians(by.y);
             found[member] = (
@@ -235,6 +236,8 @@ impl RelativePose {
 impl Group {
     fn from_members(members: &[usize], references: &[Reference]) -> Self {
         let together: Vec<Reference> = members.iter().map(|&member| references[member]).collect();
+        // Pictures are matched once, with the labels as they are. The corrections are small, so the
+        // derivative T accounts for them in every round.
         let relative_poses = pairs(&together, NEIGHBOURS)
             .par_iter()
             .filter_map(|pair| RelativePose::estimate(*pair, &together))
@@ -283,7 +286,8 @@ impl Group {
             DVector::<f64>::zeros(size),
         );
         for (place, &member) in self.members.iter().enumerate() {
-            // The prior of each label.
+            // The prior of each label. A singular covariance has no information matrix: that label
+            // gets no prior, and the factorisation below fails unless its neighbours determine it.
             let information = labels[member].scaled_covariance(scatter).try_inverse();
             add_block(
                 &mut normal,
@@ -340,6 +344,8 @@ impl Group {
     fn misfit_of_label(&self, place: usize, label: &Label, scatter: Scatter) -> Option<Misfit> {
         let (clicks, information) = (label.misfit?, label.covariance.try_inverse()?);
         let by = self.correction(place);
+        // Here the information is by the assumed σ, whereas the adjusted covariance is by the
+        // scaled one, so the trace is divided by the variance factor.
         let explained = (self.covariance(place, place) * information).trace() / scatter.clicks;
         let expected = clicks.expected + (3.0 - explained).max(0.0);
         let chi_squared = clicks.chi_squared + by.dot(&(information * by));
@@ -376,7 +382,7 @@ impl Group {
         })
     }
 
-    /// Whether a correction is small enough for a label's error, and for the linearisation to hold.
+    /// Whether a correction is small enough to be a label's error and to be linear in its effects.
     fn is_small(&self, place: usize) -> bool {
         let by = self.correction(place);
         by.x.hypot(by.y) < MOST_TURN && by.z.abs() < MOST_FOCAL * self.focal_px[place]

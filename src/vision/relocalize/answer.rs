@@ -52,6 +52,8 @@ impl SeenRange {
     /// The range of cameras that may share features with the references.
     #[must_use]
     pub fn plausible(&self) -> PtzRanges {
+        // Pan is an arc of the circle, so it is expanded as one; tilt does not wrap, and a focal
+        // length scales.
         let (lowest, highest) = (
             self.tilt_deg.start() - BEYOND_TILT_DEG,
             self.tilt_deg.end() + BEYOND_TILT_DEG,
@@ -93,8 +95,8 @@ pub fn relocalize(
         .ranges
         .clone()
         .unwrap_or_else(|| seen.plausible());
-    // The threshold on confidence applies only after labels and base are included in the
-    // uncertainty.
+    // The threshold on confidence applies only after the labels are included in the uncertainty, so
+    // the search itself rejects no answer by its confidence.
     let unsure = PoseOptions {
         ranges: Some(ranges),
         min_confidence: 0.0,
@@ -103,6 +105,8 @@ pub fn relocalize(
     let pose = pose_of_moving(&matches, features, base, &seen.cameras, &unsure).and_then(
         |(pose, stands_still)| {
             let stated = pose.with_uncertainty(&matches, base, features.image_size, seen);
+            // If graphics were excluded, that they stood still is the better reason: it tells the
+            // user why the rest does not suffice.
             stated
                 .if_sure(options.pose.min_confidence)
                 .map_err(|unsure| stands_still.unwrap_or(unsure))

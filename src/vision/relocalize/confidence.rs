@@ -56,12 +56,13 @@ pub struct FromReference {
 /// the nearest reference, px at 1920 px width.
 ///
 /// The camera of a reference absorbs small errors of lens and base where the reference looks.
-/// Elsewhere that fits less well: features seen at one edge of the reference are at the other edge
-/// now. The maximum likelihood values are 11 px across the picture and, by the focal length, 17 px
-/// at its left and right edges. They come from 337 answers on frames of three real matches, with
-/// references of other clips: all, those farther than 8° away, and two (`cargo bench --bench
-/// relocalize trust`). Single matches give 5 to 18 and 10 to 24 px. So this is an average over
-/// cameras: it enters the probability of an answer, but does not inflate the covariance of each.
+/// Elsewhere that fits less well: features at one edge of the reference are at the other edge of
+/// the picture. The maximum likelihood values are 11 px across the picture and, by the focal
+/// length, 17 px at its left and right edges. They come from 337 answers on frames of three real
+/// matches, with references of other clips: all, those farther than 8° away, and two (`cargo bench
+/// --bench relocalize trust`). Single matches give 5 to 18 and 10 to 24 px. So this is an average
+/// over cameras: it enters the probability of an answer, but does not inflate the covariance of
+/// each.
 const PER_TURN_PX: f64 = 22.0;
 
 /// The additional error stops growing at this rotation, in picture widths: so far away features
@@ -109,6 +110,8 @@ impl Evidence {
     /// of the extent.
     #[must_use]
     pub fn terms(&self) -> [f64; Self::TERMS] {
+        // The clamps keep the logarithms finite for exact or degenerate evidence: a σ of 0, or
+        // inliers without extent.
         [
             1.0,
             self.features_sigma_px.clamp(0.05, 100.0).ln(),
@@ -142,13 +145,21 @@ impl Evidence {
     pub fn confidence_if(&self, agreement: f64, seen_sigma_px: f64) -> f64 {
         // The error's length has a Rayleigh distribution, P(e ≤ r) = 1 − exp(−r²/s²), where s² is
         // the expected squared length, twice the variance along one axis.
+        // The three parts have different causes (labels, lens and base, other evidence), so their
+        // variances add.
         let by_turning = PER_TURN_PX * self.from_reference.turn.min(FARTHEST_TURN);
         let sigma_px = self
             .labelled_sigma_px
             .hypot(by_turning)
             .hypot(seen_sigma_px);
         let within = 1.0 - (-(RIGHT_PX / sigma_px).powi(2)).exp();
-        (agreement * within).min(self.at_most)
+        let probability = agreement * within;
+        // `f64::min` would take the bound in place of a probability that is not a number.
+        if probability.is_nan() {
+            0.0
+        } else {
+            probability.min(self.at_most)
+        }
     }
 }
 
@@ -217,5 +228,9 @@ mod tests {
             "left-out references were wrong"
         );
         assert!(confidence(0.0, f64::INFINITY) < 0.01 && confidence(f64::INFINITY, 0.0) <= 1.0);
+        assert!(
+            confidence(f64::NAN, 0.5) == 0.0 && confidence(250.0, f64::NAN) == 0.0,
+            "evidence that could not be computed"
+        );
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct Consensus {
 
 /// Size of the pool from which the first pairs are drawn.
 const FIRST_FEATURES: usize = 24;
-/// The pool grows linearly and holds all features after at most this many pairs.
+/// The pool grows linearly and contains all features after at most this many pairs.
 const GROWTH: usize = 300;
 /// Minimum distance of a pair, as a share of the picture's width, and the number of draws to find a
 /// distant one.
@@ -55,6 +55,8 @@ pub(super) fn find_consensus(
     options: &PoseOptions,
 ) -> Consensus {
     let mut rng = Pcg64Mcg::seed_from_u64(options.seed);
+    // Two orders of the features: pairs are drawn from the most similar ones, hypotheses are scored
+    // by an unbiased sample in random order, of which every block is typical.
     let order = matches.by_distance();
     let mut shuffled = shuffled_indices(matches.len(), &mut rng);
     shuffled.truncate(SCORED_FEATURES);
@@ -108,6 +110,7 @@ pub(super) fn find_consensus(
                 score,
                 agreeing,
             };
+            // Fewer inliers are chance, and refinement over them is wasted.
             if agreeing >= MIN_INLIERS {
                 best.improve(matches, base, &shuffled, agreement_px);
             }
@@ -147,6 +150,8 @@ impl Best {
                     .is_some_and(|(squared, _)| squared <= agreement_px * agreement_px)
             })
             .take(LOCAL_FEATURES);
+        // The noise is not known yet. A third of the threshold as σ makes the Cauchy loss weigh an
+        // inlier at the threshold by 1 / (1 + 3²), a tenth of the weight of an exact one.
         let observations = matches.observations(&camera, near, agreement_px / 3.0);
         let ptz = refine_until(
             base,
@@ -173,7 +178,8 @@ impl Best {
 /// Number of pairs after which the probability of never having drawn a good one is
 /// `miss_probability`, given the share of inliers: ln(miss) / ln(1 − good).
 fn enough(share: f64, options: &PoseOptions) -> usize {
-    // A pair is good if both features are inliers and both are drawn with the right candidate.
+    // A pair is good if both features are inliers and both are drawn with the right candidate. The
+    // clamp keeps the logarithm finite and off zero; a float too large for `usize` saturates.
     let good = (share * FIRST_CANDIDATE).powi(2).clamp(1e-9, 1.0 - 1e-9);
     let wanted = options.miss_probability.ln() / (-good).ln_1p();
     (wanted.ceil() as usize).clamp(
@@ -199,7 +205,7 @@ fn draw_pair(
         if farthest.is_none_or(|(most, _)| distance_px > most) {
             farthest = Some((distance_px, second));
         }
-        // Far enough to determine the focal length.
+        // Three times the minimum, 0.3 of the width, is far enough to determine the focal length.
         if distance_px >= 3.0 * apart_px {
             break;
         }

@@ -77,7 +77,8 @@ pub fn contradictions(
     });
     let alone: Vec<usize> = alone.take(MOST_ALONE).collect();
     // Compare isolated references with all others; keep a comparison only if enough others
-    // contradict the label.
+    // contradict the label. `pairs` returns its pairs ascending, which the search relies on; the
+    // set removes pairs of two isolated references that come from both.
     let everywhere: Vec<[usize; 2]> = alone
         .iter()
         .flat_map(|&one| (0..references.len()).map(move |other| [one.min(other), one.max(other)]))
@@ -116,6 +117,8 @@ pub fn contradictions(
 /// cover: without the suspects no contradiction remains.
 #[must_use]
 pub fn suspects(contradictions: &[Contradiction]) -> Vec<usize> {
+    // The smallest cover is NP-hard to find, and a greedy one is found at once. The map is ordered,
+    // so that equal counts give the same suspect in every run.
     let mut rest = contradictions.to_vec();
     let mut suspects = Vec::new();
     while !rest.is_empty() {

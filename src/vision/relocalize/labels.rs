@@ -41,6 +41,7 @@ pub(super) fn label_covariance(
     image_size: ImageSize,
     seen: &SeenRange,
 ) -> Mat3 {
+    // With the base at the origin a ray is its own world point, so that references project rays.
     let at_base = base.at_origin();
     let camera = PtzCamera::new(at_base, *ptz);
     let near = nearest(ptz, &seen.cameras, NEAREST);
@@ -62,16 +63,17 @@ pub(super) fn label_covariance(
                     .is_ok_and(|image| image_size.contains(image))
             })
             .collect();
-        let showing = if showing.is_empty() {
-            (0..references.len()).take(1).collect()
-        } else {
-            showing
-        };
         for &number in &showing {
             shares[number] += 1.0 / showing.len() as f64;
         }
+        if showing.is_empty()
+            && let Some(of_nearest) = shares.first_mut()
+        {
+            *of_nearest += 1.0;
+        }
     }
-    // Average T Λ Tᵀ over the references by their shares.
+    // Average T Λ Tᵀ over the references by their shares. Without a vote there is no share to
+    // divide by, and the covariance stays zero.
     let all: f64 = shares.iter().sum();
     let mut covariance = Mat3::zeros();
     for ((&number, reference), share) in near
@@ -80,11 +82,14 @@ pub(super) fn label_covariance(
         .zip(shares)
         .filter(|(_, share)| *share > 0.0)
     {
-        let label = seen
-            .labels
-            .get(number)
-            .copied()
-            .unwrap_or_else(|| usual_label(reference, image_size));
+        // A reference without a covariance counts as known by four clicks, well apart.
+        let label = seen.labels.get(number).copied().unwrap_or_else(|| {
+            covariance_of_four_points(
+                reference,
+                image_size,
+                CLICK_PX * image_size.scale_from_1920(),
+            )
+        });
         let moved = jacobian_by_reference(ptz, &reference.ptz());
         covariance += moved * label * moved.transpose() * (share / all);
     }
@@ -114,16 +119,6 @@ pub(super) fn jacobian_by_reference(answer: &Ptz, reference: &Ptz) -> Mat3 {
         0.0,
         0.0,
         answer.focal_px / focal_px,
-    )
-}
-
-/// The covariance of (pan rad, tilt rad, focal px) of a camera from four clicks, well apart,
-/// independent of its base.
-fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
-    covariance_of_four_points(
-        reference,
-        image_size,
-        CLICK_PX * image_size.scale_from_1920(),
     )
 }
 

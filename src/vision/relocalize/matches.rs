@@ -90,11 +90,7 @@ impl RayMatches {
     }
 
     fn range(&self, feature: usize) -> Range<usize> {
-        let start = if feature == 0 {
-            0
-        } else {
-            self.ends[feature - 1]
-        };
+        let start = feature.checked_sub(1).map_or(0, |last| self.ends[last]);
         start..self.ends[feature]
     }
 
@@ -115,7 +111,8 @@ impl RayMatches {
     pub(super) fn nearest(&self, camera: &PtzCamera, feature: usize) -> Option<(f64, Vec3)> {
         let (rotation, ptz, lens) = (camera.cam_from_base(), camera.ptz(), camera.lens());
         // This is the inner loop of RANSAC: project by hand, in normalised coordinates, and skip
-        // rays behind the camera or beyond the fold of the lens.
+        // rays behind the camera or beyond the fold of the lens. The pixel is compared as it is,
+        // since distorting a ray is closed and undistorting a pixel iterates.
         let offset = self.points[feature].offset_from(camera.base().principal_point) / ptz.focal_px;
         let fold_squared = camera.fold_radius().powi(2);
         let mut best = None::<(f64, Vec3)>;

@@ -26,7 +26,7 @@ const CAMERA_BYTES: usize = 24;
 /// Bytes of the covariance of a reference's camera.
 const LABEL_BYTES: usize = 48;
 
-/// The content of a forest file: enough to relocalize pictures without the project. It holds no
+/// The content of a forest file: enough to relocalize pictures without the project. It contains no
 /// paths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForestModel {
@@ -121,6 +121,8 @@ impl ForestModel {
     /// throughout.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
+        // The body comes first, because the header states its length and checksum. Each list is
+        // preceded by its length, and `from_bytes` reads the fields in this order.
         let mut body = Vec::new();
         text(&mut body, &self.document);
         for number in self.features.numbers() {
@@ -168,6 +170,8 @@ impl ForestModel {
     /// # Errors
     /// The bytes are no forest, come from a newer or much older program, or are damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ForestFileError> {
+        // The version is checked before length and checksum: another version may have another
+        // header, and to state the version helps more than to call the file damaged.
         let mut header = Reader::new(bytes);
         if header.bytes(MAGIC.len()).ok() != Some(MAGIC) {
             return Err(ForestFileError::NotAForest);
@@ -183,16 +187,15 @@ impl ForestModel {
             return Err(ForestFileError::Older { version });
         }
         let (length, checksum) = (header.u64()?, header.u32()?);
-        let length = usize::try_from(length).map_err(|_| ForestFileError::Damaged {
-            what: "it ends too early",
-        })?;
+        let length =
+            usize::try_from(length).map_err(|_| ForestFileError::damaged("it ends too early"))?;
         let body = header.bytes(length)?;
         header.finish()?;
         if crc32fast::hash(body) != checksum {
-            return Err(ForestFileError::Damaged {
-                what: "its checksum does not fit",
-            });
+            return Err(ForestFileError::damaged("its checksum does not fit"));
         }
+        // The checksum finds accidents, not a file made with intent, so each number is still
+        // checked as it is read.
         let mut body = Reader::new(body);
         let document = body.text()?.to_owned();
         let features = FeatureOptions {
@@ -202,14 +205,14 @@ impl ForestModel {
                 0 => false,
                 1 => true,
                 _ => {
-                    return Err(ForestFileError::Damaged {
-                        what: "its kind of features is not known",
-                    });
+                    return Err(ForestFileError::damaged(
+                        "its kind of features is not known",
+                    ));
                 }
             },
-            detector: Detector::from_code(body.u32()?).ok_or(ForestFileError::Damaged {
-                what: "its detector of features is not known",
-            })?,
+            detector: Detector::from_code(body.u32()?).ok_or(ForestFileError::damaged(
+                "its detector of features is not known",
+            ))?,
         };
         let count = body.count(1)?;
         let cameras = (0..count)
@@ -245,6 +248,8 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
         labels: Vec::new(),
         shown: CertainAnswerCounts::default(),
     };
+    // Version 3 has no cameras of references and version 4 no covariances; the lists stay empty,
+    // for which `SeenRange` states what is assumed.
     if version > OLDEST_VERSION {
         for _ in 0..body.count(CAMERA_BYTES)? {
             let (pan, tilt) = (
@@ -260,14 +265,11 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
     }
     if version >= WITH_LABELS {
         for _ in 0..body.count(LABEL_BYTES)? {
-            let [a, b, c, d, e, f] = [
-                body.f64()?,
-                body.f64()?,
-                body.f64()?,
-                body.f64()?,
-                body.f64()?,
-                body.f64()?,
-            ];
+            let mut upper = [0.0; 6];
+            for number in &mut upper {
+                *number = body.f64()?;
+            }
+            let [a, b, c, d, e, f] = upper;
             seen.labels.push(Mat3::new(a, b, c, b, d, e, c, e, f));
         }
         seen.shown = CertainAnswerCounts {

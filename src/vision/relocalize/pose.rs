@@ -107,7 +107,9 @@ impl Pose {
         image_size: ImageSize,
         seen: &SeenRange,
     ) -> Self {
-        // Errors of features and labels are independent; `Uncertainty` adds that of the base.
+        // Errors of features and labels are independent; `Uncertainty` adds that of the base. The
+        // probability is by the part given the base (`with_exact_base`): an error of the base is
+        // common to all frames, references included.
         let by_features = covariance_in_radians(&self.own_covariance);
         let by_labels =
             label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);
@@ -265,6 +267,8 @@ fn breadth(points: impl Iterator<Item = ImagePoint> + Clone) -> f64 {
         .map(|at| Vec2::new(at.x, at.y) - middle)
         .map(|by| by * by.transpose());
     let spread = spread.fold(nalgebra::Matrix2::zeros(), |sum, one| sum + one) / count;
+    // Rounding may make the discriminant of points on a circle, or the eigenvalue of points on a
+    // line, slightly negative.
     let half_trace = spread.trace() / 2.0;
     (half_trace
         - (half_trace * half_trace - spread.determinant())
@@ -319,7 +323,8 @@ fn refine_over_all(
                 rms_px,
             });
         }
-        // Adjust, and tighten the threshold to the noise.
+        // Adjust, and tighten the threshold to the noise. It never exceeds that of the search, so
+        // that a large estimate of the noise cannot admit what the search rejected.
         let most = if round + 1 < ROUNDS {
             FEATURES_AT_FIRST
         } else {

@@ -21,6 +21,8 @@ impl Reference<'_> {
     pub(super) fn disagreement_px(&self, other: &Ptz) -> f64 {
         let size = self.features.image_size;
         let other = PtzCamera::new(*self.camera.base(), *other);
+        // A corner without a ray, or with a ray that the other camera does not show, is infinitely
+        // far: such labels contradict each other by any tolerance.
         let moved = size.corners().map(|corner| {
             let image = self
                 .camera
@@ -64,6 +66,8 @@ pub(super) fn pose_from_reference(
             }],
         );
     }
+    // Only a certain pose may speak against a label, or adjust it. The ranges are those of any
+    // camera, because a grossly wrong label looks far away from the other.
     let pose = PoseOptions {
         min_confidence: CERTAIN,
         ..PoseOptions::default()
@@ -81,6 +85,8 @@ pub(super) fn pose_from_reference(
 /// Pairs each reference with its nearest neighbours in viewing direction that share part of its
 /// view; ascending, each pair once.
 pub(super) fn pairs(references: &[Reference], neighbours: usize) -> Vec<[usize; 2]> {
+    // All against all: directions alone are compared, which costs little beside matching pictures.
+    // Each reference names its own neighbours, so a pair may come twice.
     let mut pairs = Vec::new();
     for (index, reference) in references.iter().enumerate() {
         let mut near: Vec<(f64, usize)> = references
@@ -129,6 +135,8 @@ impl pulp::WithSimd for Nearest<'_> {
         reason = "only what is inlined into the dispatch is compiled for this processor"
     )]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        // One pass fills both directions. Distances are compared with the index as second key, so
+        // that equal distances have the same nearest neighbour in every run.
         let mut best_of_row = vec![(u32::MAX, 0); self.rows.len()];
         let mut best_of_column = vec![(u32::MAX, 0); self.columns.len()];
         for (row, descriptor) in self.rows.iter().enumerate() {
@@ -151,6 +159,9 @@ fn mutual(one: &Features, other: &Features, limit: usize) -> Vec<(usize, usize, 
     );
     // Dispatch compiles the same code for several instruction sets and runs the best one.
     let (best_of_row, best_of_column) = pulp::Arch::new().dispatch(Nearest { rows, columns });
+    // A match counts only if each is the other's nearest, which rejects most features that the
+    // other picture does not show. `get` covers a picture without features, where rows name column
+    // 0.
     let rows = best_of_row.into_iter().enumerate();
     let mutual = rows.filter(|(row, (_, column))| {
         best_of_column

@@ -69,6 +69,8 @@ pub fn pose_of_moving(
             *left_out |= stands(matches, feature, &reference, standing_px);
         }
     }
+    // Each round excluded at least the standing inliers, and another answer still repeats some
+    // reference. `stands_still` is set by then; the alternative only completes the type.
     Err(stands_still.unwrap_or(NotFound::NoAgreement {
         matched: matches.len(),
         agreeing: 0,
@@ -86,7 +88,8 @@ fn find_repeated_reference(
     standing_px: f64,
 ) -> Option<PtzCamera> {
     let needed = REPEATED_SHARE * pose.inliers.len() as f64;
-    // Only references near the answer can be repeated by it.
+    // Only references near the answer can be repeated by it, and `stands` projects every candidate
+    // of every inlier, so that few references are tried.
     let near = nearest(&pose.ptz, references, NEAREST).into_iter();
     near.map(|number| PtzCamera::new(*base, references[number]))
         .find(|reference| {

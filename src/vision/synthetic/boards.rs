@@ -76,6 +76,7 @@ pub(super) struct BoardHit {
 
 impl Boards {
     pub fn new(seed: u64, field: &FieldModel) -> Self {
+        // Each row goes from left to right as it is read from the pitch.
         let seed = sub_seed(seed, 0xB0A2);
         let (x, y) = (
             0.5 * field.length_m + BEHIND_GOAL_LINE_M,
@@ -127,6 +128,7 @@ impl Boards {
 
     /// The nearest board that a ray meets from the pitch's side.
     pub fn meets(&self, ray: &Ray) -> Option<BoardHit> {
+        // A board is seen only from its front: the normal points towards the pitch.
         self.rows
             .iter()
             .enumerate()
@@ -152,6 +154,8 @@ impl Boards {
 
     /// The colour of the board under a pixel (self-luminous: the same in sun and shade).
     pub fn colour(&self, hit: &BoardHit) -> Light {
+        // All boards of a row have one width, near `AD_WIDTH_M`, to which the texture is stretched.
+        // Texture rows count downwards from the board's upper edge.
         let row = &self.rows[hit.row];
         let place = self.place(hit);
         let width_m = row.length_m / row.ads.len() as f64;
@@ -173,6 +177,7 @@ impl Boards {
     }
 }
 
+/// The picture of one board: its design, the words over it, and a dark frame.
 fn paint(words: &str, ground: Light, ink: Light, design: Design) -> Texture {
     let (width, height) = (
         (AD_WIDTH_M * TEXELS_PER_M) as usize,
@@ -190,6 +195,8 @@ fn paint(words: &str, ground: Light, ink: Light, design: Design) -> Texture {
         1.0
     };
     let room = (w - margin - 0.3 * h) / copies;
+    // Words that are too long for their room are rasterised again, smaller: letters of a scaled
+    // picture would be soft.
     let full = rasterise(words, 0.56 * h, 2.4);
     let shrink = (room * 0.92 / full.width as f32).min(1.0);
     let word = if shrink < 1.0 {
@@ -217,6 +224,8 @@ fn paint(words: &str, ground: Light, ink: Light, design: Design) -> Texture {
 
 /// The design behind the words; x and y in board heights.
 fn design_colour(design: Design, ground: Light, ink: Light, x: f32, y: f32, width: f32) -> Light {
+    // Shapes are signed distances, negative inside, with rims a fortieth of the height wide. Where
+    // two shapes meet, the product is their intersection and the maximum their union.
     let soft = |signed: f32| (0.5 - signed * 40.0).clamp(0.0, 1.0);
     match design {
         Design::Plain | Design::Twice => mix(ground, ground * 0.72, y),

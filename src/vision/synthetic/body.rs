@@ -117,6 +117,8 @@ pub(super) fn bystander(place: [f64; 2], facing: f64, look: u32) -> Vec<Stick> {
 }
 
 fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
+    // Lengths below are those of a person 1.8 m tall, in m, and scaled. Swing and lean grow with
+    // the speed up to 6.5 and 7 m/s; a person who stands swings a little, too.
     let scale = person.height_m / 1.8;
     let speed = person.velocity[0].hypot(person.velocity[1]);
     let forward = Vec3::new(person.facing.cos(), person.facing.sin(), 0.0);
@@ -137,6 +139,8 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
     let mut sticks = Vec::with_capacity(24);
     let mut lowest = f64::INFINITY;
     for side in [-1.0, 1.0] {
+        // Left and right leg are half a stride apart, and each arm swings against its leg. The knee
+        // bends while the thigh comes forward. `lowest` is the sole that touches the ground.
         let phase = person.stride
             + if side > 0.0 {
                 0.0
@@ -206,6 +210,7 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
         0.104,
         hair,
     ));
+    // Joints were placed down from the hips; the lower foot is put on the ground.
     let lift = Vec3::z() * (ground_z - lowest);
     for stick in &mut sticks {
         stick.from += lift;

@@ -73,6 +73,9 @@ impl Bowl {
 
     /// The nearest piece of the stands that a ray meets from the field's side.
     pub fn meets(&self, ray: &Ray) -> Option<BowlHit> {
+        // The axes of the corners: the front wall goes round them, and the straight sides end where
+        // the corners begin. Sides and corners are tried one after the other, and the nearest
+        // counts.
         let corner = [
             self.half_length + FRONT_M - CORNER_RADIUS_M,
             self.half_width + FRONT_M - CORNER_RADIUS_M,
@@ -91,6 +94,7 @@ impl Bowl {
             } else {
                 (self.half_length, corner[1])
             };
+            // In the plane of distance and height a straight side is its profile.
             let origin = [ray.origin.dot(&out) - edge, ray.origin.z];
             let slope = [ray.direction.dot(&out), ray.direction.z];
             if let Some(hit) = straight(origin, slope, |depth| {
@@ -118,6 +122,8 @@ impl Bowl {
                 along * corner[1] + out * corner[0]
             };
             if let Some(hit) = conical(ray, axis, out, along) {
+                // Around a corner, metres of seats are measured at one radius for all rows, so that
+                // seats of neighbouring rows keep their columns.
                 let from_axis = ray.at(hit.depth) - axis;
                 let (forward, sideways) = (from_axis.dot(&out), from_axis.dot(&along));
                 let radial = Vec3::new(from_axis.x, from_axis.y, 0.0).normalize();
@@ -183,6 +189,8 @@ fn straight(origin: [f64; 2], slope: [f64; 2], on_side: impl Fn(f64) -> bool) ->
         if slope[1] * edge[0] - slope[0] * edge[1] >= 0.0 {
             continue;
         }
+        // origin + depth · slope = from + share · edge, solved by Cramer's rule. The denominator is
+        // positive, because the ray goes against the normal.
         let to_foot = [from[0] - origin[0], from[1] - origin[1]];
         let turn = cross(slope, edge);
         let (depth, share) = (cross(to_foot, edge) / turn, cross(to_foot, slope) / turn);
@@ -223,7 +231,10 @@ fn conical(ray: &Ray, axis: Vec3, out: Vec3, along: Vec3) -> Option<Candidate> {
                 continue;
             }
             let (forward, sideways) = (of + df * depth, os + ds * depth);
-            if forward < 0.0 || sideways < 0.0 {
+            // Other quarters have their own axis. Squaring added the mirror image of the piece
+            // beyond its apex, where rise · ρ, which is positive for every piece, would be
+            // negative.
+            if forward < 0.0 || sideways < 0.0 || k + l * depth < 0.0 {
                 continue;
             }
             let rho = forward.hypot(sideways);
@@ -284,5 +295,14 @@ mod tests {
         assert_eq!(level.part, Part::UpperTier);
         assert!((level.above_foot_m - 5.4).abs() < 1e-9 && level.around_m.abs() < 1e-9);
         assert!(field_bowl().meets(&ray(Vec3::new(0.0, 1.0, 0.6))).is_none());
+    }
+
+    #[test]
+    fn above_the_roof_of_a_corner_is_the_sky() {
+        // Through a point 10 m beyond the axis of the far right corner, and a metre above the
+        // roof's edge: there the cone of the roof's underside has its mirror image.
+        let level = Vec3::new(58.5, 106.0, 0.0).normalize();
+        let above = ray(level + Vec3::z() * 0.14);
+        assert!(field_bowl().meets(&above).is_none());
     }
 }

@@ -65,6 +65,8 @@ pub fn generate_clicks(
         .filter(|landmark| landmark.click_sigma_px <= CLEAR_SIGMA_PX)
         .filter_map(|landmark| Some((&landmark.id, seen(field.landmark_in_world(landmark))?)))
         .collect();
+    // Distances are measured between exact positions, so that the choice of landmarks does not
+    // depend on the noise. The first has no distance, and the random factor alone chooses it.
     let mut clicks = Vec::with_capacity(options.landmarks + options.lines);
     let mut placed: Vec<ImagePoint> = Vec::new();
     while clicks.len() < options.landmarks && !candidates.is_empty() {
@@ -89,6 +91,8 @@ pub fn generate_clicks(
             image,
         });
     }
+    // Points on lines: one per line, away from its ends, by rejection. The number of attempts is
+    // bounded, because too few lines may be in view.
     let painted: Vec<_> = field
         .lines
         .iter()
@@ -121,6 +125,7 @@ pub fn generate_clicks(
 
 /// Two draws from the standard normal distribution.
 fn scatter(seed: u32, index: usize) -> Vec2 {
+    // Box and Muller's transform; the lower bound keeps the logarithm finite.
     let draw = hash(seed, index as i32, 9);
     let radius = (-2.0 * f64::from(unit(draw).max(1e-7)).ln()).sqrt();
     let (sin, cos) = (std::f64::consts::TAU * f64::from(unit(hash(draw, 5, 6)))).sin_cos();

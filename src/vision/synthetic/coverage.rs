@@ -26,9 +26,32 @@ pub(super) fn comb(at: f64, spacing: f64, width: f64, pixel: f64) -> f64 {
     ((until(at + 0.5 * pixel) - until(at - 0.5 * pixel)) / pixel).clamp(0.0, 1.0)
 }
 
+/// The pixels around one that a disc about its centre covers: offsets in columns and rows, and the
+/// share of each, which falls over a pixel at the rim.
+pub(super) fn disc(radius_px: f32) -> Vec<(i64, i64, f32)> {
+    let reach = radius_px.ceil() as i64;
+    (-reach..=reach)
+        .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
+        .map(|(dx, dy)| (dx, dy, radius_px + 0.5 - (dx as f32).hypot(dy as f32)))
+        .filter(|(_, _, share)| *share > 0.0)
+        .map(|(dx, dy, share)| (dx, dy, share.min(1.0)))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_disc_is_full_in_its_middle_and_has_about_its_area() {
+        for radius_px in [1.0_f32, 2.3, 4.0] {
+            let shares = disc(radius_px);
+            assert!(shares.contains(&(0, 0, 1.0)));
+            let area: f32 = shares.iter().map(|(_, _, share)| share).sum();
+            let exact = std::f32::consts::PI * radius_px * radius_px;
+            assert!((area / exact - 1.0).abs() < 0.15, "{area} for {exact}");
+        }
+    }
 
     #[test]
     fn a_strip_keeps_its_area_and_its_middle_wherever_it_falls() {

@@ -4,8 +4,8 @@
 use super::bowl::{BowlHit, Part};
 use super::colour::{Light, hex, mix, smooth_step};
 use super::coverage::inside;
-use super::moment::Moment;
 use super::noise::{hash, sub_seed, survives, unit, value_noise};
+use super::options::Moment;
 use super::text::rasterise;
 use super::texture::Texture;
 
@@ -131,6 +131,7 @@ impl Crowd {
 
     /// The draw of whoever sits in a seat.
     fn draw_of(&self, seat: &Seat) -> u32 {
+        // Each occasion replaces whoever sits there by then, so that occasions add up.
         let mut draw = hash(
             self.seed ^ (seat.tier as u32).wrapping_mul(0x51ED),
             seat.number,
@@ -147,6 +148,7 @@ impl Crowd {
 
     /// How far a person leans aside and rises at this moment, m.
     fn posture(&self, draw: u32) -> [f32; 2] {
+        // Different bits of one hash are different draws.
         let now = hash(draw ^ self.instant, 29, 7);
         let lean = 0.22 * (unit(now) - 0.5);
         let stands = unit(now.rotate_left(15)) < 0.12 * self.restlessness;
@@ -178,6 +180,8 @@ impl Crowd {
     }
 
     fn tier(&self, place: &TierFootprint, tier: i32, height_m: f32) -> Light {
+        // People are drawn one by one where a pixel is small enough to tell them apart (about half
+        // a metre each), and fade into the mean of their colours beyond.
         let pixel = place.pixel();
         let near = survives(pixel, 0.5);
         let far_view = self.far_view(place, tier);
@@ -229,6 +233,8 @@ impl Crowd {
 
     /// The rows as seen from the pitch: whoever sits further down hides those behind.
     fn people(&self, place: &TierFootprint, tier: i32) -> Light {
+        // A person who stands is up to 1.2 m above the row's foot and reaches into two rows above.
+        // From the front row backwards, each covers what is left of the pixel.
         let row = (place.up / ROW_RISE_M).floor() as i32;
         let seat = (place.around / SEAT_WIDTH_M).floor() as i32;
         let across = place.around - (seat as f32 + 0.5) * SEAT_WIDTH_M;
@@ -259,6 +265,8 @@ impl Crowd {
     /// The colour and the coverage of one seat and whoever sits in it, at a point across and up
     /// from the seat's foot, m.
     fn person(&self, place: &TierFootprint, seat: &Seat, [across, up]: [f32; 2]) -> (Light, f32) {
+        // Shapes are signed distances in m, negative inside; the pixel's size softens their rims.
+        // An empty seat shows its back.
         let draw = self.draw_of(seat);
         let again = hash(draw, 17, 4);
         let pixel = place.pixel();
@@ -279,6 +287,7 @@ impl Crowd {
                 0.0
             };
         let (x, y) = (across - lean, up - stature);
+        // An oval head 0.76 m above the row's foot, before shoulders that narrow towards it.
         let head = x.hypot((y - 0.76) * 1.1) - 0.118;
         let on_head = inside(head, pixel);
         let shoulders =
@@ -304,6 +313,7 @@ impl Crowd {
         } else {
             coat
         };
+        // The colour is that of the covered part alone, as `people` weighs it by the share.
         let share = on_head + on_body;
         if share <= 0.0 {
             return (Light::zeros(), 0.0);
@@ -344,6 +354,8 @@ impl Crowd {
         if unit(cloth) > 0.6 {
             return colour;
         }
+        // A cloth of 5.2 m is shifted by 0.5 to 3.5 m within its 9 m, so that it never crosses into
+        // the next one's.
         let (across, up) = (
             place.around.rem_euclid(CLOTH_EVERY_M) - 0.5 - 3.0 * unit(cloth.rotate_left(9)),
             place.up - 0.2,
@@ -367,6 +379,7 @@ impl Crowd {
 
     /// The ribbon of the arena's name between the tiers, with a rail above.
     fn fascia(&self, place: &TierFootprint) -> Light {
+        // The name repeats every 25.6 m: the 512 texels of the ribbon.
         let texels_per_m = 20.0;
         let x = (place.around.rem_euclid(25.6)) * texels_per_m;
         let lit = self.ribbon.sample(

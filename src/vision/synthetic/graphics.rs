@@ -66,14 +66,16 @@ impl Graphics {
             (self.watermark, WATERMARK_AT_1280),
             (self.ticker_in(time_s) > 0.0, TICKER_AT_1280),
         ];
+        let scale = scale_from_1280(image_size);
         all.iter()
             .filter(|(shown, _)| *shown)
-            .map(|(_, area)| scale_box(area, image_size))
+            .map(|(_, area)| area.scale_by(scale))
             .collect()
     }
 
     /// Draws them over a picture of a match.
     pub(super) fn draw(self, picture: &mut RgbImage, seed: u64, kits: &Kits, time_s: f64) {
+        // The watermark comes last, because it changes the opacity of the canvas.
         let scale = scale_from_1280(ImageSize::new(picture.width(), picture.height())) as f32;
         let mut canvas = Canvas {
             picture,
@@ -102,16 +104,6 @@ impl Graphics {
             return 0.0;
         };
         ((time_s - from_s).min(to_s - time_s) / TICKER_SLIDES_S).clamp(0.0, 1.0)
-    }
-}
-
-fn scale_box(at_1280: &PixelBox, image_size: ImageSize) -> PixelBox {
-    let scale = scale_from_1280(image_size);
-    PixelBox {
-        x: at_1280.x * scale,
-        y: at_1280.y * scale,
-        width: at_1280.width * scale,
-        height: at_1280.height * scale,
     }
 }
 
@@ -145,6 +137,7 @@ fn lower_third(canvas: &mut Canvas<'_>, kits: &Kits) {
 
 /// A band through which words run.
 fn ticker(canvas: &mut Canvas<'_>, kits: &Kits, time_s: f64, share_in: f64) {
+    // Out of the picture it lies with its right end at the left border.
     let whole = Area::from_pixel_box(&TICKER_AT_1280);
     let slid = Area {
         x: whole.x - (1.0 - share_in) as f32 * (whole.x + whole.width),
@@ -158,6 +151,8 @@ fn ticker(canvas: &mut Canvas<'_>, kits: &Kits, time_s: f64, share_in: f64) {
         },
         kits.away.shirt,
     );
+    // The words run only while the band is at rest. They go round: one that has left at the left
+    // comes again from the right. A word that would cross an end of the band is left out whole.
     if share_in < 1.0 {
         return;
     }
@@ -201,6 +196,8 @@ fn watermark(canvas: &mut Canvas<'_>) {
 
 /// Draws the score and the clock of a match.
 fn score_bug(canvas: &mut Canvas<'_>, seed: u64, kits: &Kits, time_s: f64) {
+    // The clock runs with the frames, so that its digits change from picture to picture as real
+    // ones do; the start and the goals are draws of the seed.
     let minute = 11 + i64::from(sub_seed(seed, 0x71) % 20);
     let clock_s = 60 * minute + time_s.max(0.0) as i64;
     let goals = |salt: u32| (1.4 + 1.4 * smooth_walk(sub_seed(seed, salt), 0.5)) as i64;
@@ -281,6 +278,7 @@ impl Canvas<'_> {
             height,
         } = at.scale_by(self.scale);
         self.cover(at.scale_by(self.scale), colour, |px, py| {
+            // The signed distance to the nearest side, negative inside.
             let beyond = (x - px)
                 .max(px - x - width)
                 .max(y - py)
@@ -292,6 +290,8 @@ impl Canvas<'_> {
     /// A text in the middle of a box; lengths in px at 1280 px width.
     fn text(&mut self, text: &str, within: Area, ink: Light) {
         let within = within.scale_by(self.scale);
+        // Glyphs are rasterised at the size of the picture and placed on whole pixels, where they
+        // are sharpest.
         let letters: GlyphCoverage = rasterise(text, 0.44 * within.height, 1.15 * self.scale);
         let (width, height) = (letters.width as f32, letters.height as f32);
         let x = (within.x + 0.5 * within.width - 0.5 * width).round();
@@ -308,6 +308,8 @@ impl Canvas<'_> {
         );
     }
 
+    /// Covers the pixels of a box with ink, each by its `share` at the pixel's centre times the
+    /// opacity.
     fn cover(
         &mut self,
         Area {
@@ -319,6 +321,8 @@ impl Canvas<'_> {
         ink: Light,
         share: impl Fn(f32, f32) -> f32,
     ) {
+        // Mixed in linear light, as everything else is, though the picture is encoded already. The
+        // box is clipped to the picture.
         let columns = (x.floor().max(0.0) as u32)
             ..((x + width).ceil().max(0.0) as u32).min(self.picture.width());
         let rows = (y.floor().max(0.0) as u32)

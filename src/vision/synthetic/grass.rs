@@ -39,6 +39,8 @@ impl Ground {
     pub fn new(seed: u64, field: &FieldModel, paint_left: f64) -> Self {
         let seed = sub_seed(seed, 0x62A5);
         let (half_length, half_width) = (0.5 * field.length_m, 0.5 * field.width_m);
+        // Boots wear the centre spot, the goal mouths, the penalty spots, and the near touchline
+        // where an assistant runs.
         let l = half_length as f32;
         let mut worn = vec![[0.0, 0.0, 2.2, 1.8, 0.25]];
         for side in [-1.0, 1.0] {
@@ -76,6 +78,8 @@ impl Ground {
         if share == 0.0 {
             return turf;
         }
+        // Paint that is partly gone goes in patches of a metre or two; fresh paint has a fine
+        // unevenness through which a little grass shows.
         let (x, y) = (hit.point.x as f32, hit.point.y as f32);
         let patches =
             1.0 + (1.0 - self.paint_left) * 0.8 * value_noise(self.seed ^ 0x2C, x / 1.6, y / 1.6);
@@ -88,6 +92,8 @@ impl Ground {
     fn turf(&self, hit: &PlaneHit) -> Light {
         let (x, y) = (hit.point.x as f32, hit.point.y as f32);
         let (reach_x, reach_y) = (hit.reach(Vec3::x()) as f32, hit.reach(Vec3::y()) as f32);
+        // Octaves of noise, each as far as the pixel leaves it: grain finer than a pixel fades to
+        // its mean, 0, instead of aliasing.
         let mut tone = 1.0;
         for (octave, (size_x, size_y, strength)) in GRAIN.iter().enumerate() {
             let left = survives(reach_x, *size_x) * survives(reach_y, *size_y);
@@ -109,6 +115,8 @@ impl Ground {
 
     /// 1 on stripes mown away from the main camera, 0 on those towards it; soft at their borders.
     fn stripe(&self, x: f32, y: f32, reach_x: f32) -> f32 {
+        // A mower does not drive exactly straight. Stripes begin at the goal line, and a place is
+        // measured by its distance to the nearest border of a stripe, positive on the bright ones.
         let wobble = 0.12 * value_noise(self.seed ^ 0x99, x / 3.0, y / 1.5);
         let period = 2.0 * self.stripe_m as f32;
         let place = ((x + wobble - self.half_length as f32) / period + 0.25).rem_euclid(1.0);

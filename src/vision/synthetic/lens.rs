@@ -1,6 +1,7 @@
 //! What lens, shutter and sensor do to the light: vignetting, exposure, blur, tone, noise.
 
 use super::colour::{Light, encode};
+use super::coverage::disc;
 use super::noise::{hash, sub_seed, unit};
 use super::options::FrameOptions;
 use image::RgbImage;
@@ -24,13 +25,17 @@ impl Exposure {
         self.size.width as usize
     }
 
+    /// A pixel; beyond the border that of the border.
     fn at(&self, x: i64, y: i64) -> Pixel {
         let x = x.clamp(0, i64::from(self.size.width) - 1) as usize;
         let y = y.clamp(0, i64::from(self.size.height) - 1) as usize;
         self.pixels[y * self.width() + x]
     }
 
+    /// The light at a point, linear between the centres of the four pixels around it.
     fn bilinear(&self, point: ImagePoint) -> Pixel {
+        // Motion blur calls this up to 64 times per pixel, so that pixels inside are not clamped
+        // one by one.
         let (x, y) = (point.x - 0.5, point.y - 0.5);
         let (column, row) = (x.floor(), y.floor());
         let (u, v) = ((x - column) as f32, (y - row) as f32);
@@ -78,6 +83,8 @@ impl Exposure {
     /// does not depend on the depth, so smearing the picture along it is exact for everything that
     /// stands still.
     pub fn with_motion_blur(&self, camera: &PtzCamera, options: &FrameOptions) -> Self {
+        // The cameras when the shutter opens and closes; the frame's own is that of mid-exposure.
+        // Each comes with the rotation from its axes to those of the frame's camera.
         let ends = [-0.5, 0.5].map(|share| {
             let dt = share * options.shutter_s;
             let (ptz, motion) = (camera.ptz(), options.motion);
@@ -100,10 +107,13 @@ impl Exposure {
                 .ok()
         };
         self.map_pixels(|x, y| {
+            // A pixel beyond the fold of the lens at one end stays as it is.
             let here = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5);
             let (Some(from), Some(to)) = (source(&ends[0], here), source(&ends[1], here)) else {
                 return self.at(x as i64, y as i64);
             };
+            // The way is straight to first order over an exposure. A sample per px of it leaves no
+            // gaps; 64 bound the time for a whip pan.
             let way = to.offset_from(from);
             let taps = way.norm().ceil().clamp(1.0, 64.0) as usize;
             let at = |tap: usize| {
@@ -116,19 +126,10 @@ impl Exposure {
     /// Defocus: the mean over a disc.
     pub fn with_defocus(&self, radius_px: f64) -> Self {
         let reach = radius_px.ceil() as i64;
-        let disc: Vec<(i64, i64, f32)> = (-reach..=reach)
-            .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
-            .map(|(dx, dy)| {
-                (
-                    dx,
-                    dy,
-                    (radius_px as f32 + 0.5 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0),
-                )
-            })
-            .filter(|(_, _, share)| *share > 0.0)
-            .collect();
+        let disc = disc(radius_px as f32);
         let total: f32 = disc.iter().map(|(_, _, share)| share).sum();
         let (width, height) = (i64::from(self.size.width), i64::from(self.size.height));
+        // Away from the border the disc is a list of offsets in memory, without clamping.
         let offsets: Vec<(i64, f32)> = disc
             .iter()
             .map(|(dx, dy, share)| (dy * width + dx, *share))
@@ -151,6 +152,9 @@ impl Exposure {
 
     /// Vignetting, exposure, tone, noise and the rounding to bytes.
     pub fn develop(&self, options: &FrameOptions) -> RgbImage {
+        // In the order of a camera: the lens loses light towards the corners, exposure scales it,
+        // the tone curve and the encoding follow, and noise is added in the levels that its σ
+        // states. The loss grows with the squared distance and is `vignetting` in the corner.
         let (width, centre) = (self.width(), self.size.centre());
         let gain = options.exposure_ev.exp2() as f32;
         let corner_squared = centre.x * centre.x + centre.y * centre.y;
@@ -189,6 +193,8 @@ fn noise(options: &FrameOptions, x: i32, y: i32) -> f32 {
     if options.noise_levels == 0.0 {
         return 0.0;
     }
+    // Hashed by place, so that the noise does not depend on which thread draws a row. The lower
+    // bound keeps the logarithm finite.
     let seed = sub_seed(options.noise_seed, 0x4015);
     let draw = hash(seed, x, y);
     let (a, b) = (unit(draw).max(1e-7), unit(hash(draw, y, x)));

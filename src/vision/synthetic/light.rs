@@ -93,6 +93,8 @@ impl Lighting {
 
     /// The light that a surface with this unit normal throws back, standing at `point`.
     pub fn shade(&self, albedo: Light, normal: Vec3, point: Vec3) -> Light {
+        // Sky from above and grass from below, in the shares of a hemisphere that the surface sees
+        // of both; then the lamps.
         let up = normal.z as f32;
         let mut light = self.sky * (0.5 + 0.5 * up) + self.bounce * (0.5 - 0.5 * up);
         for lamp in &self.lamps {
@@ -109,6 +111,9 @@ impl Lighting {
         let Some([height, beyond]) = self.roof else {
             return 1.0;
         };
+        // By how much the way to the lamp passes over the roof's edge at the left or near side, m.
+        // The way rises by z / |slope| for each metre that it goes towards that side; to a lamp on
+        // the other side it is free. The roof's shadow is soft over half a metre.
         let clearance = |from_edge: f64, slope: f64| {
             if slope >= 0.0 {
                 return f64::INFINITY;

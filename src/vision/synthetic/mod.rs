@@ -25,7 +25,6 @@ mod graphics;
 mod grass;
 mod lens;
 mod light;
-mod moment;
 mod noise;
 mod options;
 mod paint;
@@ -40,9 +39,8 @@ mod text;
 mod texture;
 
 pub use clicks::{ClickOptions, ClickTarget, SyntheticClick, generate_clicks};
-pub use moment::Moment;
 pub use options::{
-    CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions,
+    CameraMotion, Daylight, FrameOptions, Graphics, Moment, Preset, ShootOptions, StadiumOptions,
     UnknownPreset,
 };
 pub use path::{PathStep, camera_path};

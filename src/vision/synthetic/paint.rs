@@ -60,6 +60,8 @@ impl Paint {
             .map(PaintedShape::from_field_line)
             .chain(spots)
             .collect();
+        // A grid of cells with the markings near each, since most pixels of grass have none and the
+        // others one or two of all.
         let corner = [
             -0.5 * field.length_m - MARGIN_M,
             -0.5 * field.width_m - MARGIN_M,
@@ -74,7 +76,7 @@ impl Paint {
             );
             // A pixel at the cell's rim may reach half a metre out of it.
             let reach = CELL_M * std::f64::consts::FRAC_1_SQRT_2 + 0.5;
-            let is_near = |stroke: &PaintedShape| stroke.distance_m(centre) < reach;
+            let is_near = |marking: &PaintedShape| marking.distance_m(centre) < reach;
             (0..markings.len())
                 .filter(|index| is_near(&markings[*index]))
                 .map(|index| index as u16)
@@ -99,6 +101,7 @@ impl Paint {
         {
             return 0.0;
         }
+        // Where markings cross, the greatest share counts: paint over paint is no whiter.
         let cell = row as usize * self.columns + column as usize;
         self.cells[cell]
             .iter()
@@ -209,6 +212,8 @@ impl PaintedShape {
                 if share == 0.0 || half_sweep >= std::f64::consts::PI - 1e-9 {
                     return share;
                 }
+                // The angle from the arc's middle, wrapped to ±180°, so that the seam is opposite
+                // to the arc. The ends are cut along the circle.
                 let turn = std::f64::consts::TAU;
                 let from_middle =
                     (offset.y.atan2(offset.x) - middle + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;

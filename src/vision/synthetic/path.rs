@@ -95,6 +95,7 @@ impl Operator {
     /// The ball as a human operator follows it: averaged over the last second and a half, slightly
     /// extrapolated.
     fn attention(&self, time_s: f64) -> Vec3 {
+        // From 0.4 s ahead, which an operator foresees, to 1.4 s ago.
         let taps = 12;
         let sum: Vec3 = (0..taps)
             .map(|tap| self.play.ball(time_s + 0.4 - 0.16 * f64::from(tap)))
@@ -128,6 +129,7 @@ impl Operator {
     }
 
     fn motion(&self, time_s: f64) -> CameraMotion {
+        // Central differences of the path itself, so that the motion is that of the poses.
         let step = 0.01;
         let (before, after) = (self.ptz(time_s - step), self.ptz(time_s + step));
         let per_s = 0.5 / step;

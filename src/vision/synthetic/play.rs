@@ -86,6 +86,7 @@ impl Play {
 
     /// Everyone on the pitch.
     pub fn people(&self, time_s: f64) -> Vec<Person> {
+        // Velocities are central differences of the places, which are functions of time alone.
         let step = 0.08;
         let (before, after) = (self.places(time_s - step), self.places(time_s + step));
         let ball = self.ball(time_s);
@@ -102,6 +103,7 @@ impl Play {
                     side,
                     place,
                     velocity,
+                    // A person who runs looks ahead, all others look at the ball.
                     facing: if speed > 1.6 {
                         velocity[1].atan2(velocity[0])
                     } else {
@@ -142,6 +144,8 @@ impl Play {
             self.press(&mut team, ball, sign);
             places.extend(team.into_iter().map(|place| (side, place)));
         }
+        // A goalkeeper is farther out the farther the ball is; the referee follows the play behind
+        // it; each assistant runs along one half of a touchline.
         let keeper = |sign: f64| {
             let out = 3.0 + 9.0 * (0.5 - 0.5 * sign * ball_share[0]).clamp(0.0, 1.0);
             [
@@ -173,6 +177,8 @@ impl Play {
         for (player, place) in team.iter_mut().enumerate() {
             let (dx, dy) = (ball.x - place[0], ball.y - place[1]);
             let distance = dx.hypot(dy);
+            // Each player has an own place at up to 0.9 m from the ball: 2.4 rad is about the
+            // golden angle, so that these places lie all around it.
             let pull = 0.85 * (-distance / 8.0).exp();
             let angle = sign + 2.4 * player as f64 + f64::from(unit(self.seed));
             place[0] += dx * pull - 0.9 * pull * angle.cos();

@@ -33,6 +33,8 @@ pub enum Mover {
 impl Prop {
     /// A sphere around it: centre and radius, m.
     pub fn bounds(&self) -> (Vec3, f64) {
+        // The sphere around the box of all parts, which is enough: it only limits which pixels are
+        // tried.
         let mut low = Vec3::repeat(f64::INFINITY);
         let mut high = -low;
         let mut take = |point: Vec3, radius: f64| {
@@ -89,6 +91,8 @@ pub(super) fn fixtures(seed: u64, field: &FieldModel) -> Vec<Prop> {
 
 /// Posts and crossbars wherever the field has raised lines; nets behind those that make a goal.
 fn goals(field: &FieldModel) -> Vec<Prop> {
+    // Goals come from the field's own lines and landmarks, so that every template has its goals, or
+    // none. Raised lines are posts and crossbars; four named posts make a goal with a net.
     let white = hex(0xF2_F3F2);
     let mut props: Vec<Prop> = field
         .lines
@@ -132,6 +136,8 @@ fn goals(field: &FieldModel) -> Vec<Prop> {
 
 /// A net that falls from the crossbar to the ground two metres behind it.
 fn net(near: Vec3, far: Vec3, height_m: f64) -> Prop {
+    // Four sheets: both sides, the back that slopes from the depth of the top to that of the foot,
+    // and the top. Bars stretch them from the posts and between their shoulders.
     let (top_depth, foot_depth) = (0.9, 2.0);
     let out = Vec3::x() * near.x.signum();
     let across = (far - near).normalize();
@@ -215,6 +221,8 @@ fn flags(field: &FieldModel) -> Vec<Prop> {
 
 /// Stewards and photographers in the strip behind the boards.
 fn bystanders(seed: u64, field: &FieldModel) -> Vec<Prop> {
+    // Each has a stretch of the strip and a random place in it: 26 along the far touchline, and 18
+    // behind each goal. All face the pitch.
     let seed = sub_seed(seed, 0x57AD);
     let (half_length, half_width) = (0.5 * field.length_m, 0.5 * field.width_m);
     let far = (0..26).map(|place| {

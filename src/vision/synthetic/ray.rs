@@ -43,12 +43,16 @@ impl Ray {
 
     /// The meeting with the plane through `point` with this `normal`, ahead of the camera.
     pub fn meets(&self, point: Vec3, normal: Vec3) -> Option<PlaneHit> {
+        // A ray along the plane divides by 0 and is no meeting; a millimetre ahead of the camera is
+        // none, either.
         let depth = (point - self.origin).dot(&normal) / self.direction.dot(&normal);
         (depth.is_finite() && depth > 1e-3).then(|| self.on_plane(depth, normal))
     }
 
     /// The hit at a known depth on a surface with this normal.
     pub fn on_plane(&self, depth: f64, normal: Vec3) -> PlaneHit {
+        // Ray differentials (Igehy, "Tracing Ray Differentials", SIGGRAPH 1999): with P = o + t D
+        // and P on the plane, ∂P = t ∂D − D t (∂D · n) / (D · n).
         let slope = depth / self.direction.dot(&normal);
         let along = |by: Vec3| by * depth - self.direction * (slope * by.dot(&normal));
         PlaneHit {
@@ -81,8 +85,14 @@ impl<'a> RayCaster<'a> {
         }
     }
 
+    /// The ray of a pixel's centre; none beyond the fold of the lens model.
+    pub fn ray_of_pixel(&self, column: usize, row: usize) -> Option<Ray> {
+        self.ray(ImagePoint::new(column as f64 + 0.5, row as f64 + 0.5))
+    }
+
     /// The ray of an image point; none beyond the fold of the lens model.
     pub fn ray(&self, point: ImagePoint) -> Option<Ray> {
+        // In `cam` the direction is (x, y, 1); a step of a pixel changes x and y and not the depth.
         let ideal = self.camera.cam_plane_from_image(point).ok()?;
         let (by_x, by_y) = self.ideal_per_px(ideal);
         let turn = |x: f64, y: f64, z: f64| self.world_from_cam * Vec3::new(x, y, z);
@@ -97,6 +107,9 @@ impl<'a> RayCaster<'a> {
     /// The inverse of the lens's derivative: radially one over its slope, across one over its
     /// stretch.
     fn ideal_per_px(&self, ideal: Vec2) -> (Vec2, Vec2) {
+        // The derivative of x · stretch(|x|²) has the eigenvalue slope along x and stretch across
+        // it. Its inverse is therefore across · I + (radial − across) · x xᵀ / |x|², of which the
+        // columns are returned. In the middle there is no direction, and both eigenvalues are 1.
         let (per_px, lens) = (1.0 / self.camera.ptz().focal_px, self.camera.lens());
         let squared = ideal.norm_squared();
         if lens.is_none() || squared == 0.0 {

@@ -80,9 +80,12 @@ impl Stadium {
                     .filter_map(|prop| PlacedProp::new(prop, camera, image_size)),
             );
         }
+        // Farthest first: nearer ones are laid over them.
         props.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         let shadows = self.shadows(&props, camera, image_size);
 
+        // First pass: what the ray of each pixel's centre sees of what stands still. Rows are
+        // independent of each other, here and below, which is why threads do not matter.
         let width = image_size.width as usize;
         let blank = RayHit {
             light: Light::zeros(),
@@ -92,11 +95,13 @@ impl Stadium {
         let mut hits = vec![blank; width * image_size.height as usize];
         hits.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             for (x, hit) in row.iter_mut().enumerate() {
-                if let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) {
+                if let Some(ray) = caster.ray_of_pixel(x, y) {
                     *hit = self.look(&ray);
                 }
             }
         });
+        // Second pass, which needs the neighbours of the first: finer samples where surfaces meet,
+        // then shadows on the grass, then what stands on it.
         let mut exposure = Exposure {
             size: image_size,
             pixels: vec![Pixel::zeros(); hits.len()],
@@ -127,17 +132,15 @@ impl Stadium {
             .filter_map(|prop| prop.visible_mover(&caster, &hits, width, self))
             .collect();
 
-        let moves = options.shutter_s > 0.0;
-        let exposure = if moves {
-            exposure.with_motion_blur(camera, options)
-        } else {
-            exposure
-        };
-        let exposure = if options.defocus_px > 0.0 {
-            exposure.with_defocus(options.defocus_px)
-        } else {
-            exposure
-        };
+        // The camera: blur in linear light, then development. Graphics are laid over the developed
+        // picture, since no lens sees them. The mask is blurred with the picture: it is the fourth
+        // channel.
+        if options.shutter_s > 0.0 {
+            exposure = exposure.with_motion_blur(camera, options);
+        }
+        if options.defocus_px > 0.0 {
+            exposure = exposure.with_defocus(options.defocus_px);
+        }
         let mut image = exposure.develop(options);
         options
             .graphics
@@ -186,13 +189,15 @@ impl Stadium {
     ) {
         let mut touches = Vec::with_capacity(16);
         for x in prop.columns.clone() {
-            let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
+            let Some(ray) = caster.ray_of_pixel(x, y) else {
                 continue;
             };
             prop.touches(&ray, hits[x].depth, self, &mut touches);
             if touches.is_empty() {
                 continue;
             }
+            // Nearest first, each covers its share of what the ones before have left: edges of
+            // different parts are taken as independent of each other.
             let (mut light, mut left) = (Light::zeros(), 1.0);
             for touch in &touches {
                 light += touch.light * (touch.share * left);
@@ -251,15 +256,17 @@ impl Stadium {
         row: &mut [Pixel],
         y: usize,
     ) {
+        // Shadows fall on the grass only. That of a body is as dark as that of its darkest stick,
+        // not the product of all, because the sticks overlap.
         let lamp = &self.lighting.lamps[shadow.lamp];
         for x in shadow.columns.clone() {
             if hits[x].surface != GRASS {
                 continue;
             }
-            let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
-                continue;
-            };
-            let Some(ground) = self.ground_along(&ray) else {
+            let Some((ray, ground)) = caster
+                .ray_of_pixel(x, y)
+                .and_then(|ray| Some((ray, self.ground_along(&ray)?)))
+            else {
                 continue;
             };
             let blur_m = 0.03 + ground.depth * ray.pixel_at_unit_depth();
@@ -277,6 +284,8 @@ impl Stadium {
             if hidden <= 0.0 && sky_hidden < 0.01 {
                 continue;
             }
+            // The pixel has the light of all lamps and the sky; it keeps the share that is not
+            // lost. The sky alone makes `all` positive.
             let all = self.lighting.on_ground(ground.point);
             let lost = self.lighting.lamp_on_ground(lamp, ground.point) * hidden
                 + self.lighting.sky() * sky_hidden;
@@ -302,6 +311,8 @@ fn area(
     camera: &PtzCamera,
     image_size: ImageSize,
 ) -> Option<(Range<usize>, Range<usize>)> {
+    // The image of a sphere about each point, a tenth larger for the lens and the oblique view, and
+    // 2 px for soft rims. What is partly behind the camera is not drawn.
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     for point in points {
@@ -367,12 +378,15 @@ impl PlacedProp {
         width: usize,
         stadium: &Stadium,
     ) -> Option<SeenMover> {
+        // Every pixel is examined once more, because the picture does not tell who covers it.
+        // Movers that stand before this one are not subtracted. Without a pixel the box stays
+        // inverted, and the subtraction below yields none.
         let mover = self.prop.mover?;
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
         let mut touches = Vec::with_capacity(16);
         for y in self.rows.clone() {
             for x in self.columns.clone() {
-                let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
+                let Some(ray) = caster.ray_of_pixel(x, y) else {
                     continue;
                 };
                 self.touches(&ray, hits[y * width + x].depth, stadium, &mut touches);

@@ -36,13 +36,7 @@ pub(super) struct Touch {
 
 impl Stick {
     pub const fn new(from: Vec3, to: Vec3, radius_m: f64, albedo: Light) -> Self {
-        Self {
-            from,
-            to,
-            radius_from_m: radius_m,
-            radius_to_m: radius_m,
-            albedo,
-        }
+        Self::with_radii(from, to, radius_m, radius_m, albedo)
     }
 
     pub const fn with_radii(
@@ -67,6 +61,10 @@ impl Stick {
 
     /// The closest approach of the line origin + t · direction to the axis.
     fn approach(&self, origin: Vec3, direction: Vec3) -> Approach {
+        // Where line and axis, both taken as endless, are nearest: the normal equations of
+        // |offset + t · direction − s · axis|², solved for the share s of the axis. The distance is
+        // convex in s, so clamping s to the stick and projecting that point on the line again gives
+        // t exactly. A ball, or a ray along the axis, has no unique s; 0 serves as well as any.
         let (axis, offset) = (self.to - self.from, origin - self.from);
         let (dd, de, ee) = (
             direction.norm_squared(),
@@ -98,6 +96,7 @@ impl Stick {
         if near.depth <= 0.0 {
             return None;
         }
+        // From the side a stick is a strip: its share of the pixel is exact but for the ends.
         let share = strip(
             near.distance_m,
             near.radius_m,
@@ -106,6 +105,9 @@ impl Stick {
         if share <= 0.0 {
             return None;
         }
+        // The normal of a round body from the distance of the ray to its axis: it faces the camera
+        // in the middle and is turned aside at the rim. A pixel beyond the rim, which the body
+        // still covers in part, takes the rim's.
         let view = -ray.direction.normalize();
         let rim = (near.distance_m / near.radius_m).min(1.0);
         let facing = (1.0 - rim * rim).sqrt();
@@ -115,6 +117,7 @@ impl Stick {
         } else {
             view
         };
+        // The surface lies before the axis; metres along the ray become depth by its length.
         Some(Touch {
             depth: near.depth - near.radius_m * facing / ray.direction.norm(),
             share,
@@ -126,7 +129,8 @@ impl Stick {
     /// haze smears its rim.
     pub fn shadow(&self, point: Vec3, towards: Vec3, blur_m: f64) -> f32 {
         let near = self.approach(point, towards);
-        // The lamp is wide: the rim softens with the distance.
+        // The lamp is wide: the rim softens with the distance. 0.03 rad is three times the diameter
+        // of the sun, which thin cloud spreads.
         let soft = blur_m + 0.03 * near.depth.max(0.0);
         if near.depth < 0.0 {
             0.0
@@ -154,6 +158,7 @@ pub(super) struct Sheet {
 impl Sheet {
     /// What a pixel sees of the sheet.
     pub fn touch(&self, ray: &Ray, lighting: &Lighting) -> Option<Touch> {
+        // The sheet's own coordinates of the hit, and what the pixel covers of them.
         let normal = self.across.cross(&self.up);
         let hit = ray.meets(self.corner, normal)?;
         let offset = hit.point - self.corner;
@@ -167,11 +172,14 @@ impl Sheet {
         if on <= 0.0 {
             return None;
         }
+        // A hole is where neither the upright nor the level cords are. Cords thinner than a pixel
+        // make the net an even veil.
         let woven = self.mesh_m.map_or(1.0, |[width, spacing]| {
             let holes = (1.0 - comb(across, spacing, width, reach_across))
                 * (1.0 - comb(up, spacing, width, reach_up));
             1.0 - holes
         });
+        // Cloth has two sides: the one that the camera sees is lit.
         let facing = if normal.dot(&ray.direction) > 0.0 {
             -normal
         } else {

@@ -7,9 +7,8 @@ use super::colour::Light;
 use super::crowd::Crowd;
 use super::grass::Ground;
 use super::light::Lighting;
-use super::moment::Moment;
 use super::noise::sub_seed;
-use super::options::StadiumOptions;
+use super::options::{Moment, StadiumOptions};
 use super::play::Play;
 use super::props::{Prop, fixtures};
 use super::ray::{PlaneHit, Ray};
@@ -98,6 +97,8 @@ impl Stadium {
 
     /// The ground, stands, boards and sky along a ray.
     pub(super) fn look(&self, ray: &Ray) -> RayHit {
+        // The order spares work: boards hide the ground behind them, the grass inside the boards
+        // lies before all stands, and only the rest needs the bowl.
         let ground = self.ground_along(ray);
         if let Some(board) = self
             .boards

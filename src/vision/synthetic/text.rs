@@ -1,5 +1,6 @@
 //! Words as coverage: glyphs rasterised at one size and made as bold as wanted.
 
+use super::coverage::disc;
 use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
 
 /// A rectangle of coverage, 0 to 1, row by row.
@@ -22,9 +23,8 @@ impl GlyphCoverage {
     }
 }
 
-/// A line of text whose capitals are `capital_px` high, its strokes thickened by `weight_px` on
-/// each side; the picture is cropped to the capitals' height (plus the weight) and the text's
-/// width.
+/// A line of text with capitals `capital_px` high, its lines thickened by `weight_px` on each side;
+/// the picture is cropped to the capitals' height (plus the weight) and the text's width.
 pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> GlyphCoverage {
     // The font ships with the program; were it unreadable, boards would be blank and nothing else.
     let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT) else {
@@ -34,6 +34,8 @@ pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> GlyphCov
     let em_px = capital_px / 0.693;
     let scale =
         PxScale::from(em_px * font.height_unscaled() / font.units_per_em().unwrap_or(1000.0));
+    // Glyphs stand on a baseline below the capitals. The margin leaves room for the weight, and
+    // each glyph advances by the weight more, lest thick letters touch.
     let scaled = font.as_scaled(scale);
     let margin = weight_px.ceil() + 1.0;
     let mut pen = margin;
@@ -63,6 +65,7 @@ pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> GlyphCov
                 corner.y as i64 + i64::from(y),
             );
             if x >= 0 && y >= 0 && (x as usize) < thin.width && (y as usize) < thin.height {
+                // Neighbouring glyphs may share a cell: the greater coverage counts.
                 let cell = &mut thin.share[y as usize * thin.width + x as usize];
                 *cell = cell.max(share);
             }
@@ -76,18 +79,7 @@ fn embolden(thin: &GlyphCoverage, weight_px: f32) -> GlyphCoverage {
     if weight_px <= 0.0 {
         return thin.clone();
     }
-    let reach = weight_px.ceil() as i64;
-    let disc: Vec<(i64, i64, f32)> = (-reach..=reach)
-        .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
-        .map(|(dx, dy)| {
-            (
-                dx,
-                dy,
-                (weight_px + 0.5 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0),
-            )
-        })
-        .filter(|(_, _, share)| *share > 0.0)
-        .collect();
+    let disc = disc(weight_px);
     let mut bold = thin.clone();
     for y in 0..thin.height as i64 {
         for x in 0..thin.width as i64 {

@@ -42,6 +42,9 @@ impl Texture {
 
     /// The mean over a pixel's footprint: centre (x, y) and extents along both axes in texels.
     pub fn sample(&self, x: f32, y: f32, reach_x: f32, reach_y: f32) -> Light {
+        // Anisotropic filtering: one level alone would blur a board that is seen askew along both
+        // axes. The level fits the shorter extent, and several samples in a row cover the longer
+        // one; beyond `MAX_TAPS` they would leave gaps, so the level rises instead.
         let (reach_x, reach_y) = (reach_x.max(1e-3), reach_y.max(1e-3));
         let (short, long) = if reach_x < reach_y {
             (reach_x, reach_y)
@@ -63,6 +66,8 @@ impl Texture {
         sum / taps
     }
 
+    /// The colour at a level between two halvings, mixed from both so that no seam shows where the
+    /// level changes.
     fn at_level(&self, x: f32, y: f32, level: f32) -> Light {
         let last = self.levels.len() - 1;
         let lower = (level as usize).min(last);
@@ -79,6 +84,7 @@ impl Texture {
 }
 
 impl Level {
+    /// A texel; beyond the border that of the border.
     fn at(&self, x: i64, y: i64) -> Light {
         let x = x.clamp(0, self.width as i64 - 1) as usize;
         let y = y.clamp(0, self.height as i64 - 1) as usize;
@@ -86,6 +92,7 @@ impl Level {
     }
 
     fn halve(&self) -> Self {
+        // An odd side is rounded up, and its last column or row counts twice.
         let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
         let texels = (0..width * height)
             .map(|index| {
@@ -103,6 +110,7 @@ impl Level {
 
     /// Bilinear at a place given in texels of the full picture.
     fn bilinear(&self, x: f32, y: f32, level: usize) -> Light {
+        // Texel centres are at half-integers at every level.
         let scale = 1.0 / (1_u32 << level) as f32;
         let (x, y) = (x * scale - 0.5, y * scale - 0.5);
         let (column, row) = (x.floor(), y.floor());

@@ -43,6 +43,8 @@ impl Advice {
             .given_for
             .as_ref()
             .filter(|known| Arc::ptr_eq(&known.coverage, coverage));
+        // Two levels: without a new edit nothing is examined, and after an edit that leaves the
+        // needs as they are the advice stays.
         if known.is_some_and(|known| known.revision == revision) {
             return self.given;
         }

@@ -18,6 +18,9 @@ pub(super) struct FieldModels {
 
 impl Follows for FieldModels {
     fn update(&mut self, document: &Document) {
+        // The models contain the σ of clicks, so that another click noise makes all of them
+        // obsolete. Otherwise drop those that the document does not name any more: a number that is
+        // dragged would leave one behind at each step.
         let (click_noise, specs) = (document.click_noise_in_use(), field_specs(document));
         if click_noise != self.click_noise {
             *self = Self {

@@ -67,6 +67,7 @@ impl FrameCounts {
     #[must_use]
     pub fn describe_to_do(&self) -> Option<String> {
         let drafts = self.count_with_status(FrameStatus::Draft);
+        // Frames without an answer are new, too, and counted under their own reason.
         let new = self
             .count_with_status(FrameStatus::New)
             .saturating_sub(self.unanswered);
@@ -168,6 +169,8 @@ impl Follows for FrameCounts {
             return;
         };
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
+        // Take each changed frame out of the counts as it was and add it as it is. The editions
+        // grow if the old or the new state is of their kind.
         for index in changed {
             let both = [&before[index], &document.frames[index]];
             self.remove(index, both[0]);

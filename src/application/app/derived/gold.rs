@@ -47,6 +47,7 @@ impl Gold {
             let fields = Fields::with(document, |spec| {
                 templates.unweighted_field(spec).map(Arc::new)
             });
+            // While a template is being read, the next update tries again.
             self.measured = (!matches!(fields, Err(FieldError::BeingRead { .. }))).then_some(of);
             // The error of an invalid field is shown elsewhere.
             let own = fields.map(|fields| {

@@ -122,6 +122,7 @@ impl Derived {
     /// Requests the templates that could not be read once more, because their files may have been
     /// corrected.
     pub(super) fn want_failed_templates_again(&mut self) {
+        // Forget the fields, too: their errors are stored with them.
         self.templates.want_failed_again();
         self.fields = Memo::default();
         self.gold.forget();

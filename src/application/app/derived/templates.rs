@@ -23,6 +23,7 @@ pub(super) struct Templates(BTreeMap<String, Reading>);
 impl Templates {
     /// A field with the click noise that its template states.
     pub(super) fn unweighted_field(&mut self, spec: &FieldSpec) -> Result<FieldModel, FieldError> {
+        // Built-in templates are compiled in: the folder is of no importance.
         if !spec.is_file() {
             return spec.model(Path::new(""));
         }

@@ -31,6 +31,8 @@ impl Job {
         let running = Running::new(id, Arc::clone(&operation), cancellation.clone());
         let input: Arc<dyn Any + Send + Sync> = Arc::clone(&operation) as _;
         let of_job = cancellation.clone();
+        // The types are known only here. Both closures make reports that carry them, so that `jobs`
+        // and the runner need not know them.
         let run = move |decoders: &dyn Decoders, send: &(dyn Fn(Report) + Sync)| {
             let send = |progress| send(Report::from_progress::<O>(id, progress));
             let context = Context {

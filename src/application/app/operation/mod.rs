@@ -1,7 +1,7 @@
 //! Slow work beside the window: how an operation is described, started, observed, cancelled, and
 //! how its result enters the application.
 //!
-//! An operation is a value that holds all inputs of its work. Its way through the program:
+//! An operation is a value with all inputs of its work. Its way through the program:
 //!
 //! 1. `App::start` gives it a [`RequestId`], keeps it in the [`Slot`] of its kind and returns it to
 //!    the shell as a [`Job`].
@@ -56,8 +56,8 @@ pub trait Operation: Sized + Send + Sync + 'static {
     /// Any error of the operation's own.
     fn run(&self, context: &Context<'_, Self::Progress>) -> Result<Self::Output, Self::Error>;
 
-    /// The slot that holds the request while it runs. A slot holds one request: starting another
-    /// one cancels the first.
+    /// The slot of the request while it runs. A slot has room for one request: starting another one
+    /// cancels the first.
     fn slot(app: &mut App) -> &mut Slot<Self>;
 
     /// Whether the result must wait, for instance for the end of a drag. Evaluated again after each

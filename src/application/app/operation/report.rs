@@ -4,8 +4,8 @@ use super::{Failure, Operation, RequestId};
 use crate::app::App;
 use std::fmt;
 
-/// Progress or result of a request. It holds the value with its type and a function that applies
-/// it, so nothing between the thread and the application needs to know the operation.
+/// Progress or result of a request: the value with its type and a function that applies it, so
+/// that nothing between the thread and the application needs to know the operation.
 pub struct Report {
     id: RequestId,
     name: &'static str,
@@ -39,11 +39,13 @@ impl Report {
             id,
             name: O::NAME,
             apply: Box::new(move |app: &mut App| {
+                // Only a request that still runs may wait: the report of a cancelled one is of no
+                // use later either.
                 if O::slot(app).is_running_as(id) && O::must_wait(app) {
                     return Some(Self::from_result::<O>(id, result));
                 }
-                // The slot no longer holds this request if it was cancelled or replaced, or if its
-                // document was closed. Then the result is dropped.
+                // The slot has another request or none if this one was cancelled or replaced, or if
+                // its document was closed. Then the result is dropped.
                 if let Some(operation) = O::slot(app).finish(id) {
                     operation.take_over(app, result);
                 }

@@ -1,4 +1,4 @@
-//! The slot that holds a request while it runs, the number of a request, and its cancellation.
+//! The slot of a request while it runs, the number of a request, and its cancellation.
 
 use super::Operation;
 use std::fmt;

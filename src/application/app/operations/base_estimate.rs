@@ -175,6 +175,7 @@ impl BaseEstimate {
             &mut pictures,
             &adjusting,
         )?;
+        // Reads the pictures a second time, hence "twice" in the description of the command.
         Ok(Box::new(found.with_pulled_frames(at, &mut pictures)?))
     }
 }

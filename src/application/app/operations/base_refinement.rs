@@ -93,6 +93,7 @@ impl RoundsOutcome {
     fn note(&mut self, event: &TrackingEvent) {
         match event {
             TrackingEvent::Refined(_, seen) => {
+                // "Before" is that of the first round, "after" that of the last one so far.
                 if let (Some(before), Some(after)) = (seen.before.paint, seen.after.paint) {
                     let first = self.off_px.map_or(before.median_px, |(first, _)| first);
                     self.off_px = Some((first, after.median_px));
@@ -284,7 +285,7 @@ impl App {
         }
         self.operations.base_refinement.evidence = Some(Arc::new(evidence));
         let change = BulkChange::Numbers(Box::new(numbers));
-        self.change_in_bulk(
+        let is_changed = self.change_in_bulk(
             Step::on_document("Refine the base on the shot"),
             change,
             |app, _| {
@@ -297,7 +298,10 @@ impl App {
                 app.track_with_refined_base(evidence);
             },
         );
-        self.session.notify(Level::Info, describe_refined(off_px));
+        // A change that was refused has reported that.
+        if is_changed {
+            self.session.notify(Level::Info, describe_refined(off_px));
+        }
     }
 }
 

@@ -161,6 +161,8 @@ impl App {
         let Some(open) = &self.open else { return false };
         let joined = match solved.join(&open.document) {
             Ok(Some(joined)) => joined,
+            // The user changed something that the result depends on: compute it for the present
+            // document.
             Ok(None) => {
                 let change = solved.change_for(&open.document);
                 let work = BulkSolve {
@@ -182,6 +184,7 @@ impl App {
         if let Some(open) = &mut self.open {
             *open.document = joined.document;
         }
+        // The frames fit the new base already, which `commit` would adjust them to.
         self.close_step();
         self.tell_withdrawn(joined.withdrawn);
         then(self, solved.change());

@@ -175,6 +175,7 @@ fn is_unmasked(document: &Document, found: &FoundMask) -> bool {
     let Some(camera) = document.camera(&found.camera) else {
         return false;
     };
+    // A mask of any size over the centre counts as one of the graphic.
     let ranged = camera.ranged_masks.iter().map(|mask| &mask.pixel_box);
     !camera
         .masks

@@ -309,6 +309,7 @@ impl App {
         else {
             return;
         };
+        // The choice is settled before the camera is used, or this would run again after it.
         let found = Arc::clone(&two.cameras[which]);
         self.operations.camera_search.left = SearchFollowUp::Nothing;
         self.session.retract(Command::TryFirstCamera);
@@ -390,6 +391,7 @@ impl DecidingClick {
     /// clicked in that frame, or the click lies between the two projections.
     fn favoured_camera(&self, document: &Document) -> Option<usize> {
         let frame = &document.frames[document.frames.position_of(&self.frame)?];
+        // Where the two projections are nearly equally far, the click noise would decide.
         let target = Some(Target::Landmark(self.landmark.clone()));
         let click = frame.clicks.iter().find(|click| click.target == target)?;
         let [here, there] = self.image.map(|image| image.distance_px(click.image));

@@ -93,9 +93,12 @@ impl App {
             (state.of, state.change) = (None, None);
             return;
         };
+        // When a running check ends, its revision differs from the present one, so that the next
+        // action starts another.
         if state.of.as_ref() == Some(&of) || state.slot.is_running() {
             return;
         }
+        // Without a valid field nothing can be said; do not try again before the next edit.
         let Some(field) = self.current.field() else {
             (state.of, state.change) = (Some(of), None);
             return;

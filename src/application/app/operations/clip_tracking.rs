@@ -182,6 +182,7 @@ impl ClipTracking {
     /// The part of a tracked clip that still applies to the document `now`. Frames are found by
     /// their ids; frames that users have changed since are left out.
     fn still_open_in(&self, now: &Document, tracked: TrackedClip) -> TrackedClip {
+        // `of.place` is a position in the document that was tracked.
         let frames = tracked.frames.iter().filter_map(|of| {
             let then = self.document.frames.get(of.place)?;
             let place = now.frames.position_of(&then.id)?;
@@ -299,6 +300,7 @@ impl App {
             return;
         };
         let shown = self.session.frame;
+        // A correction spreads only into a stretch that is in doubt itself.
         let beside = [shown.checked_sub(1), shown.checked_add(1)];
         let is_beside_doubt = beside.into_iter().flatten().any(|place| {
             let other = open.frame(place);
@@ -408,6 +410,7 @@ impl App {
                 .notify_with(Level::Info, describe_followed(count), offers);
             return;
         }
+        // Frames that lie off their paint may all suffer from the same base.
         if taken
             .frames
             .iter()

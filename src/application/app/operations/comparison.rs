@@ -118,6 +118,7 @@ impl App {
         if !self.session.quality.open {
             self.toggle_quality();
         }
+        // The result of an earlier comparison must not be taken for this one's.
         let Some(open) = &self.open else { return };
         let (document, folder, revision) =
             ((*open.document).clone(), open.folder.clone(), open.revision);

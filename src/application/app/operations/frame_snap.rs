@@ -220,6 +220,7 @@ impl App {
     /// A camera that was searched for a frame without users' work becomes a suggestion. Anything
     /// else is one step of undo.
     fn take_camera_on_paint(&mut self, request: &FrameSnap, found: &CameraOnPaint) {
+        // The position may have changed, the frame must not.
         let position = self.open.as_ref().and_then(|open| {
             let position = open.document.frames.position_of(&request.frame.id)?;
             open.document.frames[position]

@@ -78,6 +78,7 @@ impl Operation for LineCheckBatch {
             .with_reader(&mut *reader)
             .with_progress(Progress::new(|_| context.check()));
         let mut checked = Vec::with_capacity(frames.len());
+        // The stream gives one item for each index, in their order, so that the two fit.
         for (to_check, FramePicture { frame, picture, .. }) in frames.iter().zip(pictures) {
             let seen = picture.ok().zip(to_check.field.as_ref());
             let check =
@@ -336,6 +337,8 @@ impl LineChecks {
     /// precedence.
     fn frame_result(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheckSummary> {
         let says = self.picture_result(open, frame)?;
+        // Where lines contradict every camera they may be those of another sport. A warning of the
+        // camera's own is evidence of another kind.
         let verdict = match says.verdict {
             verdict if self.is_informative() || is_warned(frame) => verdict,
             _ => LineVerdict::CannotSay,
@@ -376,6 +379,7 @@ impl LineChecks {
     /// Stores a check in place of the frame's earlier one, and updates the counts.
     fn keep(&mut self, checked: CheckedLines) {
         let verdict = |checked: &CheckedLines| checked.check.map(|check| check.verdict());
+        // Take the earlier check of the frame out of the counts, and add this one.
         let now = verdict(&checked);
         let before = self
             .known
@@ -404,6 +408,7 @@ impl LineChecks {
         if wanted.is_empty() {
             wanted = self.next_selected(open, selected);
         }
+        // Go on where the last search ended, in a circle, so that each frame has its turn.
         if wanted.is_empty() {
             for _ in 0..LOOKED_THROUGH.min(count) {
                 self.cursor = (self.cursor + 1) % count;

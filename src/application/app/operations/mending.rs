@@ -100,6 +100,8 @@ impl Mending {
         if now.cameras != then.cameras || now.field != then.field {
             return None;
         }
+        // Field and cameras come from the mending, as the frames of one camera may have been given
+        // to several. Frame by frame, the mended labels then replace those that are unchanged.
         let mut merged = now.clone();
         merged.field.clone_from(&mended.field);
         merged.cameras.clone_from(&mended.cameras);
@@ -113,6 +115,7 @@ impl Mending {
                 take_labels(&mut merged.frames[index], mended);
                 continue;
             }
+            // A frame that the user changed keeps its camera. All such frames share one copy of it.
             let id = frame.camera.clone();
             let camera = kept
                 .entry(id.clone())

@@ -97,6 +97,7 @@ impl SortedPaths {
 /// # Errors
 /// A folder has labels of several formats.
 fn format_of_labels(path: &Path) -> Result<Option<Format>, ExchangeError> {
+    // Cheap checks first: recognising a format reads files.
     let is_document = path.join(PROJECT_FILE).exists();
     let is_large = path.metadata().is_ok_and(|found| found.len() > MOST_BYTES);
     let has_pictures = list_images(path).is_ok_and(|listing| !listing.images.is_empty());
@@ -104,6 +105,7 @@ fn format_of_labels(path: &Path) -> Result<Option<Format>, ExchangeError> {
         return Ok(None);
     }
     match recognize_format(path) {
+        // The program's own format is opened, not imported.
         Ok(Format::Json) => Ok(None),
         Ok(format) => Ok(Some(format)),
         Err(error @ ExchangeError::SeveralFormats { .. }) => Err(error),

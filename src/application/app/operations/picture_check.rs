@@ -92,6 +92,7 @@ impl Operation for PictureComparison {
             else {
                 continue;
             };
+            // Each check reads a file or seeks in a video.
             context.give_way_to_window();
             if let Some(fault) = check
                 .faults(index)
@@ -105,6 +106,7 @@ impl Operation for PictureComparison {
                         says: fault.to_string(),
                     },
                 );
+                // The warning over a frame appears at once. Whether to go on is checked above.
                 let _ = context.report(Arc::new(found.clone()));
             }
         }

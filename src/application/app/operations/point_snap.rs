@@ -155,6 +155,7 @@ impl PointSnapState {
     /// Removes the waiting points and returns those of the shown frame as indices of clicks. Empty
     /// while a request is running. Points of other frames are dropped.
     fn take_waiting(&mut self, frame: &Frame) -> Vec<usize> {
+        // The user has left the other frames: their points stay where they were placed.
         self.waiting.retain(|placed| placed.frame == frame.id);
         if self.slot.is_running() {
             return Vec::new();
@@ -251,6 +252,7 @@ impl App {
         let Some(frame) = shown.filter(|frame| frame.id == request.frame.id) else {
             return;
         };
+        // Clicks that were moved, renamed or removed while the work ran stay as they are.
         let found: Vec<(usize, SnappedPoint)> = found
             .into_iter()
             .filter(|(click, _)| {
@@ -263,6 +265,8 @@ impl App {
         if found.is_empty() || !is_by_clicks(frame) {
             return;
         }
+        // `resume` succeeds only if the step is still the last one: undo then takes back the
+        // placing and the move together.
         let resumed = self.session.mode == Mode::Idle
             && request
                 .step

@@ -120,6 +120,7 @@ impl ShotSearch {
         let stream = FrameStream::new(frames)
             .with_reader(reader)
             .with_progress(progress.part(|frames| frames));
+        // A frame that cannot be decoded has its place in the sequence, so that numbers stay right.
         let cuts = find_cuts(stream.map(|frame| frame.picture.ok()));
         if progress.is_cancelled() {
             return Err(MediaError::Stopped {
@@ -210,6 +211,7 @@ impl App {
         if !open.document.shots.is_empty() || !is_untouched {
             return;
         }
+        // One search at a time: the first video.
         if let Some((video, path)) = without_shots(&open.document, &open.folder)
             .into_iter()
             .next()

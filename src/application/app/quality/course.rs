@@ -157,6 +157,8 @@ impl Course {
             cuts: Vec::new(),
             standing_out: Vec::new(),
         };
+        // A cut lies where the clip changes. Frames without a camera count for it, too, although
+        // they give no point: otherwise a line would join points across their cut.
         let mut before: Option<(f64, Option<&Clip>)> = None;
         for (at, index, frame) in timed {
             if let Some((then, clip)) = before
@@ -262,6 +264,7 @@ fn whole(timed: &[(f64, usize, &Frame)]) -> Option<[f64; 2]> {
 #[must_use]
 pub fn zoom_span(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Option<[f64; 2]> {
     let smallest = ((whole[1] - whole[0]) * SMALLEST_SHARE).max(1e-3);
+    // `around` keeps its share of the span. It is clamped, as the pointer may be outside.
     let length = ((span[1] - span[0]) / factor).max(smallest);
     let share = ((around - span[0]) / (span[1] - span[0])).clamp(0.0, 1.0);
     let from = around.clamp(span[0], span[1]) - share * length;
@@ -272,6 +275,7 @@ pub fn zoom_span(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> O
 #[must_use]
 pub fn within_whole(span: [f64; 2], whole: [f64; 2]) -> Option<[f64; 2]> {
     let length = span[1] - span[0];
+    // Written as a negation, so that NaN means the whole, too.
     if !(length < whole[1] - whole[0]) {
         return None;
     }

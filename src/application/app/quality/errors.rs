@@ -130,7 +130,7 @@ impl OfFrame {
         field: &FieldModel,
     ) -> Option<Self> {
         let camera = document.ptz_camera(frame)?;
-        // Such a frame was never solved.
+        // A frame with a click that its field lacks was never solved.
         let observed = observations(frame, field).ok()?;
         let used = || observed.iter().filter(|observation| !observation.check);
         let equations: usize = used().map(Observation::equations).sum();
@@ -225,6 +225,7 @@ impl Histogram {
             .filter(|px| px.is_finite())
             .collect();
         sorted.sort_by(f64::total_cmp);
+        // A quantile, because a few gross errors would squeeze all others into one bin.
         let nearly_all = if sorted.is_empty() {
             0.0
         } else {
@@ -251,6 +252,7 @@ impl Histogram {
         let mut noises: BTreeMap<u64, f64> = BTreeMap::new();
         for click in errors {
             *noises.entry(click.expected_px.to_bits()).or_default() += 1.0;
+            // The conversion saturates, so that an infinite error goes into the last bin.
             let bin = &mut bins[((click.error_px / step_px) as usize).min(BINS)];
             bin.count += 1;
             if bin.worst.is_none() || click.error_px > bin.worst_px {

@@ -5,19 +5,19 @@
 
 mod course;
 mod errors;
-mod seen;
 mod targets;
 mod thinned;
 
 pub use super::choices::{QualityChoice, TimeAxis};
 pub use course::{Course, CoursePoint, PointKind, Quantity, within_whole, zoom_span};
 pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
-pub use seen::CoverageComparison;
 pub use targets::{TargetErrors, by_target};
 pub use thinned::{Column, SpanMarks, thin_points};
 
 use super::{OpenProject, session::Session};
-use touchline_documents::document::{CameraId, Document};
+use touchline_calibration::proposals::Coverage;
+use touchline_core::field::FieldModel;
+use touchline_documents::document::{CameraId, Document, FrameStatus};
 
 /// The values on the quality page for one camera: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,6 +42,7 @@ impl Quality {
     pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session) {
         let choice = &session.quality;
         let Some(open) = open.filter(|_| choice.open) else {
+            // Free the values of a closed page: of a long match they are many.
             if self.derived_from.is_some() {
                 *self = Self::default();
             }
@@ -79,6 +80,7 @@ impl Quality {
             let targets = by_target(&errors);
             (errors, targets)
         };
+        // `per_camera` has the fields in the order of the cameras.
         let place = document.cameras.iter().position(|camera| camera.id == *id);
         let field = place.map(|place| fields.per_camera(document).swap_remove(place));
         let seen_of = || CoverageComparison::compute(document, &*field?, id);
@@ -95,6 +97,41 @@ impl Quality {
             derived_from: None,
         }
     }
+}
+
+/// Coverage of references and suggestions, over the same range of pan and tilt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoverageComparison {
+    /// Coverage of the references, and of the field.
+    pub references: Coverage,
+    /// Coverage of the suggestions.
+    pub suggestions: Coverage,
+}
+
+impl CoverageComparison {
+    /// The coverage of a camera's frames; none if it has no base.
+    #[must_use]
+    pub fn compute(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {
+        Some(Self {
+            references: measure_with_status(document, field, camera, FrameStatus::Reference)?,
+            suggestions: measure_with_status(document, field, camera, FrameStatus::Suggested)?,
+        })
+    }
+}
+
+/// The coverage of a camera's frames with a status.
+fn measure_with_status(
+    document: &Document,
+    field: &FieldModel,
+    camera: &CameraId,
+    status: FrameStatus,
+) -> Option<Coverage> {
+    let frames = document.frames.iter().enumerate();
+    let frames: Vec<usize> = frames
+        .filter(|(_, frame)| frame.status == status)
+        .map(|(index, _)| index)
+        .collect();
+    Coverage::measure(document, field, camera, &frames)
 }
 
 /// The indices of the camera's accepted frames whose paint contradicts them.

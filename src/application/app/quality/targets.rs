@@ -59,6 +59,7 @@ pub fn by_target(errors: &ClickErrors) -> Vec<TargetErrors> {
         .into_iter()
         .filter_map(|(target, clicks)| target_errors(target, &clicks))
         .collect();
+    // One or two clicks may be off by chance, so that they come last however large their excess.
     found.sort_by(|a, b| {
         b.is_known()
             .cmp(&a.is_known())

@@ -34,6 +34,7 @@ pub fn thin_points(
     span: [f64; 2],
     columns: usize,
 ) -> SpanMarks<'_> {
+    // The negation also covers a span with NaN.
     if points.len() <= columns || !(span[1] > span[0]) {
         return SpanMarks::Points(points);
     }
@@ -43,6 +44,7 @@ pub fn thin_points(
     // when the column changes.
     let mut open: [Option<Column>; PointKind::ALL.len()] = [None; PointKind::ALL.len()];
     for point in points {
+        // The end of the span belongs to the last column.
         let column = (((point.at - span[0]) * per_unit) as usize).min(columns - 1);
         let value = point.value(quantity);
         let open = &mut open[point.kind as usize];

@@ -27,6 +27,7 @@ impl Review {
                 shown.insert(shot_of(&self.frames, row));
             }
         }
+        // What is left in `newer` has no row yet.
         self.hidden.clear();
         for row in now.into_iter().filter(|row| newer.contains_key(&row.frame)) {
             if one_per_shot && !shown.insert(shot_of(&self.frames, &row)) {

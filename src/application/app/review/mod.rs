@@ -5,7 +5,7 @@
 //! pointer is over it), no row moves: an accepted or withdrawn suggestion keeps its row, and new
 //! ones are appended. When it is released, it is sorted again.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `row.rs` | a row, and the orders of rows |
 //! | `refresh.rs` | how the list follows the document |
@@ -87,6 +87,7 @@ impl BulkAccept {
             .take_while(|row| shown(row) != certain)
             .count();
         let (doubtful, others) = self.rows.split_at(less_certain);
+        // The last of `samples` equal parts of the others ends at the most certain row.
         let samples = (Self::DOUBTFUL + Self::SAMPLES - doubtful.len()).min(others.len());
         let spread = (1..=samples).map(|sample| others[sample * others.len() / samples - 1]);
         doubtful.iter().copied().chain(spread).collect()
@@ -153,6 +154,7 @@ impl Review {
     /// left out, and the lowest confidence among the former.
     #[must_use]
     pub fn bulk_size(&self, choice: &ReviewChoice) -> (usize, usize, Option<f64>) {
+        // Called for each drawing of the panel, hence without the vectors of `bulk`.
         let (mut taken, mut left_out, mut lowest) = (0, 0, None);
         for row in self.waiting() {
             let Some(confidence) = row
@@ -195,6 +197,8 @@ impl Review {
     /// None if there is no other.
     #[must_use]
     pub fn next(&self, frame: usize, forward: bool) -> Option<usize> {
+        // Behind the shown frame first, then from the beginning up to it. A frame that is not in
+        // the list stands before its first row.
         let here = self.rows.iter().position(|row| row.frame == frame);
         let (before, after) = match here {
             Some(here) => (&self.rows[..here], &self.rows[here + 1..]),

@@ -85,6 +85,8 @@ impl Review {
             held: choice.held && listed,
         };
         let before = self.derived_from.replace(source);
+        // `suggestions` in the source stands for all frames, so that an unchanged list costs the
+        // same for any number of them.
         if before != Some(source) {
             let frames = std::mem::replace(&mut self.frames, open.document.frames.clone());
             let disagreements = with_neighbours.then(|| open.derived.disagreements(&open.document));
@@ -128,6 +130,7 @@ impl Review {
     /// Replaces the rows of the concerned frames by `rows`, which are sorted, and keeps the list
     /// sorted.
     fn put_in_order(&mut self, concerned: &AffectedRows, rows: Vec<ReviewRow>, order: ReviewOrder) {
+        // Merge two sorted sequences: the rows that stay, and the new ones.
         let mut newer = rows.into_iter().peekable();
         let mut merged = Vec::with_capacity(self.rows.len() + newer.len());
         for row in std::mem::take(&mut self.rows)
@@ -146,6 +149,7 @@ impl Review {
     /// Whether the suggestions belong to more than one shot. If all belonged to one before, only
     /// the concerned frames are examined.
     fn is_of_several_shots(&self, concerned: &AffectedRows) -> bool {
+        // If all belonged to one shot, rows that did not change still belong to the first one's.
         let first = self.waiting().next().map(|row| shot_of(&self.frames, row));
         let mut rows = self
             .waiting()

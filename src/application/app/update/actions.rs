@@ -140,7 +140,8 @@ impl App {
             } => self.handle_save(revision, at, document),
             DiskReport::SaveFailed(message) => self.save_failed(message),
             DiskReport::Copied(path) => {
-                self.session.disk.copies.written = self.session.disk.copies.begun.take();
+                let copies = &mut self.session.disk.copies;
+                copies.written = copies.written.max(copies.begun.remove(&path));
                 self.session
                     .notify(Level::Info, format!("Copy written: {}", path.display()));
             }

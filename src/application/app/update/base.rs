@@ -61,6 +61,7 @@ impl App {
     /// Mirrors the names of a frame's clicks (left and right, near and far, or both); one step of
     /// undo.
     pub(super) fn mirror_names(&mut self, index: usize, symmetry: Symmetry) {
+        // A change of another frame than the shown one would go unnoticed.
         self.go_to(index);
         let Some(Ok(field)) = self.open.as_mut().map(|open| open.field_of(index)) else {
             return;

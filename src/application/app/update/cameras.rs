@@ -56,6 +56,7 @@ impl App {
             "Assign {} to {name}",
             pluralise(frames.len(), "frame")
         ));
+        // By ids: the change may be made in the background, while positions change.
         let is_new = matches!(choice, CameraChoice::New(_));
         let frames = frames
             .into_iter()

@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::Tool;
 use crate::app::session::{Level, Mode};
-use touchline_core::geometry::ImagePoint;
+use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_documents::document::{Click, FrameStatus};
 
 impl App {
@@ -20,6 +20,7 @@ impl App {
         if !at.is_finite() {
             return;
         }
+        // What a press means, from what is open to what lies under the pointer.
         let size = frame.image_size;
         let rejected = frame.status == FrameStatus::Rejected;
         // A press elsewhere closes an open list of names or of reasons, and does nothing else.
@@ -71,6 +72,7 @@ impl App {
             None => Click::without_name(at),
         };
         click.check = tool == Tool::Check;
+        // The step stays open until the button is released: the drag belongs to it.
         let (placed, named) = (click.target.is_none(), click.target.clone());
         if !self.begin("Place point") {
             return;
@@ -151,14 +153,11 @@ impl App {
         let Some(frame) = self.frame_mut() else {
             return;
         };
-        let (width, height) = (
-            f64::from(frame.image_size.width),
-            f64::from(frame.image_size.height),
-        );
+        let size = frame.image_size;
         if let Some(click) = frame.clicks.get_mut(click)
             && to.is_finite()
         {
-            click.image = ImagePoint::new(to.x.clamp(0.0, width), to.y.clamp(0.0, height));
+            click.image = clamp_to_picture(to, size);
             click.snapped_sigma_px = None;
         }
     }
@@ -183,6 +182,7 @@ impl App {
         };
         let name = self.click_name(click);
         let step = self.step_at(format!("Nudge {name}"), self.session.frame);
+        // A key that repeats reopens its own last step, so that one undo takes all of it back.
         let resumed = held && self.open.as_mut().is_some_and(|open| open.resume(&step));
         if resumed || self.begin_step(step) {
             // The user has seen the name and moved on to the position.
@@ -254,6 +254,14 @@ impl App {
             .and_then(|click| click.target.as_ref());
         target.map_or_else(|| "point".to_owned(), |target| self.label(target))
     }
+}
+
+/// The point of a picture, its border included, that is nearest to `at`. `at` must be finite.
+pub(super) fn clamp_to_picture(at: ImagePoint, size: ImageSize) -> ImagePoint {
+    ImagePoint::new(
+        at.x.clamp(0.0, f64::from(size.width)),
+        at.y.clamp(0.0, f64::from(size.height)),
+    )
 }
 
 #[cfg(test)]

@@ -189,6 +189,7 @@ impl App {
     /// Carries out a command, or shows why it is not available.
     pub(in crate::app) fn command(&mut self, command: Command) {
         use Command as C;
+        // Checked here, too: a key starts a command also if its menu entry is disabled.
         if let Some(reason) = self.why_not(command) {
             self.session.notify(Level::Info, reason);
             return;
@@ -260,13 +261,8 @@ impl App {
             C::AddCut => self.add_cut(),
             C::MoveCutHere => self.move_cut_here(),
             C::RemoveCut => self.remove_cut(),
-            C::NextReference => self.go_to_next(
-                true,
-                |frame| frame.status == FrameStatus::Reference,
-                "There is no other reference yet.",
-            ),
-            C::PreviousReference => self.go_to_next(
-                false,
+            C::NextReference | C::PreviousReference => self.go_to_next(
+                command == C::NextReference,
                 |frame| frame.status == FrameStatus::Reference,
                 "There is no other reference yet.",
             ),
@@ -316,22 +312,10 @@ impl App {
                 let is_on = self.session.picture.tool == Tool::Mask;
                 self.session.picture.tool = if is_on { Tool::Point } else { Tool::Mask };
             }
-            C::ShowFieldMap => {
-                self.settings.field_map = !self.settings.field_map;
-                self.effects.push(Effect::SaveSettings);
-            }
-            C::SnapPoints => {
-                self.settings.snap_points = !self.settings.snap_points;
-                self.effects.push(Effect::SaveSettings);
-            }
-            C::BaseOnPaint => {
-                self.settings.base_on_paint = !self.settings.base_on_paint;
-                self.effects.push(Effect::SaveSettings);
-            }
-            C::SnapSuggestions => {
-                self.settings.snap_suggestions = !self.settings.snap_suggestions;
-                self.effects.push(Effect::SaveSettings);
-            }
+            C::ShowFieldMap => self.toggle_setting(|settings| &mut settings.field_map),
+            C::SnapPoints => self.toggle_setting(|settings| &mut settings.snap_points),
+            C::BaseOnPaint => self.toggle_setting(|settings| &mut settings.base_on_paint),
+            C::SnapSuggestions => self.toggle_setting(|settings| &mut settings.snap_suggestions),
             // Panels.
             C::CameraPanel => self.toggle_panel(SidePanel::Camera),
             C::TrainerPanel => self.toggle_panel(SidePanel::Trainer),
@@ -508,6 +492,7 @@ impl App {
             PictureView::Zoomed { scale, centre } => (scale, centre),
             PictureView::Fit => (self.session.picture.fit_scale, size.centre()),
         };
+        // Below the fitting scale there would only be more space around the picture.
         let wanted = scale * factor;
         self.session.picture.view = if wanted <= self.session.picture.fit_scale {
             PictureView::Fit

@@ -160,7 +160,10 @@ impl App {
                 self.open_path(path);
             }
             (Question::CopyTo, Some(open)) => {
-                self.session.disk.copies.begun = Some(open.revision);
+                // Of two copies to one folder only the first can succeed: the other one finds a
+                // project there.
+                let begun = &mut self.session.disk.copies.begun;
+                begun.entry(path.clone()).or_insert(open.revision);
                 self.effects.push(Effect::SaveCopy {
                     document: Box::new((*open.document).clone()),
                     from: open.folder.clone(),
@@ -179,6 +182,7 @@ impl App {
     /// Handles a successful write of the state at `revision`. If the document itself was written,
     /// and not only the journal, `document` is the number of the last request for that.
     pub(super) fn handle_save(&mut self, revision: u64, at: String, document: Option<u64>) {
+        // An earlier state on disk is no news: the edits after it are still pending.
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
             self.session.disk.saving = Saving::Saved { at };
@@ -199,6 +203,7 @@ impl App {
 
     /// Handles a failed write. If the user wanted to leave the document, asks what to do.
     pub(super) fn save_failed(&mut self, message: String) {
+        // Repeated failures keep the time of the last success.
         let since = match std::mem::take(&mut self.session.disk.saving) {
             Saving::Saved { at } => Some(at),
             Saving::Failed { since, .. } => since,
@@ -231,7 +236,8 @@ fn frame_to_resume_at(open: &OpenProject) -> usize {
 #[cfg(test)]
 mod tests {
     use crate::app::{
-        Action, App, DiskReport, Effect, Navigation, Opened, PointerAction, Settings, ViewAction,
+        Action, App, DiskReport, EditAction, Effect, Navigation, Opened, PointerAction, Question,
+        Settings, ViewAction,
     };
     use touchline_core::field::{FieldError, Template, builtin};
     use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -275,6 +281,19 @@ mod tests {
 
     fn soccer() -> Box<Template> {
         Box::new(builtin("soccer").unwrap().clone())
+    }
+
+    #[test]
+    fn a_copy_counts_for_the_edits_that_it_contains() {
+        let (mut app, _) = opened_with_own_template();
+        app.update(Action::Answer(Question::CopyTo, "/copies/one".into()));
+        app.update(Action::Edit(EditAction::SetComment("blurred".to_owned())));
+        app.update(Action::Answer(Question::CopyTo, "/copies/two".into()));
+        let revision = app.open().unwrap().revision;
+        app.update(Action::Disk(DiskReport::Copied("/copies/one".into())));
+        assert_eq!(app.session.disk.copies.written, Some(revision - 1));
+        app.update(Action::Disk(DiskReport::Copied("/copies/two".into())));
+        assert_eq!(app.session.disk.copies.written, Some(revision));
     }
 
     #[test]

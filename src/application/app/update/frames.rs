@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::Command;
 use crate::app::progress::just_accepted;
-use crate::app::session::{Level, Mode, SidePanel};
+use crate::app::session::{Level, Mode};
 use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 
 impl App {
@@ -43,6 +43,7 @@ impl App {
     ) {
         let Some(open) = &self.open else { return };
         let (here, end) = (self.session.frame, open.document.frames.len());
+        // The shown frame itself does not count: then the message says that there is no other.
         let next = open.find(here, forward, &wanted).or_else(|| {
             // From the other end of the document back to the shown frame.
             if forward {
@@ -103,14 +104,12 @@ impl App {
         self.session.retract(Command::AcceptAnyway);
         self.session.doubted = None;
         // The next row must be found now, because the accepted frame will leave the list.
-        let listed = self
-            .review
-            .next(self.session.frame, true)
-            .filter(|_| self.session.panel == SidePanel::Review);
+        let listed = self.next_in_list(true);
         // Write the solution, the status and the line check into the frame.
         if self.begin("Accept") {
             let solved = self.current.click_solution().cloned();
             if let Some(frame) = self.frame_mut() {
+                // A frame with a camera keeps it: it may be aligned to paint, or set by hand.
                 if let (None, Some(solved)) = (&frame.ptz, &solved) {
                     frame.record(solved);
                 }
@@ -167,11 +166,7 @@ impl App {
         let whole_shot = matches!(self.session.mode, Mode::Rejecting { whole_shot: true });
         self.session.mode = Mode::Idle;
         // The next row must be found before the frame leaves the list.
-        let in_list = self.session.panel == SidePanel::Review && !whole_shot;
-        let listed = self
-            .review
-            .next(self.session.frame, true)
-            .filter(|_| in_list);
+        let listed = self.next_in_list(true).filter(|_| !whole_shot);
         let Some(frame) = self.frame() else { return };
         let clip = frame.clip.clone();
         let camera = frame.camera.clone();

@@ -5,6 +5,7 @@
 //! The differences between clicks on the same landmark show the annotator's click noise.
 
 use super::App;
+use super::clicks::clamp_to_picture;
 use crate::app::GoldWork;
 use crate::app::Tool;
 use crate::app::reclick::{Reclick, ReclickTarget};
@@ -105,12 +106,10 @@ impl App {
             self.end_round();
             return;
         }
-        let Some(open) = &self.open else { return };
-        if let Some(reason) = &open.read_only {
-            let text = format!("Nothing can be changed here: {reason}");
-            self.session.notify(Level::Warning, text);
+        if self.refuses_changes() {
             return;
         }
+        let Some(open) = &self.open else { return };
         let round = Reclick::from_document(&open.document);
         if round.is_empty() {
             let text = "No frame is gold. Mark a few references, or let the program choose them.";
@@ -118,9 +117,7 @@ impl App {
                 .notify_with(Level::Info, text, [("Choose them", Command::ChooseGold)]);
             return;
         }
-        if open.history.is_open() {
-            self.commit();
-        }
+        self.commit_open_step();
         // Hide whatever could show the label, and show the first frame of the round.
         self.session.points.selected = None;
         self.session.forget_placed();
@@ -166,11 +163,7 @@ impl App {
             .round_mut()
             .filter(|round| began || round.held.is_some())
         {
-            let (width, height) = (f64::from(size.width), f64::from(size.height));
-            round.held = Some(ImagePoint::new(
-                at.x.clamp(0.0, width),
-                at.y.clamp(0.0, height),
-            ));
+            round.held = Some(clamp_to_picture(at, size));
         }
     }
 
@@ -183,6 +176,7 @@ impl App {
         let Some((at, target)) = round.held.take().zip(round.target().cloned()) else {
             return;
         };
+        // The mode stays: the next landmark follows at once.
         let number = round.round;
         let step = self.step_at(self.step_again(&target), target.frame);
         if !self.begin_step(step) {
@@ -236,6 +230,7 @@ impl App {
     fn take_back_again(&mut self, target: &ReclickTarget, round: u32) {
         let step = self.step_at(self.step_again(target), target.frame);
         let Some(open) = &mut self.open else { return };
+        // If the user has made other steps since, they must not be undone for this.
         if open.history.next_undo() == Some(&step) {
             open.undo(true);
             self.journal(&format!("Undone: {}", step.name), EditKind::Undone);

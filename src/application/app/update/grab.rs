@@ -48,6 +48,7 @@ impl App {
     /// The button went down on a drawn landmark or line: a point is placed. It is given up when
     /// the pointer moves.
     pub(super) fn grab(&mut self, at: ImagePoint, element: Target) {
+        // A press that placed no point grabs nothing.
         self.press(at, None);
         if matches!(self.session.mode, Mode::Dragging { placed: true, .. }) {
             self.session.points.grabbed = Some(element);

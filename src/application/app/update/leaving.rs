@@ -55,6 +55,8 @@ impl App {
     /// Leaving waits for the answer to the last request to write the document itself, whose number
     /// is `document`, because another program may have replaced an earlier version.
     pub(super) fn go_on_leaving(&mut self, document: Option<u64>) {
+        // If no wish to leave waits, the dialog may be open: its question was about edits that
+        // could not be written before this write.
         let is_answered = document == Some(self.session.disk.save_requests);
         if self.session.disk.leaving.is_none() {
             self.leave_unsaved();

@@ -160,6 +160,7 @@ fn put_mask(
         MaskScope::Frame => None,
         MaskScope::FromHere => Some((here, mask.to.filter(|to| Some(*to) >= here))),
         MaskScope::UpToHere => Some((mask.from.filter(|from| Some(*from) <= here), here)),
+        // Still images have no numbers: each gets the mask for itself.
         MaskScope::Shot | MaskScope::Selected => {
             let numbers: Option<Vec<u64>> = frames
                 .iter()

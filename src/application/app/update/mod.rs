@@ -109,6 +109,7 @@ impl App {
     /// Carries out an action. Returns the effects in the order in which the shell must carry them
     /// out.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
+        // What is compared with the state after the action.
         let (readiness, revision) = (self.current.readiness, self.revision());
         self.tell_tour(&action);
         // The action itself, then what waited for its end.
@@ -284,6 +285,8 @@ impl App {
     /// Writes an edit to the journal that the open document contains already.
     pub(in crate::app) fn journal_edit(&mut self, edit: Edit) {
         let Some(open) = &self.open else { return };
+        // The saver gets the document with each edit: it writes that, and can check that the edit
+        // leads to it. A failure stays displayed until a write succeeds.
         self.effects.push(Effect::Journal {
             edit: Box::new(edit),
             to: Box::new(open.snapshot()),
@@ -315,6 +318,7 @@ impl App {
         self.session.retract(Command::AcceptAnyway);
         let Some(open) = &mut self.open else { return };
         let result = solve_in_place(open, index);
+        // An accepted frame must be accepted again after a change of its clicks.
         if let Some(frame) = open.document.frames.get_mut(index)
             && !matches!(frame.status, FrameStatus::Rejected)
         {
@@ -343,6 +347,7 @@ impl App {
     /// ids. If the shown frame was removed, its neighbour is shown.
     fn follow_frames(&mut self, before: &Frames) {
         let Some(open) = &self.open else { return };
+        // Selected frames that are gone leave the selection.
         let now = &open.document.frames;
         let place_now = |place: usize| now.position_of(&before.get(place)?.id);
         let last = now.len().saturating_sub(1);

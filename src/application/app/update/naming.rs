@@ -144,6 +144,7 @@ impl App {
     /// that waits for a name, otherwise to the selected click if that has none, otherwise to the
     /// next click in the picture. A landmark that is clicked already is selected.
     pub(super) fn pick(&mut self, target: Target) {
+        // A point that lacks a name comes first: the choice is most likely meant for it.
         let waiting = match &self.session.mode {
             Mode::Naming(naming) => Some(naming.click),
             _ => self.session.points.selected.filter(|selected| {

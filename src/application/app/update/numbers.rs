@@ -79,7 +79,8 @@ impl App {
             if let Some(known) = open.document.camera_mut(&camera.id) {
                 *known = camera;
             }
-            // The shown frame is solved now, the others when the edit ends.
+            // The shown frame is solved at once, so that its lines follow the number; the others
+            // when the edit ends.
             solve_if_by_clicks(open, app.session.frame);
         });
     }
@@ -106,6 +107,7 @@ impl App {
             return;
         }
         self.session.mode = Mode::Idle;
+        // `history.before` is the document at the beginning of the step.
         let changed = self.open.as_ref().and_then(|open| {
             let before = open.history.before()?;
             let same_field = before.field.is_same_field(&open.document.field);
@@ -207,6 +209,9 @@ impl App {
             );
             return;
         };
+        if self.refuses_changes() {
+            return;
+        }
         self.edit_camera(adopted);
         self.session.notify(
             Level::Info,
@@ -227,11 +232,14 @@ fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
     let mut base = loaded.base()?;
     let scale = f64::from(camera.image_size.width) / f64::from(loaded.image_size.width.max(1));
     if camera.image_size != loaded.image_size {
-        // k₁ per 1000 px of focal length: pixels are in the denominator.
+        // k₁ per 1000 px of focal length: pixels are in the denominator. The 1-σ of a number scales
+        // as the number itself.
         base.principal_point.x *= scale;
         base.principal_point.y *= scale;
+        base.sigma.principal_point_px *= scale;
         base.distortion.at_focal_px *= scale;
         base.distortion.per_1000_px /= scale;
+        base.sigma.k1_per_1000_px /= scale;
     }
     let mut adopted = camera.clone();
     adopted.set_base(&base);
@@ -255,8 +263,9 @@ mod tests {
     use super::*;
     use crate::app::operation::Report;
     use crate::app::operations::transfer::TransferWrite;
-    use crate::app::{Action, EditAction, Effect, Question};
-    use touchline_core::geometry::ImageSize;
+    use crate::app::{Action, DiskReport, EditAction, Effect, Opened, Question};
+    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
     use touchline_documents::document::{Document, Frame};
 
     fn app(own_field: bool) -> App {
@@ -306,6 +315,56 @@ mod tests {
             );
             app.update(Action::Command(Command::Undo));
             assert!(app.shown_field_spec().unwrap().assumed_size().is_some());
+        }
+    }
+
+    #[test]
+    fn a_base_for_pictures_of_half_the_size_keeps_its_relative_errors() {
+        let level = BaseAngles::default().base_from_world();
+        let mut base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 15.0),
+            level,
+            ImagePoint::new(970.0, 530.0),
+        );
+        base.distortion.at_focal_px = 2000.0;
+        base.distortion.per_1000_px = 0.2;
+        base.sigma.principal_point_px = Vec2::new(8.0, 4.0);
+        base.sigma.k1_per_1000_px = 0.03;
+        let mut loaded = Camera::new("other".into(), ImageSize::new(1920, 1080));
+        loaded.set_base(&base);
+        let camera = Camera::new("main".into(), ImageSize::new(960, 540));
+        let adopted = adopt(&camera, &loaded).unwrap().base().unwrap();
+        assert_eq!(adopted.principal_point, ImagePoint::new(485.0, 265.0));
+        assert_eq!(adopted.sigma.principal_point_px, Vec2::new(4.0, 2.0));
+        assert_eq!(
+            (adopted.distortion.per_1000_px, adopted.sigma.k1_per_1000_px),
+            (0.4, 0.06)
+        );
+    }
+
+    #[test]
+    fn no_camera_is_said_to_be_loaded_into_a_read_only_document() {
+        let size = ImageSize::new(1920, 1080);
+        let mut loaded = Camera::new("other".into(), size);
+        let level = BaseAngles::default().base_from_world();
+        loaded.set_base(&CameraBase::new(
+            Vec3::new(0.0, -60.0, 15.0),
+            level,
+            size.centre(),
+        ));
+        for read_only in [false, true] {
+            let mut app = app(false);
+            let document = (*app.open().unwrap().document).clone();
+            let mut opened = Opened::new(document, "/match/project.json");
+            opened.read_only = read_only.then(|| "locked".to_owned());
+            app.update(Action::Opened(Box::new(opened)));
+            let report = DiskReport::CameraLoaded(Box::new(loaded.clone()));
+            app.update(Action::Disk(report));
+            let notices = &app.session.messages.notices;
+            let is_said = notices
+                .iter()
+                .any(|notice| notice.text.starts_with("Camera base loaded"));
+            assert_ne!(is_said, read_only, "{notices:?}");
         }
     }
 

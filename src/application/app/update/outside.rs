@@ -154,6 +154,7 @@ impl App {
             mut document,
             conflicts,
         } = merged;
+        // A merged frame may come from a side with another base or field than the merged ones.
         let sides: Vec<&Document> = std::iter::once(&ours).chain(theirs).collect();
         let solved = solve_after_merge(&mut document, &sides, &open.folder);
         let replaced = frames_with_replaced_label(&ours, &document);

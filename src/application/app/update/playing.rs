@@ -24,6 +24,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let frame = match place {
             FrameOrTime::Frame(wanted) => {
+                // A document may have every n-th frame of a video only.
                 let nearest = open
                     .frame_numbers_in_video(self.session.frame)
                     .min_by_key(|(_, number)| number.abs_diff(wanted));

@@ -123,6 +123,7 @@ impl App {
         if !open.history.is_open() {
             return;
         }
+        // The view is the document as last journalled: that is, before this step.
         let before = open.project.view().clone();
         let withdrawn = follow_all_bases(&mut open.document, &before);
         self.tell_withdrawn(withdrawn);

@@ -25,14 +25,18 @@ impl App {
         if self.go_on_in_queue(forward) {
             return;
         }
-        let listed = self
-            .review
-            .next(self.session.frame, forward)
-            .filter(|_| self.session.panel == SidePanel::Review);
-        match listed {
+        match self.next_in_list(forward) {
             Some(frame) => self.go_to(frame),
             None => self.go_to_next(forward, is_to_do, ALL_DONE),
         }
+    }
+
+    /// The frame of the next row of the review list, while its panel is open. None if there is no
+    /// other.
+    pub(super) fn next_in_list(&self, forward: bool) -> Option<usize> {
+        self.review
+            .next(self.session.frame, forward)
+            .filter(|_| self.session.panel == SidePanel::Review)
     }
 
     /// Shows the frame whose label would help the forest most.
@@ -74,6 +78,8 @@ impl App {
     #[must_use]
     pub fn bulk_accept(&self) -> BulkAccept {
         let choice = &self.session.review;
+        // The panel counts with its present choices; the open sheet with what it showed when it
+        // opened, because the user agrees to that.
         let question = self.accept_question.as_ref().zip(self.open.as_ref());
         let bulk = match question {
             Some((AcceptQuestion::Stretch(stretch), open)) => {
@@ -127,6 +133,7 @@ impl App {
         let frames: Vec<usize> = bulk
             .ticked_rows()
             .map(|row| row.frame)
+            // Of suggestions only those that still are one. A stretch also has solved frames.
             .filter(|place| is_stretch || self.is_suggested_at(*place))
             .collect();
         if frames.is_empty() {

@@ -1,6 +1,6 @@
 //! Changes of the user's settings; each is written to disk.
 
-use super::App;
+use super::{App, Settings};
 use crate::app::action::SettingsAction;
 use crate::app::effect::Effect;
 use crate::app::settings::{PICTURE_MEMORY_MIB, text_size_within_limits};
@@ -15,6 +15,13 @@ impl App {
             .map(|spec| spec.template.as_str())
             .unwrap_or_default();
         self.settings.overlay_of(template)
+    }
+
+    /// Switches a setting on or off.
+    pub(super) fn toggle_setting(&mut self, switch_of: fn(&mut Settings) -> &mut bool) {
+        let switch = switch_of(&mut self.settings);
+        *switch = !*switch;
+        self.effects.push(Effect::SaveSettings);
     }
 
     /// Changes a setting. Values outside their range are clamped.

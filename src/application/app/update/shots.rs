@@ -40,6 +40,7 @@ impl App {
             return;
         };
         let Some(here) = &frame.video else { return };
+        // The document may lack the first frame of a shot: show the first one from there on.
         let mut starts: Vec<u64> = shots.starts().map(|(from, _)| from).collect();
         let to = if forward {
             starts.into_iter().find(|from| *from > here.frame_index)

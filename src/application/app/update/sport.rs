@@ -84,6 +84,7 @@ pub(super) fn guess_template(name: &str) -> Option<&'static str> {
         ("tennis", "tennis"),
         ("volleyball", "volleyball"),
     ];
+    // Whole words first: "wnba" contains "nba", and "nfl" would be found in "influence".
     let name = name.to_lowercase();
     let words = name.split(|c: char| !c.is_ascii_alphabetic());
     let found = WORDS

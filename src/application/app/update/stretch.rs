@@ -61,6 +61,7 @@ impl App {
         place: usize,
         field: Option<&FieldModel>,
     ) -> Option<LeftReason> {
+        // The first reason counts; `LeftReason` has the order in which they are listed.
         let document = &self.open.as_ref()?.document;
         if frame.status == FrameStatus::Rejected {
             return Some(LeftReason::Rejected);

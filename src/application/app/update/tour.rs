@@ -57,6 +57,7 @@ impl App {
         let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else {
             return;
         };
+        // An earlier tour or other work may have used some frames of the copy.
         let untouched = open
             .document
             .frames

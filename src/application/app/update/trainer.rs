@@ -31,7 +31,8 @@ impl App {
         };
         let trainer = &mut self.session.trainer;
         let version = Some(open.document.version());
-        // A new trainer starts unpaused.
+        // Each order is sent only if it tells the trainer something new. A new trainer starts
+        // unpaused.
         if trainer.sent_version.is_none() && trainer.paused {
             self.effects
                 .push(Effect::Trainer(TrainerOrder::Pause(true)));

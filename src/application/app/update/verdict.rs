@@ -11,6 +11,8 @@ impl App {
     /// of its own.
     #[must_use]
     pub fn judgement(&self) -> Option<Judgement> {
+        // Evidence from outside of the frame's clicks can only lower a good verdict: if the clicks
+        // themselves are in doubt, that reason is the one to read.
         let judgement = self.current.judgement.clone();
         if judgement
             .as_ref()

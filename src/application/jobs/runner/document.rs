@@ -19,7 +19,8 @@ impl Runner {
         self.give_up(|kind| kind == Kind::Opening);
         self.ready = None;
         if matches!(opening, Opening::Again(_)) {
-            // If writing fails, the edits are in the journal, from which opening recovers them.
+            // Close the document first, or opening it would find it locked. If writing fails, the
+            // edits are in the journal, from which opening recovers them.
             let last = self.close();
             self.reports.extend(last);
         }
@@ -54,13 +55,9 @@ impl Runner {
     /// Starts the saver and the trainer of a document; neither if it is read-only.
     fn start_saver(&mut self, ready: Ready) -> Result<Action, JobError> {
         if let Some(store) = ready.store {
-            let (document, history) = (
-                ready.opened.document().clone(),
-                ready.opened.history.clone(),
-            );
             let opened = Snapshot {
-                document,
-                history,
+                document: ready.opened.document().clone(),
+                history: ready.opened.history.clone(),
                 revision: 0,
             };
             let held = store.location().clone();

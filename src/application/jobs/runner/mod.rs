@@ -21,9 +21,8 @@ mod document;
 mod task;
 
 use self::document::actions_of;
-use self::task::{Kind, Outcome, Task};
+use self::task::{Kind, Outcome, Task, camera_with_base, save_copy};
 use super::opening::Ready;
-use super::tasks::{camera_with_base, save_copy};
 use super::{Background, BackgroundReport, Saver, SharedPictures, Trainer, Wake};
 use crate::app::operation::{Job, Report};
 use crate::app::{Action, DiskReport, Effect, Question};

@@ -8,6 +8,9 @@ use crate::app::{Action, DiskReport};
 use crate::jobs::opening::Ready;
 use crate::jobs::{Background, BackgroundReport, JobError, Reporter};
 use std::ops::ControlFlow;
+use std::path::Path;
+use touchline_documents::document::{Camera, DocumentAt};
+use touchline_documents::store::{self, Location, Store};
 
 /// The result of a task.
 pub(super) enum Outcome {
@@ -89,6 +92,7 @@ impl Runner {
     pub(super) fn poll_tasks(&mut self) -> Vec<Action> {
         let mut actions = Vec::new();
         for task in &mut self.tasks {
+            // A task that is given up is polled, too: taking its last report ends it.
             while let Some(report) = task.background.poll() {
                 match report {
                     _ if task.given_up => {}
@@ -122,4 +126,26 @@ impl Runner {
             task.background.stop();
         }
     }
+}
+
+/// Writes a document into another folder; fails if that has a project.
+pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), JobError> {
+    std::fs::create_dir_all(folder).map_err(JobError::io(folder))?;
+    let location = Location::for_new_document(folder)?;
+    Store::create(&location, &document.relocate(location.folder()))?;
+    Ok(())
+}
+
+/// The first camera of a document that has a base.
+pub(super) fn camera_with_base(path: &Path) -> Result<Camera, JobError> {
+    let (_, document, _) = store::read(path)?;
+    let camera = document
+        .cameras
+        .iter()
+        .find(|camera| camera.base().is_some());
+    camera
+        .map(|camera| (**camera).clone())
+        .ok_or_else(|| JobError::NoBase {
+            path: path.to_path_buf(),
+        })
 }

@@ -167,6 +167,7 @@ impl Saver {
     /// not mistaken for the answer: another program may have replaced the file in between.
     pub fn save(&self, request: u64) {
         self.order(|orders| {
+            // An order of `save_over` that still waits stays in force.
             orders.save.get_or_insert(Others::Stay);
             orders.save_request = request;
         });

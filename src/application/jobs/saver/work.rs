@@ -81,7 +81,9 @@ impl<'a> Work<'a> {
             self.journal();
         }
         if let Some(others) = save {
+            // `write` and `save_over` have the number 0, which must not replace a later one.
             self.save_request = self.save_request.max(save_request);
+            // Journal before writing: if the document is refused, the edits are on disk anyway.
             self.journal();
             self.save(others);
         }
@@ -92,6 +94,7 @@ impl<'a> Work<'a> {
 
     /// The time of the next attempt or write if no order arrives.
     fn due(&self) -> Option<Instant> {
+        // A refusal comes first: until the journal accepts the edits, they are in memory only.
         if self.journal_refused {
             return Instant::now().checked_add(self.options.retry_after);
         }
@@ -100,6 +103,8 @@ impl<'a> Work<'a> {
 
     /// Takes in an edit and the document that it led to.
     fn take(&mut self, edit: Edit, to: Snapshot) {
+        // Apply the edit to the document before it, as a reader of the journal will. A misfit
+        // leaves that document unchanged.
         let fitting = match edit.clone().apply(&mut self.latest.document) {
             Ok(()) => edit,
             // An edit that does not apply would make the rest of the journal unreadable. Journal
@@ -136,6 +141,7 @@ impl<'a> Work<'a> {
             Ok(()) => {
                 self.journal_refused = false;
                 self.to_journal.clear();
+                // Without a new edit there is nothing to acknowledge.
                 if self.journaled_revision < self.latest.revision {
                     self.journaled_revision = self.latest.revision;
                     self.report(SaverReport::Journaled {
@@ -148,6 +154,8 @@ impl<'a> Work<'a> {
             Err(StoreError::Gone { .. }) if self.keep(Others::Stay).is_ok() => {
                 self.report_saved(None);
             }
+            // The edits stay in `to_journal` for the next attempt. Further refusals, every two
+            // seconds, would only repeat the message.
             Err(error) => {
                 if !self.journal_refused {
                     self.report(SaverReport::Failed {
@@ -203,6 +211,7 @@ impl<'a> Work<'a> {
 
     /// Records and reports that the document was written.
     fn report_saved(&mut self, set_aside: Option<PathBuf>) {
+        // The document contains all edits, also those that the journal refused.
         self.journal_refused = false;
         self.behind_since = None;
         self.to_journal.clear();

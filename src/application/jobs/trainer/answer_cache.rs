@@ -62,11 +62,14 @@ impl AnswerCache {
             let Some(frame) = document.frames.by_id(id) else {
                 return false;
             };
-            // Lost: the document once showed the answer, no longer does, and the frame is
-            // undecided.
+            // Lost: the document once showed the answer, does not show it any more, and the frame
+            // is undecided, as after an undone edit. An answer that was never shown may still be
+            // on its way.
             let held = is_by_forest(frame);
             let lost = entry.recorded && !held && frame.is_open();
             entry.recorded |= held;
+            // A decision of the user changes the revision, too, but says nothing against the
+            // answer: it is dropped only if picture, camera or base have changed.
             let is_edited = frame.is_open() && entry.request.revision != frame.revision;
             !lost && !is_edited && entry.request.is_still(document, frame)
         });
@@ -168,7 +171,8 @@ impl AnswerCache {
             mut generation,
         }: RefusedForests,
     ) {
-        // The sender may not know yet that the forest was renumbered.
+        // The sender may not know yet that the forest was renumbered. Each entry leads to a greater
+        // number, so that the loop ends.
         while let Some(later) = self.renumbered.get(&generation) {
             generation = *later;
         }

@@ -1,18 +1,18 @@
 //! The operations of the trainer on forests and frames, as a trait so that tests can replace them.
 
 use super::super::shared_pictures::{SharedPictures, SharedReader};
-use super::error::TrainerError;
-use super::kept_forest::{keep_forest, load_forest};
+use super::kept_forest::{KeptForestError, keep_forest, load_forest};
 use super::mailbox::TrainerMailbox;
 use crate::app::{TrainerActivity, UnusableReference};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use thiserror::Error;
 use touchline_calibration::calibrate::{
     ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip,
 };
 use touchline_calibration::pipelines::{
-    ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines,
+    ForestRequest, LearnForestError, LearningProgress, LearntForest, learn_forest, propose_on_lines,
 };
 use touchline_calibration::proposals::{
     FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality, Suspect,
@@ -87,6 +87,17 @@ pub(super) trait Backend {
 
     /// The folder of the document, from which its paths start.
     fn folder(&self) -> &Path;
+}
+
+/// Why no forest of an earlier run can be used, or no new one can be trained.
+#[derive(Debug, Error)]
+pub(super) enum TrainerError {
+    /// The stored forest cannot be used.
+    #[error("The stored forest is trained again: {0}")]
+    Kept(#[from] KeptForestError),
+    /// No forest can be trained.
+    #[error(transparent)]
+    Learn(#[from] LearnForestError),
 }
 
 /// A newly trained forest.
@@ -221,6 +232,7 @@ impl Backend for ForestBackend {
             LineEvidence::from_document(document.at(&self.folder), &mut self.reader, snapping).ok();
         let mut made = Vec::with_capacity(frames.len());
         // In small batches, so that a pause takes effect soon.
+        // A batch gives each thread one frame.
         for few in frames.chunks(rayon::current_num_threads()) {
             if progress.report(made.len()).is_break() {
                 break;

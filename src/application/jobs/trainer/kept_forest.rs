@@ -36,6 +36,8 @@ pub(super) fn keep_forest(
     model: &mut ForestModel,
     training_set: &TrainingSet,
 ) -> io::Result<()> {
+    // The fingerprint is part of the document inside the forest's file, so that one atomic write
+    // stores both. With a file of its own it could describe another forest.
     let mut document = document_from_bytes(model.document.as_bytes()).map_err(io::Error::other)?;
     document
         .extra
@@ -58,11 +60,14 @@ pub(super) fn load_forest(
 ) -> Result<Option<ForestModel>, KeptForestError> {
     let bytes = match read_regular(&place.forest()) {
         Ok(bytes) => bytes,
+        // Nothing was stored yet, which is no failure.
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(error.into()),
     };
     let model = ForestModel::from_bytes(&bytes)?;
     let document = document_from_bytes(model.document.as_bytes())?;
+    // A forest of other references or other features is none for this document. It is no error: the
+    // trainer trains a new one and overwrites it.
     let taught = document.extra.get(TAUGHT).and_then(Value::as_str);
     let fits = taught == Some(&training_set.fingerprint()) && model.features == *features;
     Ok(fits.then_some(model))

@@ -43,6 +43,8 @@ impl Orders {
         match order {
             TrainerOrder::Document(document) => {
                 self.edition += 1;
+                // The trainer must tell answers that this document may lack from those that it came
+                // to show after it was sent.
                 self.shown_before.append(&mut self.shown);
                 return self.document.replace(*document);
             }
@@ -128,6 +130,7 @@ impl TrainerMailbox {
         if last_report.status == *status {
             return;
         }
+        // Mere progress: the two differ in nothing but the numbers of the same activity.
         let mere_progress = last_report.status.doing.is_kind_of(status.doing)
             && TrainerStatus {
                 doing: status.doing,

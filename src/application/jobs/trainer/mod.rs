@@ -32,7 +32,6 @@
 
 mod answer_cache;
 mod backend;
-mod error;
 mod given_answers;
 mod kept_forest;
 mod mailbox;
@@ -53,7 +52,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Maximum number of waiting reports; beyond it the trainer pauses. A report holds about 64
+/// Maximum number of waiting reports; beyond it the trainer pauses. A report has about 64
 /// proposals.
 const MOST_REPORTS: usize = 16;
 

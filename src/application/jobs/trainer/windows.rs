@@ -175,6 +175,8 @@ impl Windows {
         document: &Document,
         tracked: Vec<TrackedProposal>,
     ) -> Vec<TrackedProposal> {
+        // Remember the cameras that this result started from, also if it is empty: the window is
+        // due again only when they change.
         if let Some(first) = window
             .keys
             .first()
@@ -193,6 +195,7 @@ impl Windows {
             .iter()
             .filter_map(|place| document.frames.get(*place))
             .collect();
+        // Before a key frame gets its adjusted camera, store its answer for `with_answers`.
         for tracked in &news {
             self.given.entry(tracked.frame.clone()).or_insert(false);
             if let Some(key) = keys

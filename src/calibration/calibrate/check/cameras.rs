@@ -2,7 +2,6 @@
 
 use super::super::{FrameLookup, better_camera, calibrate, camera_change};
 use super::fault::{Fault, Problem};
-use super::place_of;
 use rayon::prelude::*;
 use touchline_documents::document::{DocumentAt, Fields};
 
@@ -18,6 +17,7 @@ pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
     let lookup = FrameLookup::from_document(&document);
     let mut problems: Vec<Problem> = (0..document.frames.len())
         .into_par_iter()
+        // With one camera no other one can fit. Solving all frames again is what takes time.
         .filter(|_| document.cameras.len() > 1)
         .filter_map(|index| {
             let frame = &document.frames[index];
@@ -29,11 +29,7 @@ pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
                 rms_px: better.rms_px,
                 own_rms_px: better.own_rms_px,
             };
-            Some(Problem {
-                place: place_of(index, frame),
-                frame: Some(index),
-                fault,
-            })
+            Some(Problem::in_frame(index, frame, fault))
         })
         .collect();
     // The base of each camera over the sequence of its frames.

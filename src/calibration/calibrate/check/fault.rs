@@ -3,7 +3,7 @@
 use std::fmt;
 use thiserror::Error;
 use touchline_core::geometry::ImageSize;
-use touchline_documents::document::FrameStatus;
+use touchline_documents::document::{Frame, FrameStatus};
 
 /// An error in a document, and where it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,17 @@ pub struct Problem {
     pub frame: Option<usize>,
     /// The error.
     pub fault: Fault,
+}
+
+impl Problem {
+    /// An error in the frame at an index of its document.
+    pub(super) fn in_frame(index: usize, frame: &Frame, fault: Fault) -> Self {
+        Self {
+            place: format!("frames[{index}] ({})", frame.name()),
+            frame: Some(index),
+            fault,
+        }
+    }
 }
 
 impl fmt::Display for Problem {
@@ -376,6 +387,8 @@ impl Fault {
             Self::NoSuchFocalLength { .. } => "no_such_focal_length",
             Self::NoSuchLens { .. } => "no_such_lens",
             Self::NoSuchClick { .. } => "no_such_click",
+            // A missing file has to be found, a damaged one has to be replaced: scripts tell them
+            // apart.
             Self::Picture { missing: true, .. } => "missing_picture",
             Self::Picture { .. } => "unreadable_picture",
             Self::PictureSize { .. } => "picture_size",

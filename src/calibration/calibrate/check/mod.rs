@@ -15,10 +15,3 @@ pub use plausible::impossible_camera;
 pub use stale::check_solutions;
 pub use still::check_still_runs;
 pub use values::check_values;
-
-use touchline_documents::document::Frame;
-
-/// The name of a frame in a problem.
-fn place_of(index: usize, frame: &Frame) -> String {
-    format!("frames[{index}] ({})", frame.name())
-}

@@ -2,7 +2,6 @@
 //! size, and other frames of the video.
 
 use super::fault::{Fault, Problem};
-use super::place_of;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -53,12 +52,10 @@ pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> 
     });
     let faults: Vec<Vec<Fault>> = faults.collect();
     let problems = faults.into_iter().enumerate().flat_map(|(index, faults)| {
-        let place = place_of(index, &document.frames[index]);
-        faults.into_iter().map(move |fault| Problem {
-            place: place.clone(),
-            frame: Some(index),
-            fault,
-        })
+        let frame = &document.document.frames[index];
+        faults
+            .into_iter()
+            .map(move |fault| Problem::in_frame(index, frame, fault))
     });
     problems.collect()
 }
@@ -67,6 +64,8 @@ type Videos = BTreeMap<PathBuf, Result<VideoInfo, MediaError>>;
 
 fn videos(document: DocumentAt<'_>) -> Videos {
     let mut videos = Videos::new();
+    // The survey of a video reads its whole file, so all frames of a video share one. Its error is
+    // stored as well, because each of these frames reports it.
     for video in document
         .frames
         .iter()
@@ -103,6 +102,8 @@ fn unreadable(error: &MediaError) -> Fault {
 }
 
 fn check_image(frame: &Frame, path: &Path, faults: &mut Vec<Fault>) {
+    // The size is in the header of the file. The hash needs all of it, and is computed only where
+    // the document states one. A file that cannot be opened is reported once.
     match media::image_size(path) {
         Err(error) => {
             faults.push(unreadable(&error));
@@ -125,6 +126,7 @@ fn check_image(frame: &Frame, path: &Path, faults: &mut Vec<Fault>) {
 }
 
 fn check_video(frame: &Frame, video: &VideoFrame, info: &VideoInfo, faults: &mut Vec<Fault>) {
+    // A number beyond the last frame has no time and no picture to compare with.
     let index = usize::try_from(video.frame_index)
         .ok()
         .filter(|index| *index < info.decoded_frames);
@@ -145,6 +147,7 @@ fn check_video(frame: &Frame, video: &VideoFrame, info: &VideoInfo, faults: &mut
             actual: info.pts_s(index),
         });
     }
+    // A frame that also has an image is shown from the image, which was compared above.
     if frame.image.is_none() && info.size != frame.image_size {
         faults.push(Fault::PictureSize {
             actual: info.size,

@@ -1,8 +1,8 @@
 //! Stored solutions from clicks that no longer follow from the document's base.
 
+use super::super::calibration::rms_of_clicks_px;
 use super::super::{FrameLookup, calibrate, observations};
 use super::fault::{Fault, Problem};
-use super::place_of;
 use rayon::prelude::*;
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, DocumentAt, Fields, Frame};
@@ -27,11 +27,7 @@ pub fn check_solutions(document: DocumentAt<'_>) -> Vec<Problem> {
             let frame = &document.frames[index];
             let field = fields.for_frame(&document, frame);
             let fault = find_stale(&document, &lookup, index, field)?;
-            Some(Problem {
-                place: place_of(index, frame),
-                frame: Some(index),
-                fault,
-            })
+            Some(Problem::in_frame(index, frame, fault))
         })
         .collect()
 }
@@ -63,13 +59,7 @@ fn find_stale(
 /// or clicks.
 fn distance_of_clicks_px(document: &Document, frame: &Frame, field: &FieldModel) -> Option<f64> {
     let camera = document.ptz_camera(frame)?;
-    let observations = observations(frame, field).ok()?;
-    let used = observations.iter().filter(|observation| !observation.check);
-    let squares: Vec<f64> = used
-        .filter_map(|click| click.distance_px(&camera))
-        .map(|px| px * px)
-        .collect();
-    (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+    rms_of_clicks_px(&observations(frame, field).ok()?, &camera)
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Checks of a document that need no pictures.
 
 use super::fault::{Fault, Problem};
-use super::place_of;
 use super::plausible::{check_place, check_view, lens_folds};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -68,13 +67,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     // Each frame, with its clicks and its solution.
     let duplicates = duplicates(&document);
     for (index, frame) in document.frames.iter().enumerate() {
-        let mut problem = |fault| {
-            problems.push(Problem {
-                place: place_of(index, frame),
-                frame: Some(index),
-                fault,
-            });
-        };
+        let mut problem = |fault| problems.push(Problem::in_frame(index, frame, fault));
         if let Some(first) = duplicates[index] {
             problem(Fault::DuplicateFrame { first });
         }
@@ -96,6 +89,7 @@ struct Fields<'a> {
 
 impl Fields<'_> {
     fn model(&mut self, spec: &FieldSpec) -> Result<&FieldModel, String> {
+        // Compared by value and one after the other: a document has few different fields.
         let at = self
             .known
             .iter()
@@ -112,6 +106,8 @@ impl Fields<'_> {
 /// For each frame the index of the first one with the same image or the same frame of a video; none
 /// for that first one itself.
 fn duplicates(document: &Document) -> Vec<Option<usize>> {
+    // `or_insert` returns the index of the first frame with a key. The first frame finds itself,
+    // and the filter removes that.
     let (mut images, mut videos) = (BTreeMap::new(), BTreeMap::new());
     let firsts = document.frames.iter().enumerate().map(|(index, frame)| {
         let image = frame
@@ -133,6 +129,8 @@ fn duplicates(document: &Document) -> Vec<Option<usize>> {
 }
 
 fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
+    // `Camera::base` needs both, so a typing error in one key silently leaves the camera without a
+    // base.
     match (camera.position_m, camera.base_from_world) {
         (Some(_), None) => problem(Fault::HalfABase {
             missing: "base_from_world",

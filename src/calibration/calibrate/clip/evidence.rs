@@ -69,6 +69,8 @@ impl ClipEvidence {
         if followed.masks != masks {
             // A new mask removes points and needs no new tracking. The paint is kept only in frames
             // whose masks are the same.
+            // Points under a mask that was removed do not come back. The others suffice for the
+            // adjustment, as they did before.
             followed.tracks = followed.tracks.outside(masks);
             let Followed { masks: before, .. } = followed;
             self.paint

@@ -67,11 +67,7 @@ pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -
         let Some(source) = frame.picture_source(document.folder) else {
             continue;
         };
-        let number = if let FrameRef::Video { index, .. } = &source {
-            *index
-        } else {
-            place
-        };
+        let number = video_frame_number(&source).unwrap_or(place);
         if frame.status == FrameStatus::Rejected
             || within.is_some_and(|within| !within.contains(&number))
         {

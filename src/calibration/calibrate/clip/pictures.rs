@@ -49,6 +49,7 @@ impl ClipPictures<'_> {
         source: &FrameRef,
         picture: Result<Picture, MediaError>,
     ) -> Result<Picture, TrackClipError> {
+        // Tracked points are pixels, which pictures of another size do not share.
         let picture = picture?;
         let (actual, expected) = (picture.size(), self.size);
         if actual == expected {
@@ -131,6 +132,8 @@ impl ClipPictures<'_> {
             next = frames.next_during(|| ended = follower.add(&picture, masks));
             ended?;
         }
+        // The stream also ends early when it is cancelled. Tracks through a part of the clip would
+        // leave the rest without points, and are not returned.
         if progress.is_cancelled() {
             return Err(TrackClipError::Stopped);
         }
@@ -143,6 +146,7 @@ impl ClipPictures<'_> {
         let frames = self.clip.frames.iter().enumerate();
         frames
             .filter(|(at, frame)| at.is_multiple_of(paint_every) || self.is_known(frame))
+            // 0 disables the search: then no picture is read again.
             .filter(|_| paint_every > 0)
             .map(|(_, frame)| frame.source.clone())
             .collect()
@@ -167,6 +171,8 @@ impl ClipPictures<'_> {
         let mut found = Vec::with_capacity(frames.len());
         for (done, &(frame, ptz)) in frames.iter().enumerate() {
             report(progress, ClipProgress::Painting(done, frames.len()))?;
+            // Reading and aligning a picture is most of the time of a round, and between two rounds
+            // most frames hardly move.
             let says = if let Some(says) = evidence.paint(frame, ptz, self.size) {
                 says
             } else {

@@ -37,6 +37,8 @@ pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
 /// Keeps the camera from before smoothing, unless an earlier one is there already.
 fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
     let lens = Some(PtzCamera::new(*base, raw).lens()).filter(|lens| !lens.is_none());
+    // A camera that is not finite cannot be written, and is then left out. Of a clip that is
+    // smoothed twice, the camera from before the first time stays.
     if let Ok(raw) = serde_json::to_value(FramePtz::new(raw, lens)) {
         solution.extra.entry(RAW.to_owned()).or_insert(raw);
     }

@@ -46,6 +46,8 @@ pub fn take_doubtful_stretch(
     clip: &ClipFrames,
     place: usize,
 ) -> Option<ClipFrames> {
+    // The reliable frames at both ends and the corrected one stay in the stretch: they are what is
+    // tracked from.
     let corrected = clip
         .frames
         .iter()
@@ -73,6 +75,7 @@ fn doubtful_span(
     clip: &ClipFrames,
     corrected: usize,
 ) -> RangeInclusive<usize> {
+    // Both limits lie within the clip, so the range can be used as indices.
     let first = corrected.saturating_sub(MOST);
     let last = (corrected + MOST).min(clip.frames.len().saturating_sub(1));
     let before = (first..corrected)

@@ -127,10 +127,7 @@ pub fn track_clip(
     let document = at.document;
     // The base and the picture size are those of the clip's camera; lenses that frames state
     // override the base's lens frame by frame.
-    let camera = document
-        .cameras
-        .iter()
-        .find(|camera| camera.id == clip.camera);
+    let camera = document.camera(&clip.camera);
     let one = clip
         .frames
         .iter()

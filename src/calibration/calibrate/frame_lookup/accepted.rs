@@ -43,6 +43,7 @@ impl Accepted {
     /// The ranges of all values but those of `left_out`; none with fewer than [`MIN_ACCEPTED`] of
     /// them. Pans are cyclic: their range is the smallest arc that contains all.
     pub(super) fn without(&self, left_out: Option<Ptz>) -> Option<PtzRanges> {
+        // `left_out` is one of the values, so the difference is not negative.
         if self.pans.len() - usize::from(left_out.is_some()) < MIN_ACCEPTED {
             return None;
         }
@@ -50,6 +51,8 @@ impl Accepted {
             Some(ptz) => AngleRange::smallest_without(&self.pans, ptz.pan),
             None => AngleRange::smallest_of(&self.pans),
         }?;
+        // Tilts and focal lengths are no cyclic quantities: their ends are those of the sorted
+        // lists.
         let [lowest, highest] = self
             .tilts
             .ends_without(left_out.map(|ptz| ptz.tilt.radians()))?;

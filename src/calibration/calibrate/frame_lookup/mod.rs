@@ -193,6 +193,8 @@ impl FrameLookup {
         let Some(frame) = self.frames.get(index) else {
             return MotionPrior::default();
         };
+        // Both parts are read off sorted lists. To build them anew without the frame would take a
+        // pass over the document for each solve.
         let seen = self
             .accepted
             .get(&frame.camera)

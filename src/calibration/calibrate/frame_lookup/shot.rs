@@ -134,6 +134,8 @@ impl Shot {
     /// The solved frame nearest in the video, of two equally near ones the earlier, and its
     /// distance in frames, at least 1. None within [`WITHIN_FRAMES`].
     fn nearest(&self, moment: Moment) -> Option<(Ptz, u64)> {
+        // Frames of the same number may be there several times, for instance after a merge. They
+        // are as near as can be, at a distance of 0.
         let number = moment.0;
         let earlier = self
             .solved
@@ -170,6 +172,7 @@ pub(super) fn rates(
     (from, before): (&Moment, &Ptz),
     (to, after): (&Moment, &Ptz),
 ) -> Option<[f64; 3]> {
+    // `to` is the later one in the order of the map, so the difference is not negative.
     let frames = to.0 - from.0;
     let step = PtzStep::between(before, after);
     let moved = [step.pan.degrees(), step.tilt.degrees(), step.log_focal];

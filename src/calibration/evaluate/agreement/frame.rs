@@ -200,6 +200,8 @@ fn name_disputes(
     scale: f64,
     lie_together: impl Fn(&LandmarkId, &LandmarkId) -> bool,
 ) -> Vec<NameDispute> {
+    // A dispute names two clicks at one point. Clicks that lie farther apart show different points,
+    // even where one of the names is wrong.
     let limit_px = SAME_SPOT_PX * scale;
     let mut found = Vec::new();
     for (id, at, click) in ones
@@ -246,6 +248,8 @@ fn lie_together(
     b: &LandmarkId,
     scale: f64,
 ) -> bool {
+    // Twice the distance within which clicks show one point: each of the two clicks may lie that
+    // far from its own landmark.
     let [a, b] = [a, b].map(|id| {
         let landmark = field.landmark(id.as_str())?;
         camera
@@ -267,6 +271,8 @@ fn worst_corner_px(one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
 
 /// [`worst_corner_px`] for one corner; none if one of the cameras does not show the point.
 fn corner_distance_px(one: &PtzCamera, other: &PtzCamera, corner: ImagePoint) -> Option<f64> {
+    // Above the horizon a corner has no ground, and just below it the ground is so far away that a
+    // tiny tilt moves it by kilometres. There a point at a fixed distance compares the directions.
     let position = one.base().position_m;
     // The ground point at the corner, if it is near enough, else a point far along the ray.
     let seen = one

@@ -117,6 +117,7 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
     let mut met = vec![false; second.frames.len()];
     for (index, (one, partner)) in first.frames.iter().zip(&partners).enumerate() {
         let other = partner.map(|partner| &*second.frames[partner]);
+        // A matched frame is settled here even if neither has labelled it.
         if let Some(partner) = partner {
             met[*partner] = true;
         }
@@ -187,6 +188,8 @@ fn lone_frame(
 /// Computes the statistics of all frames and of each landmark. Copied clicks are left out, because
 /// they are not independent measurements.
 fn summarise(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
+    // Two people never click the same fraction of a pixel: such a pair was copied with the
+    // document, and would make the annotators seem to agree.
     let (copies, own): (Vec<&ClickPair>, Vec<&ClickPair>) = frames
         .iter()
         .flat_map(|frame| &frame.clicks)
@@ -202,9 +205,12 @@ fn summarise(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
         .into_iter()
         .map(|(landmark, pairs)| landmark_agreement(landmark, &pairs))
         .collect();
+    // A stable sort: equal medians stay in the order of the names, so that the table is the same
+    // each time.
     landmarks.sort_by(|a, b| b.median_px.total_cmp(&a.median_px));
     Agreement {
         landmarks,
+        // The bootstrap has a fixed seed: the same documents give the same report.
         distances: Summary::from_values(&distances, 0),
         noise: ClickScatter::from_differences(&differences),
         noise_by_axis: [0, 1]

@@ -81,6 +81,8 @@ impl FrameGroup {
     }
 
     fn from_frames(kind: GroupKind, name: String, frames: &[&FrameResult], seed: u64) -> Self {
+        // Errors are summarised over the frames that have a camera. The others count in the
+        // completeness alone: an error of theirs would be made up.
         let scored: Vec<&FrameScores> = frames
             .iter()
             .filter_map(|frame| frame.scores.as_ref().ok())
@@ -160,6 +162,7 @@ impl Evaluation {
         name: &dyn Fn(&FrameResult) -> Option<String>,
         seed: u64,
     ) {
+        // A frame without a shot or a field of view is in none of the criterion's groups.
         let mut names: Vec<String> = self.frames.iter().filter_map(name).collect();
         // Natural order: shot 2 before shot 10.
         alphanumeric_sort::sort_str_slice(&mut names);

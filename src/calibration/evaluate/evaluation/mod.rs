@@ -139,6 +139,8 @@ pub fn evaluate(
             camera: truth.ptz_camera(frame),
         };
         let partner = partners[index].map(|partner| &*estimate.frames[partner]);
+        // The field of view groups frames by zoom. A truth of clicks alone has none, and takes the
+        // estimate's.
         let estimated_camera = partner.and_then(|partner| estimate.ptz_camera(partner));
         let focal_px = known
             .camera
@@ -171,7 +173,11 @@ pub fn evaluate(
     })
 }
 
-fn fields_of(document: DocumentAt<'_>, which: &'static str) -> Result<Fields, EvaluationError> {
+/// The fields of a document; `which` names it in the error.
+pub(super) fn fields_of(
+    document: DocumentAt<'_>,
+    which: &'static str,
+) -> Result<Fields, EvaluationError> {
     Fields::from_document(document).map_err(|source| EvaluationError::Field { which, source })
 }
 
@@ -197,6 +203,7 @@ fn score_frame(
         });
     }
     let camera = estimate.ptz_camera(frame).ok_or_else(|| {
+        // The first warning of a frame without a camera says why there is none.
         let first = frame
             .solution
             .as_ref()

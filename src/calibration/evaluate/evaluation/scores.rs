@@ -17,6 +17,7 @@ use touchline_documents::document::{Frame, Target};
 /// The scores of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameScores {
+    // Indexed by `measure as usize`: the variants are numbered from 0 and `ALL` lists every one.
     values: [Option<f64>; Measure::ALL.len()],
     /// Distance of each click from which the estimate was made, px; infinite if the estimate does
     /// not show its target.
@@ -94,6 +95,7 @@ pub(super) fn scores(
     };
     if !annotated.is_empty() {
         let found = MarkingMatch::compare(truth.field, &annotated, shown, size);
+        // As the SoccerNet task counts: px of a picture 960 px wide.
         scores.set(Measure::Jaccard5, Some(found.jaccard(5.0)));
         scores.set(Measure::Jaccard10, Some(found.jaccard(10.0)));
         scores.set(Measure::Jaccard20, Some(found.jaccard(20.0)));
@@ -180,6 +182,8 @@ fn add_clicks(
     estimate: &Frame,
     shown: FieldView,
 ) -> Result<(), ObservationError> {
+    // The estimate's field gives the positions: a document with a field of another size answers for
+    // it.
     for observation in observations(truth, shown.field)? {
         let distance_px = observation
             .distance_px(shown.camera)
@@ -220,6 +224,7 @@ fn on_ground_m(
     target: Option<&Target>,
     observation: &Observation,
 ) -> Option<f64> {
+    // Metres are only comparable on one plane: the crossbar of a goal has no error on the ground.
     let at = observation.shape.point()?;
     let landmark = shown.field.landmark(target?.as_str())?;
     if landmark.nominal_m.z == 0.0 {

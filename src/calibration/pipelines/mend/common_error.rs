@@ -59,6 +59,8 @@ impl fmt::Display for CommonError {
 impl CommonError {
     /// The lengths of the field that contradict the assumed ones.
     pub(super) fn from_field_sizes(sizes: &[FittedSize]) -> impl Iterator<Item = Self> {
+        // Both conditions: paint that determines a length to a centimetre still lies half a metre
+        // off on real pitches, and a vague length is far off by chance.
         let others = sizes.iter().filter(|size| {
             let off_m = (size.value_m - size.assumed_m).abs();
             !size.is_open && off_m > OTHER_SIZE_M && off_m > OTHER_SIZE_SIGMAS * size.sigma_m
@@ -80,6 +82,8 @@ impl CommonError {
         let mut moved: Vec<f64> = of_camera
             .filter_map(|frame| corner_moved_px(frame, given, found))
             .collect();
+        // The median over the frames, because the lens moves the corners most at one end of the
+        // zoom.
         let corner_px = median(&mut moved)?;
         (corner_px >= SMALL_LENS_PX).then_some(Self::Lens { corner_px })
     }

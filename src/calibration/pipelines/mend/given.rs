@@ -27,6 +27,7 @@ pub struct GivenFault(Fault);
 
 impl fmt::Display for GivenFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The messages of `Fault` say what is wrong, then, after a semicolon, what to do.
         let text = self.0.to_string();
         let fault = text
             .split_once("; ")
@@ -63,7 +64,8 @@ impl GivenCamera {
     }
 }
 
-/// The given camera of each frame of a document. Frames that people decided on count as possible.
+/// The given camera of each frame of a document, whoever it is from. Frames that people decided on
+/// help to find the places that cameras share; only the others are changed.
 pub(super) fn given_cameras(document: &Document, fields: &Fields) -> Vec<GivenCamera> {
     document
         .frames
@@ -89,6 +91,7 @@ fn given_camera(document: &Document, frame: &Frame, fields: &Fields) -> GivenCam
 /// With `D = diag(−1, 1, 1)` the reflected camera has `cam_from_world = D R D`. `D` commutes with
 /// the tilt and reverses the pan, so that the base rotation becomes `D B D`.
 pub(super) fn mirror(camera: &PtzCamera) -> PtzCamera {
+    // The reflection on both sides keeps the determinant at 1, so the result is a rotation.
     let reflection: Mat3 = Matrix3::from_diagonal(&Vec3::new(-1.0, 1.0, 1.0));
     let base = camera.base();
     let reflected = CameraBase {

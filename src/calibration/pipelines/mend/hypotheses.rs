@@ -26,7 +26,8 @@ use touchline_vision::paint::{GroundPicture, SnapOptions, snap};
 /// Number of pictures in the sample.
 const PICTURES: usize = 24;
 
-/// A lens, and mirrored cameras, are considered if less than this share of the sample can be aligned.
+/// A lens, and mirrored cameras, are considered if less than this share of the sample can be
+/// aligned.
 const DOUBTFUL: f64 = 0.5;
 
 /// Of two hypotheses with about as many aligned frames (at least this share of the most), the one
@@ -50,6 +51,8 @@ impl Sample {
         reader: &mut dyn ReadFrames,
         progress: &Progress<'_, MendEvent>,
     ) -> Result<Self, MendError> {
+        // How far the ground moves in the picture from each frame to the next, where both have a
+        // possible camera and the shot a place.
         let mut moving: Vec<(f64, usize)> = (0..given.len())
             .filter_map(|index| {
                 let camera = given[index].usable()?;
@@ -60,6 +63,8 @@ impl Sample {
             })
             .collect();
         moving.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+        // The faster half, in the order of the video again, from which the sample is then spread
+        // evenly: the fastest frames alone may all be in one turn of the camera.
         moving.truncate(moving.len().div_ceil(2).max(PICTURES));
         let mut fastest: Vec<usize> = moving.into_iter().map(|(_, index)| index).collect();
         fastest.sort_unstable();
@@ -67,6 +72,8 @@ impl Sample {
         let stream = PictureStream::new(document.at(folder), chosen)
             .with_reader(reader)
             .with_progress(progress.part(MendEvent::Sampling));
+        // Pictures that cannot be read are left out of the sample: they say nothing for or against
+        // a hypothesis.
         let pictures = stream
             .filter_map(|read| Some((read.index, read.picture.ok()?)))
             .collect();
@@ -123,6 +130,9 @@ impl Test<'_> {
     pub fn likeliest(&self, shifts: &[i64]) -> (Vec<CommonError>, Corrected) {
         let enough = (DOUBTFUL * self.sample.pictures.len() as f64) as usize;
         let mut tried: Vec<(Hypothesis, Corrected, Agreement)> = Vec::new();
+        // From the simplest hypothesis to the least likely one, all shifts of each. Further ones
+        // are tried only as long as less than half of the sample can be aligned, because each
+        // aligns the whole sample anew.
         for (lacks_lens, is_mirrored) in
             [(false, false), (true, false), (false, true), (true, true)]
         {
@@ -143,6 +153,9 @@ impl Test<'_> {
                 tried.push((hypothesis, corrected, agreement));
             }
         }
+        // A wrong hypothesis also aligns some frames, to lines beside the right ones, and moves its
+        // cameras far for that. So the number decides roughly, and the distance among those that
+        // are about equal.
         let most = tried.iter().map(|(.., agreement)| agreement.aligned).max();
         let least = (AS_MANY * most.unwrap_or(0) as f64).ceil() as usize;
         tried.retain(|(.., agreement)| agreement.aligned >= least);
@@ -154,7 +167,10 @@ impl Test<'_> {
                 best
             }
         });
+        // The first shift is what the numbering says, so only another one is an error of the
+        // cameras.
         let first_shift = shifts.first().copied().unwrap_or(0);
+        // No shift was given to try: the cameras stay with the frames that they came with.
         let Some((best, corrected, _)) = best else {
             let as_given = Hypothesis {
                 shift: first_shift,
@@ -173,6 +189,8 @@ impl Test<'_> {
 
     /// What a hypothesis makes of the given cameras.
     fn correct(&self, hypothesis: Hypothesis) -> Corrected {
+        // If all are mirrored, their places are mirrored as well, so each is reflected. Otherwise
+        // the places are right, and only cameras that stand at none of them may be mirrored.
         let given = if hypothesis.is_mirrored {
             self.given.iter().map(reflect).collect()
         } else {
@@ -212,6 +230,8 @@ impl Test<'_> {
         let frame = &self.document.frames[index];
         let place = corrected.shots.as_ref()?.place_of(index)?;
         let base = with_lens(&place.base, corrected.lens);
+        // Each given camera has a position of its own. On the common place it is turned and zoomed
+        // until its ground lies where it was.
         let (ptz, _) = ptz_on_base(corrected.given[index].usable()?, &base, frame.image_size)?;
         let ground = GroundPicture::new(picture, &self.document.masks_of(frame));
         let field = self.fields.for_frame(self.document, frame);
@@ -252,6 +272,8 @@ fn shift_frames(document: &Document, given: Vec<GivenCamera>, shift: i64) -> Vec
     let frames = document.frames.iter();
     frames
         .map(|frame| {
+            // A frame takes the camera that came with the frame `shift` numbers before it. Without
+            // such a frame it has none.
             let source =
                 number(frame).and_then(|(path, number)| by_number.get(&(path, number - shift)));
             source.map_or(GivenCamera::Missing, |index| given[*index].clone())

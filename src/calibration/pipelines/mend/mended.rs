@@ -126,6 +126,8 @@ pub(super) fn compare_frames(
     let frames = given.iter().enumerate().map(|(index, given)| {
         let frame = &after.frames[index];
         let now = after.ptz_camera(frame);
+        // An impossible camera cannot be begun with, but how far it was off can still be stated
+        // where it projects the ground at all.
         let camera = given
             .usable()
             .copied()
@@ -148,6 +150,8 @@ impl Mended {
     pub(super) fn record_imported(&self, before: &Document, after: &mut Document) {
         for (index, mended) in self.frames.iter().enumerate() {
             let came = before.ptz_camera(&before.frames[index]);
+            // Frames that people decided on were not touched, and state no camera of another
+            // program.
             let is_mended = mended.outcome != Outcome::Decided;
             let Some(came) = came.filter(|_| is_mended) else {
                 continue;
@@ -192,6 +196,7 @@ fn outcome(
     let (Some(_), Some(solution)) = (now, &frame.solution) else {
         return Outcome::Missing;
     };
+    // Doubt comes before distance: the paint may contradict a camera that hardly moved.
     if is_contradicted(solution) {
         return Outcome::Contradicted;
     }

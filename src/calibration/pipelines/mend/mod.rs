@@ -32,7 +32,8 @@
 //!
 //! Robust against absurd cameras, stretches that are wrong alike, positions that scatter, a lens
 //! that the program ignored. Every frame keeps the camera that it came with in
-//! `solution.imported`. Not robust against a shot most of whose cameras are wrong by more than 50 px in different ways.
+//! `solution.imported`. Not robust against a shot in which most cameras are wrong by more than
+//! 50 px in different ways.
 //!
 //! # Figures
 //!
@@ -160,6 +161,7 @@ pub fn mend(
     let before = document.clone();
     let fields = Fields::from_document(before.at(folder))?;
     let given = given_cameras(&before, &fields);
+    // Step 1 has set the implausible cameras aside; one has to be left.
     let usable = count_usable(&given)?;
     let mut mending = Mending {
         folder,
@@ -195,12 +197,15 @@ pub fn mend(
     for (camera, place) in &cameras {
         match mending.align(&mut mended, camera, place)? {
             Ok(errors) => common.extend(errors),
+            // A camera that cannot be aligned does not end the work on the others: a close-up shows
+            // too few lines.
             Err(reason) => not_aligned.push(NotAligned {
                 camera: camera.clone(),
                 reason,
             }),
         }
     }
+    // Before tracking, so that wrong cameras do not constrain their neighbours.
     let aligned = drop_unaligned(&mut mended, &shots);
     mending.track(&mut mended)?;
     mending.check_again(&mut mended)?;
@@ -270,6 +275,8 @@ impl Mending<'_> {
         // The pictures of all frames are read twice at most for the base, once more for the size of
         // the field, and once for the alignment.
         let readings = 3 + usize::from(is_size_open);
+        // At most: pictures are subsampled for the base, so the work may end before its announced
+        // number.
         let of = readings * of_camera.filter(|frame| frame.ptz.is_some()).count();
         let (folder, progress) = (self.folder, self.progress);
         let mut done = 0;
@@ -278,6 +285,8 @@ impl Mending<'_> {
             let share = Share { done, of };
             done += 1;
             let event = MendEvent::Aligning(camera.clone(), share);
+            // The estimation takes no progress of its own here. Once cancelled, no picture is read
+            // any more, and it ends for lack of paint.
             let goes_on = progress.report(event).is_continue();
             goes_on.then(|| read_picture(reader, frame, folder).ok())?
         };
@@ -313,6 +322,8 @@ impl Mending<'_> {
             &place.base,
             base,
         ));
+        // The frames follow in `write_frames` from their paint, and not from clicks, which given
+        // cameras do not have.
         found.estimated.write_camera(document);
         let field = document
             .at(folder)
@@ -366,6 +377,8 @@ impl Mending<'_> {
         }
         for (index, check) in checks {
             let frame = &mut document.frames[index];
+            // Read before the check is recorded, which may itself add the warning that makes a
+            // frame doubted. Paint that supports a camera settles the doubt of tracking.
             let was_doubted = mended::is_doubted(frame);
             record_line_check(frame, &check);
             if was_doubted
@@ -394,6 +407,8 @@ fn drop_unaligned(document: &mut Document, shots: &Shots) -> BTreeSet<usize> {
         .filter(|index| document.frames[*index].is_snapped())
         .collect();
     for shot in &shots.ranges {
+        // Without any aligned frame there is nothing to track from: the given cameras on their
+        // common place are then the best that there is.
         if aligned.range(shot.clone()).next().is_none() {
             continue;
         }
@@ -409,6 +424,8 @@ fn drop_unaligned(document: &mut Document, shots: &Shots) -> BTreeSet<usize> {
 
 /// Options of the estimation of a base that stands near the place that the given cameras share.
 fn near_place(place: &SharedPlace) -> BaseOptions {
+    // A scatter smaller than the least σ shows only that the given cameras agree, not that they are
+    // right.
     let sigma_m = place.scatter_m.map(|sigma| sigma.max(PLACE_SIGMA_M));
     let mut options = BaseOptions::default();
     options.adjust.priors.position_m = Some((place.base.position_m, sigma_m));

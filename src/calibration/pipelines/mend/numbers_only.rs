@@ -59,6 +59,7 @@ pub fn mend_numbers(document: &mut Document, folder: &Path) -> Result<MendedNumb
     // All frames are one shot, since only pictures show cuts.
     let shots = Shots::new(document, Vec::new(), &given).ok_or(MendError::NoPlace { cameras })?;
     let given = mirror_back(&given, &shots.places);
+    // On a copy: an error leaves the document as it is.
     let mut mended = document.clone();
     join_shots(&mut mended);
     shots.place_cameras(&mut mended, &given, None);
@@ -101,6 +102,8 @@ fn drop_out_of_line(document: &mut Document) -> usize {
                 let found = disagreements.for_frame(index)?;
                 is_out_of_line(&found).then_some((index, found))
             });
+        // Each round removes one camera, so the loop ends. A round looks at all frames, but
+        // compares only the neighbours of the removed one anew.
         let worst = out.max_by(|(_, a), (_, b)| a.apart_px.total_cmp(&b.apart_px));
         let Some((index, _)) = worst else {
             return dropped;
@@ -119,8 +122,12 @@ fn is_out_of_line(found: &Disagreement) -> bool {
 /// one shot. Frames of other shots within a gap are left alone. Returns the number of filled
 /// frames.
 fn interpolate_gaps(document: &mut Document) -> usize {
+    // A person found the camera of a rejected frame wrong, so it is no end of a gap.
     let solved: Vec<usize> = (0..document.frames.len())
-        .filter(|index| document.frames[*index].ptz.is_some())
+        .filter(|index| {
+            let frame = &document.frames[*index];
+            frame.ptz.is_some() && frame.status != FrameStatus::Rejected
+        })
         .collect();
     let mut filled = 0;
     for pair in solved.windows(2) {
@@ -262,6 +269,22 @@ mod tests {
             assert_eq!(document.frames[2], before);
             assert!((pan_deg(&document, 1) + 5.7).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_rejected_camera_is_no_end_of_a_gap() {
+        let mut document = document(5);
+        let main = document.frames[0].camera.clone();
+        for frame in &mut document.frames {
+            frame.camera.clone_from(&main);
+        }
+        for index in [1, 2] {
+            withdraw(&mut document.frames[index]);
+        }
+        document.frames[3].point(Ptz::from_degrees(40.0, -12.0, 2400.0), Radial::default());
+        document.frames[3].status = FrameStatus::Rejected;
+        assert_eq!(interpolate_gaps(&mut document), 2);
+        assert!((pan_deg(&document, 1) + 5.7).abs() < 1e-9);
     }
 
     #[test]

@@ -31,6 +31,7 @@ pub(super) struct Shots {
 impl Shots {
     /// The shots between cuts with their places. None if no shot has a place.
     pub fn new(document: &Document, cuts: Vec<usize>, given: &[GivenCamera]) -> Option<Self> {
+        // A shot reaches from one cut to the next, the last one to the end of the document.
         let mut ends = cuts.clone();
         ends.push(document.frames.len());
         let mut begin = 0;
@@ -45,10 +46,12 @@ impl Shots {
             let possible = range
                 .clone()
                 .filter(|index| given[*index].usable().is_some());
+            // Impossible cameras do not count against a place: they stand nowhere.
             let enough = LEAST_SHARE_OF_SHOT * possible.count() as f64;
             let counts = places.iter().map(|place| members_in(place, range));
             // The first of equals, which has the most frames in all.
             let most = counts.enumerate().rev().max_by_key(|(_, count)| *count);
+            // A shot of one or two frames has a place if all of them stand there.
             let fewest = FEWEST_IN_SHOT.min(range.len());
             let most = most.filter(|(_, count)| *count as f64 >= enough && *count >= fewest);
             of_shot.push(most.map(|(place, _)| place));
@@ -79,6 +82,7 @@ impl Shots {
         given: &[GivenCamera],
         lens: Option<FocalCurve>,
     ) -> Vec<(CameraId, SharedPlace)> {
+        // A place that no shot has gets no camera.
         let used: BTreeSet<usize> = self.of_shot.iter().flatten().copied().collect();
         let mut ids = vec![None; self.places.len()];
         for place in used {
@@ -104,6 +108,8 @@ impl Shots {
                         let base = with_lens(&self.places[place].base, lens);
                         Some((ptz_on_base(camera, &base, frame.image_size)?.0, base))
                     });
+                // The given camera stays in the copy before, from which it is recorded later. Here
+                // it is replaced by its equivalent on the common place, or removed.
                 withdraw(frame);
                 let Some((ptz, base)) = start else { continue };
                 frame.point(ptz, base.distortion.radial_at(ptz.focal_px));
@@ -114,6 +120,7 @@ impl Shots {
                 });
             }
         }
+        // Given cameras come with one base for each frame; those are unused from here on.
         let used = document.used_cameras();
         document.cameras.retain(|camera| used.contains(&camera.id));
         let places = self.places.iter().cloned();
@@ -131,6 +138,8 @@ pub(super) fn places_of_given(given: &[GivenCamera]) -> Vec<SharedPlace> {
         .unzip();
     let mut places = shared_places(&cameras);
     for place in &mut places {
+        // `shared_places` counts the usable cameras only. Their indices ascend, so the members
+        // still do, as `members_in` needs.
         for member in &mut place.members {
             *member = indices[*member];
         }
@@ -140,6 +149,7 @@ pub(super) fn places_of_given(given: &[GivenCamera]) -> Vec<SharedPlace> {
 
 fn members_in(place: &SharedPlace, range: &Range<usize>) -> usize {
     let members = &place.members;
+    // Members ascend, so those within a range are counted by two binary searches.
     members.partition_point(|at| *at < range.end) - members.partition_point(|at| *at < range.start)
 }
 
@@ -166,6 +176,7 @@ fn place_camera(
     let camera: &mut Camera = document.camera_mut(&id)?;
     let base = with_lens(&place.base, lens);
     camera.set_base(&base);
+    // A base without a lens is written without one, and not as a lens of zero coefficients.
     if base
         .distortion
         .radial_at(base.distortion.at_focal_px)
@@ -202,6 +213,8 @@ fn mirror_one_back(given: &GivenCamera, places: &[SharedPlace]) -> GivenCamera {
     if stands_at_one_of(places, camera) {
         return given.clone();
     }
+    // A field looks the same after half a turn, so a program may as well give the camera opposite.
+    // That is the same picture and no mirrored one, and is tried first.
     let turned = camera.after_half_turn();
     if stands_at_one_of(places, &turned) {
         return GivenCamera::Possible(Box::new(turned));

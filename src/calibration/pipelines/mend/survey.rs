@@ -44,6 +44,7 @@ pub fn survey_cameras(at: DocumentAt<'_>) -> Result<CameraSurvey, FieldError> {
     let fields = Fields::from_document(at)?;
     let mut given = given_cameras(document, &fields);
     for (frame, given) in document.frames.iter().zip(&mut given) {
+        // Cameras that this program or a person determined say nothing about what was imported.
         if !frame.has_imported_camera() {
             *given = GivenCamera::Missing;
         }

@@ -3,12 +3,9 @@
 use super::{NAME_RULE, Reader, is_name};
 use crate::field::file::{Formula, LandmarkFile, LineFile, PointFile};
 use crate::field::parts::{CurvePart, LandmarkPart, LinePart, PointPart, Scoped};
-use crate::field::variants::{Variant, variants};
+use crate::field::variants::{MAX_ENTRIES, Variant, variants};
 use crate::field::{Expression, FieldError, PaintEdge};
 use std::collections::BTreeSet;
-
-/// The maximum number of landmarks, and of lines.
-const MAX_ENTRIES: usize = 2000;
 
 /// An entry's names, filled in.
 struct EntryNames {
@@ -39,6 +36,8 @@ impl Reader<'_> {
                     self.fill(&part, &variant, label)?,
                     self.fill(&part, &variant, code)?,
                 );
+                // Checked when filled in, because braces are no part of a name. These errors name
+                // the entry as the file has it, later ones its variant.
                 if !is_name(&id) {
                     return Err(self.invalid(&part, format!("{id:?} is not {NAME_RULE}")));
                 }
@@ -161,6 +160,7 @@ impl Reader<'_> {
         {
             let point =
                 |key: &str, point: &PointFile| self.point(&part, key, point, &variant, landmarks);
+            // The keys that are given say which curve it is; every other combination is ambiguous.
             let curve = match (
                 &file.from,
                 &file.through,
@@ -206,6 +206,8 @@ impl Reader<'_> {
                 .as_ref()
                 .map(|inside| point("inside", inside))
                 .transpose()?;
+            // The side on which the paint of a straight line lies needs a point; the inside of a
+            // round one is its centre's side, and centred paint has none.
             let straight = matches!(curve, CurvePart::Segment { .. });
             if inside.is_some() != (straight && edge != PaintEdge::Centre) {
                 let problem = "inside (a point of the area that the line bounds) belongs to straight lines whose edge is \
@@ -240,6 +242,7 @@ impl Reader<'_> {
             PointFile::Coordinates(formulas) => {
                 self.coordinates(&format!("{part}, {key}"), variant, formulas)
             }
+            // The landmark's own formulas, with the names of its own variant.
             PointFile::Landmark(name) => {
                 let id = self.fill(part, variant, name)?;
                 landmarks

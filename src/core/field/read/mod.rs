@@ -21,6 +21,7 @@ pub fn read_parts(file: TemplateFile, place: &str) -> Result<Template, FieldErro
     if !is_name(&file.name) {
         return Err(reader.invalid("name", format!("{:?} is not {NAME_RULE}", file.name)));
     }
+    // Parameters and dimensions first: they give the names that all other formulas use.
     if file.params.0.len() > MAX_PARAMS {
         let found = file.params.0.len();
         return Err(reader.invalid(
@@ -59,6 +60,7 @@ pub fn read_parts(file: TemplateFile, place: &str) -> Result<Template, FieldErro
         })
         .collect::<Result<_, _>>()?;
 
+    // Landmarks before lines, because a line's points may be landmarks.
     let mut landmarks = Vec::new();
     for landmark in &file.landmarks {
         reader.landmark(landmark, file.click_sigma_px, &mut landmarks)?;
@@ -88,6 +90,7 @@ pub fn read_parts(file: TemplateFile, place: &str) -> Result<Template, FieldErro
     })
 }
 
+/// What a name is, in words; [`is_name`] checks it.
 const NAME_RULE: &str = "a name of lower-case letters, digits and \"_\" that starts with a letter";
 
 fn is_name(text: &str) -> bool {
@@ -140,6 +143,7 @@ impl Reader<'_> {
         if !is_name(name) {
             return Err(self.invalid(part, format!("{name:?} is not {NAME_RULE}")));
         }
+        // A name has one meaning in all expressions; those of variants are reserved.
         let taken = params.iter().any(|param| param.name == name)
             || dimensions.iter().any(|dimension| dimension.name == name)
             || RESERVED.contains(&name);
@@ -164,6 +168,7 @@ impl Reader<'_> {
                 );
                 return Err(self.invalid(&part, problem));
             }
+            // Without names in scope: the range is what the rules say, and depends on nothing.
             let (min, default, max) = (
                 self.constant(format!("{part}, min"), &file.min)?,
                 self.constant(format!("{part}, default"), &file.default)?,

@@ -189,6 +189,7 @@ pub(super) fn starting(
     // bases.
     let at_focal_px = LENS_FOCAL_PX * per_1920(image_width_px);
     let value = start.distortion.at(at_focal_px);
+    // What the model does not have starts, and stays, at zero.
     let distortion = match model.lens {
         LensModel::Pinhole => FocalCurve {
             at_focal_px,
@@ -226,6 +227,7 @@ pub(super) fn starting(
 /// The focal length at which k₁ itself is a parameter, px of a frame 1920 px wide.
 const LENS_FOCAL_PX: f64 = 2000.0;
 
+/// The width of a picture as a multiple of the width to which the priors refer.
 fn per_1920(image_width_px: u32) -> f64 {
     f64::from(image_width_px) / 1920.0
 }
@@ -276,6 +278,8 @@ impl BasePriors {
     #[must_use]
     pub fn usual_lens(&self, image_width_px: u32) -> FocalCurve {
         let per_1920 = per_1920(image_width_px);
+        // k₁ is of normalised coordinates and has no unit of px; the focal lengths scale with the
+        // width, and the slope per px of focal length with its inverse.
         FocalCurve {
             at_focal_px: LENS_FOCAL_PX * per_1920,
             value: self.k1.0,

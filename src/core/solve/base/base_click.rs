@@ -78,6 +78,8 @@ impl BaseClick {
 
     /// The click, with its shape at the field's size and crown of the shared parameters.
     fn observation(&self, shared: &Shared) -> Observation {
+        // The size moves the shape on flat ground; the crown lifts it afterwards, because it
+        // depends on where the size has put it.
         let mut shape = self.flat.shape;
         for (larger, larger_m) in self.larger.iter().zip(shared.larger_m) {
             if let Some(larger) = larger {

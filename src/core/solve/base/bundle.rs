@@ -151,6 +151,7 @@ impl<const SHARED: usize> Bundle<SHARED> {
     /// Covariance of the shared parameters, from click noise scaled by `noise_scale` and from
     /// landmarks displaced in all frames (see [`Scatter`]). Infinite if singular.
     pub fn covariance(&self, at: &BundleState, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
+        // One frame that its clicks leave open must not make the base look undetermined.
         let equations = self.equations(at);
         let inverse = keep_determined(equations.clone())
             .eliminate_blocks(0.0)

@@ -276,6 +276,8 @@ fn split(pulls: &[DisplacementEquations]) -> Option<Split> {
     let mut best: Option<Split> = None;
     for (index, pull) in pulls.iter().enumerate() {
         let after = all.minus(&before);
+        // The difference of sums leaves rounding of 1e-16 of the whole, which the prior, added to
+        // it below, exceeds by far.
         if index >= MIN_SIDE && index + MIN_SIDE <= pulls.len() {
             let (of_before, of_after) = (
                 before.explained_chi_squared(),

@@ -340,23 +340,19 @@ fn shared_difference(adjusted: &AdjustedBase, start: &CameraBase) -> SharedError
         base.position_m - start.position_m,
         base.rotation_from(start),
     );
-    let curve = base.distortion;
-    let centre = base.principal_point;
-    let lens = [
-        curve.value,
-        curve.per_1000_px,
-        adjusted.crown_m,
-        centre.x,
-        centre.y,
-    ];
     // In the order of the shared parameters (`parameters.rs`).
-    SharedError::from_iterator(
-        moved_m
-            .iter()
-            .copied()
-            .chain([turned.x, turned.y])
-            .chain(lens),
-    )
+    SharedError::from([
+        moved_m.x,
+        moved_m.y,
+        moved_m.z,
+        turned.x,
+        turned.y,
+        base.distortion.value,
+        base.distortion.per_1000_px,
+        adjusted.crown_m,
+        base.principal_point.x,
+        base.principal_point.y,
+    ])
 }
 
 /// Covariance of the shared parameters by the delete-a-group jackknife (Wolter, Introduction to

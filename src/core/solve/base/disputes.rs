@@ -108,6 +108,7 @@ pub(super) fn mirrored_frames(
     let context = SolveContext::new(image_size);
     let mut found = Vec::new();
     for (index, frame) in frames.iter().enumerate() {
+        // Few points fit from the wrong side by chance.
         let clicks: Vec<Observation> = frame.used_clicks().copied().collect();
         if clicks.len() < MIN_CLICKS {
             continue;

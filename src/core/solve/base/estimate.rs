@@ -286,6 +286,8 @@ fn models(
     principal_point: Option<ImagePoint>,
     options: &BaseOptions,
 ) -> Vec<BaseModel> {
+    // The order matters to `choose`: a later model has to be better than an earlier one, and the
+    // last lens has the smaller errors where frames are few.
     let lenses = match options.lens {
         Some(lens) => vec![lens],
         None => vec![

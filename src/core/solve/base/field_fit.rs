@@ -135,8 +135,8 @@ pub fn fit_field_size(
             *value = allowed;
         }
 
-        // Converged. For the covariance, sizes at a limit are free again: the limit is no
-        // information about how well the clicks determine the size.
+        // Converged, or out of rounds. For the covariance, sizes at a limit are free again: the
+        // limit is no information about how well the clicks determine the size.
         if moved_m < ENOUGH_M || round == MAX_FITS {
             found.equations.free = fit.free([false; SIZES]);
             let noise_scale = bundle.noise_scale(&found.state);
@@ -213,13 +213,9 @@ impl SizeFit<'_> {
             shared.width_by_size[size] = (larger.width_m - field.width_m) / by_m;
         }
         // Clicks without an element of the field, which do not depend on its size, are left out.
-        let solved = start
-            .frames
-            .iter()
-            .zip(start.ptz)
-            .filter(|(_, ptz)| ptz.is_some());
-        let frames = solved
-            .map(|(frame, _)| {
+        let frames = self
+            .solved_frames()
+            .map(|frame| {
                 frame
                     .used_clicks()
                     .filter_map(|click| click_with_sizes(click, &field, &changed))
@@ -254,6 +250,12 @@ impl SizeFit<'_> {
             loss: start.options.loss,
         };
         Some((bundle, shared))
+    }
+
+    /// The frames that take part: those with a camera.
+    fn solved_frames(&self) -> impl Iterator<Item = &FrameClicks> {
+        let frames = self.start.frames.iter().zip(self.start.ptz);
+        frames.filter_map(|(frame, ptz)| ptz.is_some().then_some(frame))
     }
 
     /// The sizes with their sigmas. The variance of each has two independent parts: that of click
@@ -292,11 +294,7 @@ impl SizeFit<'_> {
     /// reduce it.
     fn displacement_variances(&self, values: &[f64]) -> Option<Vec<f64>> {
         let field = (self.sized)(values)?;
-        let clicks = self
-            .start
-            .frames
-            .iter()
-            .flat_map(|frame| &frame.observations);
+        let clicks = self.solved_frames().flat_map(FrameClicks::used_clicks);
         let mut clicked: Vec<FieldElement> = clicks.filter_map(|click| click.element).collect();
         clicked.sort_unstable();
         clicked.dedup();
@@ -309,6 +307,8 @@ impl SizeFit<'_> {
                 let by = nominal_m(&changed, element)? - nominal_m(&field, element)?;
                 Some(by.norm_squared() / (by_m * by_m))
             });
+            // Where nothing moves with the length, the variance is practically infinite; the prior
+            // limits it in `fitted_sizes`.
             variances.push(variance / slopes.sum::<f64>().max(f64::MIN_POSITIVE));
         }
         Some(variances)
@@ -354,6 +354,11 @@ mod tests {
 
     /// The sizes that the landmarks seen at some pans say, where the field is assumed as it is.
     fn sizes(pans_deg: &[f64]) -> Vec<FittedSize> {
+        sizes_beside(pans_deg, &[])
+    }
+
+    /// The same, with clicks at further pans in frames that have no camera.
+    fn sizes_beside(pans_deg: &[f64], without_camera_deg: &[f64]) -> Vec<FittedSize> {
         let template = builtin("soccer").unwrap();
         let field = template.default_model().unwrap();
         let base = CameraBase::new(
@@ -361,8 +366,9 @@ mod tests {
             BaseAngles::default().base_from_world(),
             SIZE.centre(),
         );
-        let ptz: Vec<Option<Ptz>> = pans_deg
+        let mut ptz: Vec<Option<Ptz>> = pans_deg
             .iter()
+            .chain(without_camera_deg)
             .map(|pan| Some(Ptz::from_degrees(*pan, -12.0, 2800.0)))
             .collect();
         let seen = |ptz: &Option<Ptz>| {
@@ -383,6 +389,7 @@ mod tests {
             }
         };
         let frames: Vec<FrameClicks> = ptz.iter().map(seen).collect();
+        ptz[pans_deg.len()..].fill(None);
         let params: Vec<SizeParam> = [
             ("length_m", 105.0, 2.5, 90.0, 120.0),
             ("width_m", 68.0, 3.75, 45.0, 90.0),
@@ -428,6 +435,12 @@ mod tests {
             (along.x - 0.5 * one_end[0].sigma_m).abs() < 0.02 && along.yz().norm() < 0.02,
             "{along}"
         );
+    }
+
+    #[test]
+    fn frames_without_a_camera_make_no_length_more_certain() {
+        let one_end = [42.0, 46.0, 50.0];
+        assert_eq!(sizes_beside(&one_end, &[-42.0, 0.0]), sizes(&one_end));
     }
 
     #[test]

@@ -73,6 +73,7 @@ impl Adjusted<'_> {
             ..uncertain
         });
         let with_all = equations.eliminate_blocks(0.0);
+        // Singular equations made the covariance infinite already; nothing is to be added to that.
         let (Some(inverse), Some((information, _))) = (held, with_all) else {
             return covariance;
         };

@@ -111,6 +111,7 @@ fn better_by<'a>(
     start: &'a ModelScore,
     others: impl Iterator<Item = &'a ModelScore>,
 ) -> BaseModel {
+    // Each is compared with the best so far, so small gains of several models add up.
     let mut best = start;
     for other in others {
         if other.clipped_rms_px < best.clipped_rms_px * (1.0 - share) {

@@ -164,6 +164,8 @@ fn points_shown(
         .iter()
         .filter_map(|landmark| exact_click(field, landmark, camera, image_size))
         .collect();
+    // One landmark for each corner, taken out of the list, so that none is chosen twice. With none
+    // left for a corner the frame shows too few.
     let mut chosen = Vec::with_capacity(POINTS);
     for corner in image_size.corners() {
         let (_, nearest) = (0..shown.len())

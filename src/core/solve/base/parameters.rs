@@ -95,6 +95,7 @@ pub(in crate::solve) fn clear_fixed<const SHARED: usize>(
 
 /// Which parameters a model leaves free; the field's size is not among them.
 pub(in crate::solve) fn free_parameters<const SHARED: usize>(model: &BaseModel) -> [bool; SHARED] {
+    // Position and rotation, which come before the lens, are always free.
     let mut free = [false; SHARED];
     free[..K1].fill(true);
     free[K1] = model.lens != LensModel::Pinhole;

@@ -100,6 +100,8 @@ impl<const SHARED: usize> Scatter<SHARED> {
         free: usize,
         width_m: f64,
     ) -> SMatrix<f64, SHARED, SHARED> {
+        // Σ G Gᵀ: each element's displacement is independent of the others', and common to all of
+        // its clicks.
         let together: SMatrix<f64, SHARED, SHARED> = self
             .shown
             .iter()

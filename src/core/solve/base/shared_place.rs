@@ -107,7 +107,8 @@ pub fn shared_places(cameras: &[PtzCamera]) -> Vec<SharedPlace> {
 /// The place that most of the open cameras share; none if fewer than `fewest` do.
 fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Option<SharedPlace> {
     let position = |index: &usize| cameras[*index].base().position_m;
-    // The mode of the positions, by counting neighbours of a subsample.
+    // The mode of the positions, by counting the neighbours of a subsample among all of them:
+    // without the limit on candidates the time would grow with the square.
     let candidates = subsample(open, MOST_CANDIDATES).map(position);
     let mut middle = candidates.max_by_key(|candidate| {
         let near = open

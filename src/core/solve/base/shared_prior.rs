@@ -117,6 +117,8 @@ const fn off_in_one(value: f64, parameter: usize) -> (f64, [(usize, f64); 2]) {
 /// The derivative of a rotation vector by a further rotation on its right, for angles below π: the
 /// inverse of the right Jacobian of SO(3) (Solà, Deray and Atchuthan, arXiv 1812.01537, eq. 144).
 fn rotation_vector_by_turn(vector: Vec3) -> Mat3 {
+    // I + ½ [v]ₓ + (1/θ² − (1 + cos θ) / (2 θ sin θ)) [v]ₓ². With the half angle the second
+    // fraction is regular at π; the limit of the difference at 0 is 1/12.
     let cross = crate::geometry::rotation::skew(vector);
     let angle = vector.norm();
     let second_order = if angle < 1e-4 {

@@ -7,7 +7,7 @@
 //! lowest robust cost wins. Wrong names in some frames therefore do not spoil the start.
 
 use super::{BaseError, CameraClicks, FrameClicks};
-use crate::camera::{BaseAngles, CameraBase, Ptz};
+use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high, subsample};
 use crate::solve::plane_pose::pose_from_plane;
 use crate::solve::refine::squared_sigmas;
@@ -82,6 +82,7 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
     let mut positions: Vec<Vec3> = subsample(&poses, MAX_POSITIONS)
         .map(|pose| pose.0)
         .collect();
+    // The median of all, which no single frame has to be right for.
     positions.push(Vec3::from_fn(|axis, _| {
         median_high(&mut poses.iter().map(|pose| pose.0[axis]).collect::<Vec<_>>()).unwrap_or(0.0)
     }));
@@ -133,7 +134,7 @@ pub(super) fn solve_all(
 /// that cannot be solved, have a large constant cost.
 fn frame_cost(base: &CameraBase, frame: &FrameClicks, image_size: ImageSize) -> f64 {
     let solved = solve_frame(base, &frame.observations, &SolveContext::new(image_size)).ok();
-    let camera = solved.map(|solved| crate::camera::PtzCamera::new(*base, solved.ptz));
+    let camera = solved.map(|solved| PtzCamera::new(*base, solved.ptz));
     frame
         .used_clicks()
         .map(|click| {
@@ -177,8 +178,5 @@ fn least_roll(x_axes_in_world: impl Iterator<Item = Vec3>) -> Mat3 {
     if up.z < 0.0 {
         up = -up;
     }
-    // The pan gauge: z of `base` points, seen from above, along `world` +y.
-    let right = Vec3::y().cross(&up).normalize();
-    let forward = up.cross(&right);
-    Mat3::from_rows(&[right.transpose(), -up.transpose(), forward.transpose()])
+    CameraBase::rotation_about(&up)
 }

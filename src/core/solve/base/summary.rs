@@ -119,6 +119,7 @@ pub(super) fn summary(
     // Reject a base that does not explain half of the clicks, whose position is not determined, or
     // that stands below the ground. Comparisons are written so that NaN is rejected.
     let median_px = quantile_or_infinite(&errors, 0.5);
+    // A base estimated on paint alone has no clicks to be measured by.
     let has_clicks = frames.iter().any(|frame| frame.equations() > 0);
     if has_clicks && !(median_px < NO_FIT_PX * image_size.scale_from_1920()) {
         return Err(BaseError::NoFit { median_px });

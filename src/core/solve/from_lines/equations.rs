@@ -21,6 +21,8 @@ pub(super) fn check_observations(used: &[Observation]) -> Result<(), FromLinesEr
     if let Some(bad) = used.iter().find(|observation| !is_finite(observation)) {
         return Err(FromLinesError::NotFinite { click: bad.click });
     }
+    // Counting equations is necessary, not sufficient; what it lets through and still leaves open
+    // ends as `Undetermined` where the covariance is computed.
     let lines = DrawnLine::group(used);
     let landmarks = landmark_observations(used).count();
     let equations = 2 * landmarks + lines.iter().map(line_equations).sum::<usize>();
@@ -50,6 +52,7 @@ fn is_finite(observation: &Observation) -> bool {
 
 /// How many equations the points of a line give.
 fn line_equations(line: &DrawnLine) -> usize {
+    // A straight line in the picture has two parameters, a conic five; further points repeat them.
     match line.curve.nominal() {
         Curve::Segment { .. } => line.distinct_points(2),
         Curve::Arc { .. } => line.distinct_points(CONIC_EQUATIONS),
@@ -61,6 +64,7 @@ fn line_equations(line: &DrawnLine) -> usize {
 fn are_parallel(lines: &[DrawnLine]) -> bool {
     /// The sine below which directions are parallel.
     const PARALLEL: f64 = 1e-3;
+    // One circle or arc makes this none: it shows where along the lines the camera stands.
     let directions: Option<Vec<Vec3>> = lines
         .iter()
         .map(|line| line.segment().map(|[from, to]| (to - from).normalize()))

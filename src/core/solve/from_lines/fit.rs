@@ -57,6 +57,8 @@ pub(super) fn starting_state(
     start: &Start,
     options: &FromLinesOptions,
 ) -> PictureState {
+    // A start knows no lens: it begins with the usual one, and the crown in the middle of its prior
+    // where it is free.
     let usual = &options.priors.base;
     let base = CameraBase {
         distortion: usual.usual_lens(picture.image_size.width),
@@ -86,12 +88,15 @@ impl PictureFit {
         options: &FromLinesOptions,
         loss: Loss,
     ) -> Self {
+        // The richest lens, with a principal point: their priors decide what one picture leaves
+        // open (tests/benches/lines.md, "What was tried").
         let (on_field, priors) = (picture.field.crown(), &options.priors);
         let model = BaseModel {
             lens: LensModel::K1FocalK2,
             crown: options.crown(picture.field),
             principal_point: Some(picture.image_size.centre()),
         };
+        // Without a usual focal length, because there is no other frame to take it from.
         let view = UsualView {
             along: direction_to_field(near.shared.base.position_m),
             focal_px: None,
@@ -127,12 +132,12 @@ impl PictureFit {
             state: found.state,
         }
     }
-}
 
-impl PictureFit {
     /// The covariance of the shared parameters at a minimum; none where a combination of them is
     /// not determined.
     pub fn covariance(&self, at: &PictureState) -> Option<SharedCovariance> {
+        // Undamped, pan, tilt and focal length eliminated: what is left is the information on the
+        // shared parameters. Fixed ones have the identity there, and no variance.
         let (information, _) = self.equations(at).eliminate_blocks(0.0)?;
         let mut covariance = information.cholesky()?.inverse();
         clear_fixed(&mut covariance, &self.free);
@@ -145,6 +150,8 @@ impl Problem for PictureFit {
     type Equations = BorderedEquations<OF_BASE, 3>;
 
     fn equations(&self, at: &PictureState) -> Self::Equations {
+        // The prior of the focal length is about the frame's own parameters, so it belongs to the
+        // block; all others are about shared ones.
         let mut priors = BlockEquations::zero();
         for prior in &self.shared {
             priors.add(prior, &at.shared, self.loss);

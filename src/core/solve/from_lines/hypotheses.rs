@@ -59,18 +59,19 @@ pub(super) fn fit_picture(
 
     // All points decide between the best ones.
     let observations = [used, &ends].concat();
-    let mut best: Option<Fitted> = None;
     let distinct = keep_distinct(&first, FINAL_STARTS, |one, other| {
         camera_distance(&one.state.ptz, &other.state.ptz) > SAME_MINIMUM
     });
-    for from in distinct {
-        let fit = PictureFit::new(picture, &observations, &from.state, options, FINAL_LOSS);
-        let found = fit.minimum(&from.state, FINAL_STEPS);
-        if best.as_ref().is_none_or(|best| found.cost < best.cost) {
-            best = Some(found);
-        }
-    }
-    let found = best.ok_or(FromLinesError::NoStart)?;
+    let found = distinct
+        .into_iter()
+        .map(|from| {
+            let fit = PictureFit::new(picture, &observations, &from.state, options, FINAL_LOSS);
+            fit.minimum(&from.state, FINAL_STEPS)
+        })
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .ok_or(FromLinesError::NoStart)?;
+    // The fit lifts the nominal shapes onto its own crown; from here on the observations are
+    // compared with a camera alone, so they are lifted themselves.
     let (from, to) = (picture.field.crown(), found.state.shared.crown);
     let on_fitted_ground = observations.into_iter().map(|observation| Observation {
         shape: observation.shape.change_crown(from, to),

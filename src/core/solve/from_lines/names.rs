@@ -42,6 +42,7 @@ pub(super) struct NewName {
 /// The mean distance of a line's points from the part of a curve that exists on the field, px;
 /// infinite where the camera shows nothing of it.
 fn mean_distance_px(camera: &PtzCamera, curve: &WorldCurve, points: &[ImagePoint]) -> f64 {
+    // A polyline, because the solver's distance is from the line extended beyond its ends.
     const PIECES: u32 = 48;
     let projected: Vec<ImagePoint> = (0..=PIECES)
         .filter_map(|step| {
@@ -92,6 +93,7 @@ pub(super) fn find_new_names(
         else {
             continue;
         };
+        // The nearest line of the same kind that no other drawn line has.
         let fitting = element
             .alike(field)
             .filter(|other| *other != element && !taken.contains(&Some(*other)))
@@ -121,6 +123,7 @@ pub(super) fn find_new_names(
 
 /// What a drawn line is named.
 fn named_element(line: &DrawnLine, observations: &[Observation]) -> Option<FieldElement> {
+    // Lines are grouped from observations, so each has at least one.
     observations[line.indices[0]].element
 }
 

@@ -46,9 +46,12 @@ pub(super) fn camera_from_ground_lines(
         .fold(1.0, f64::max);
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
     for (of_field, line) in &ground {
+        // In the new unit the line's distance from the origin shrinks, its direction does not.
         let of_field = Vec3::new(of_field.x, of_field.y, of_field.z / unit_m);
         for point in &line.points {
             let pixel = pixel_in_units(*point, centre, half_width_px);
+            // ℓᵀ G p = Σ ℓ_i G_ij p_j: the coefficients are the products, in nalgebra's order of
+            // columns, in which G is read back below.
             let products = of_field * pixel.transpose();
             let row = SVector::<f64, 9>::from_column_slice(products.as_slice());
             normal += row * row.transpose();
@@ -57,6 +60,8 @@ pub(super) fn camera_from_ground_lines(
     let solution = only_null_vector(&normal, MIN_SECOND_EIGENVALUE).ok()?;
     let ground_from_image = Mat3::from_column_slice(solution.as_slice());
 
+    // The images of the drawn points on the ground, m. They lie on their lines only as well as the
+    // homography fits; a point at its horizon has no image.
     let pairs: Vec<(Vec2, ImagePoint)> = ground
         .iter()
         .flat_map(|(_, line)| &line.points)
@@ -90,6 +95,8 @@ fn ground_line(line: &DrawnLine) -> Option<Vec3> {
 
 /// A pose as a base in the pan gauge with pan and tilt; its roll is the base's.
 fn split(pose: &PlanePose, principal_point: ImagePoint) -> (CameraBase, Ptz) {
+    // cam_from_world = Q_tilt Q_pan base_from_world: heading and pitch of the camera become pan and
+    // tilt, and the base is what they leave.
     let looks = BaseAngles::from_base_from_world(&pose.cam_from_world);
     let cam_from_base = q_tilt(looks.pitch) * q_pan(looks.heading);
     let base = CameraBase::new(

@@ -29,6 +29,7 @@ pub(super) fn correct_names(
     as_named: FittedPicture,
     options: &FromLinesOptions,
 ) -> (FittedPicture, Option<IdentityFinding>) {
+    // Single names first, because they change less.
     let better = rename_lines(picture, used, &as_named, options)
         .or_else(|| mirror_names(picture, used, &as_named, options));
     match better {
@@ -49,6 +50,7 @@ fn rename_lines(
     if new_names.is_empty() {
         return None;
     }
+    // The picture is solved again from the beginning, because the starts depend on the names.
     let observations = names::rename(picture.field, used, &new_names)?;
     let fitted = fit_picture(picture, &observations, options).ok()?;
     if fitted.found.cost > as_named.found.cost + MAX_RISE {
@@ -77,6 +79,7 @@ fn mirror_names(
     if !names::many_are_far(&as_named.found.state.camera(), &as_named.lines) {
         return None;
     }
+    // Both conditions at once: the smaller limit is the stricter one.
     let cost = as_named.found.cost;
     let limit = (MAX_SHARE * cost).min(cost - MIN_GAIN);
     let mut best: Option<Renamed> = None;

@@ -69,6 +69,7 @@ pub(super) fn find_starts(
         places = places.into_iter().step_by(2).collect();
     }
     for position_m in places {
+        // A level head in the pan gauge: the fit finds how it leans.
         let level = BaseAngles::default().base_from_world();
         let base = CameraBase::new(position_m, level, centre);
         let cameras = pairs.iter().filter_map(|pair| solve_pair(&base, pair));

@@ -43,6 +43,8 @@ fn scatter(observations: &[Observation], camera: &PtzCamera) -> f64 {
             equations += observation.equations() as f64;
         }
     }
+    // The mean of both variances, each with its degrees of freedom as its weight: few points leave
+    // the usual scatter, many replace it.
     let freedom = (equations - PARAMETERS).max(0.0);
     let variance =
         (USUAL_FREEDOM * USUAL_SCATTER * USUAL_SCATTER + squares) / (USUAL_FREEDOM + freedom);
@@ -77,6 +79,8 @@ fn points_together(observation: &Observation, observations: &[Observation]) -> f
         .iter()
         .filter(|other| other.shape == observation.shape);
     let count = on_line.count() as f64;
+    // A circle can be displaced in two directions, of which a point sees one: half of the points
+    // share each.
     match observation.shape {
         ObservedShape::Curve(curve) if matches!(curve.nominal(), Curve::Arc { .. }) => {
             (0.5 * count).max(1.0)
@@ -96,6 +100,8 @@ impl CameraFromLines {
         let overlay = self
             .uncertainty
             .overlay_at_world(&camera, here.nearest_in_world)?;
+        // The overlay's variance counts in the direction in which the distance is measured. A point
+        // exactly on its line has none; any direction will do.
         let offset = observation.shape.offset_px(&camera, observation.image)?;
         let across = offset.try_normalize(1e-9).unwrap_or(Vec2::new(1.0, 0.0));
         let by_camera = across.dot(&(overlay * across)).max(0.0).sqrt();
@@ -123,6 +129,7 @@ pub(super) fn state_uncertainty(
         let scattered_px = observation.sigma_px * scatter / weight.sqrt();
         // What the points of one line have in common does not average out over them.
         let together = points_together(observation, observations);
+        // n points with the variance n d² each average to d².
         let displaced_px = displacement_px(picture.field, &camera, observation)? * together.sqrt();
         Some(Observation {
             sigma_px: scattered_px.hypot(displaced_px),

@@ -49,6 +49,8 @@ impl ScoredHypothesis {
             renames,
             clicks,
         } = self.hypothesis;
+        // Both distances are of the renamed clicks alone: the others fit either way. Where none of
+        // them has an image, the mean of all clicks is the best figure there is.
         let is_renamed = |click: usize| renames.iter().any(|rename| rename.click == click);
         let named = solution
             .residuals
@@ -90,6 +92,7 @@ impl Search<'_> {
     }
 
     pub fn score(&self, hypothesis: Hypothesis) -> Option<ScoredHypothesis> {
+        // Other names must not be explained by a camera that this one cannot be.
         let best =
             best_fit(self.base, &hypothesis.clicks, &self.context).filter(|best| best.plausible)?;
         let surprise = self.context.motion.surprise(&best.ptz, &self.slack);
@@ -282,6 +285,7 @@ impl Search<'_> {
         let mut order: Vec<usize> = (0..off.len()).collect();
         order.sort_by(|&a, &b| off[b].total_cmp(&off[a]));
         order.truncate(ODDEST);
+        // In the order of the clicks again: of equally good swaps the first one wins.
         order.sort_unstable();
         let pairs = order
             .iter()

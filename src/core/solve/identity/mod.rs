@@ -113,6 +113,8 @@ pub fn check_identity(
         };
     }
 
+    // The redundancy is that of the clicks, without the equations of a prior; the effect of an
+    // uncertain base is taken from the solution, as a factor.
     let as_named = FitAsNamed {
         cost: solution.chi_squared + surprise,
         expected_chi_squared: search.redundancy() as f64

@@ -73,6 +73,7 @@ impl IdentityFinding {
                 (WarningCode::WrongLine, message)
             }
         };
+        // A mirrored side is about the frame, not about single points.
         let clicks = if matches!(self.kind, IdentityKind::Mirrored(_)) {
             Vec::new()
         } else {

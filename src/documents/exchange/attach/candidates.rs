@@ -60,8 +60,8 @@ impl<'a> NumberedCameras<'a> {
         video: &'a [u64],
         counts_from_zero: bool,
     ) -> Option<Self> {
-        let known = || numbers.iter().copied().flatten();
-        let range = [known().min()?, known().max()?];
+        let known = numbers.iter().copied().flatten();
+        let range = [known.clone().min()?, known.max()?];
         (!video.is_empty()).then_some(Self {
             numbers,
             range,
@@ -84,6 +84,7 @@ impl<'a> NumberedCameras<'a> {
                 trials.extend(self.trials(counting));
             }
         }
+        // Ways that leave cameras outside of the video are only for the case that every way does.
         if trials.iter().any(|trial| self.fits_all(trial)) {
             trials.retain(|trial| self.fits_all(trial));
         }
@@ -128,7 +129,8 @@ impl<'a> NumberedCameras<'a> {
             vec![0, 1]
         };
         let usual = shifts.len();
-        // The beginning of the video is cut off. Cameras of a short part of it could be anywhere.
+        // The beginning of the video is cut off: the numbers count a longer one. Cameras of a short
+        // part of it could be anywhere, so that they must span half of the video.
         let (span, video_span) = (last - first, last_frame - first_frame);
         if last > last_frame && span <= video_span && span >= video_span / 2 {
             shifts.extend(first.checked_sub(first_frame));
@@ -139,10 +141,13 @@ impl<'a> NumberedCameras<'a> {
             let is_new = trials
                 .iter()
                 .all(|trial| trial.candidate.first_number != shift);
+            // A number below the subtracted one would be of no frame; and two reasons may give the
+            // same shift.
             if shift > first || !is_new {
                 continue;
             }
             let trial = self.subtract(shift, counting, rank);
+            // The usual ways may lose a few cameras at the end, a guessed shift none.
             let fits = if rank < usual {
                 is_most(trial.inside, self.numbers.len())
             } else {
@@ -167,6 +172,7 @@ impl<'a> NumberedCameras<'a> {
             if frame > last_frame {
                 continue;
             }
+            // Within the video, whether or not the document has that frame.
             inside += 1;
             let frame_index = match counting {
                 Counting::VideoFrames => self.video.binary_search(&frame).ok().map(|_| frame),

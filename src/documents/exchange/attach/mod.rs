@@ -116,6 +116,7 @@ pub fn plan_attachment(
     imported: &Imported,
 ) -> Result<Option<Attachment>, NotAttached> {
     let frames = &imported.document.frames;
+    // A document of this program names its pictures itself.
     if imported.format == Format::Json || frames.is_empty() {
         return Ok(None);
     }
@@ -129,6 +130,7 @@ pub fn plan_attachment(
     {
         return Ok(None);
     }
+    // Without numbers only equal counts leave no doubt about which camera is of which frame.
     let (matched_by, numbers) = match numbers_of(imported) {
         Some(known) => known,
         None if frames.len() == video.frames.len() => (MatchedBy::Order, video.indices_in_order()),
@@ -140,6 +142,8 @@ pub fn plan_attachment(
             });
         }
     };
+    // Several cameras of one number are several cameras of one moment: files of two cameras in one
+    // folder.
     let distinct = numbers.iter().flatten().collect::<BTreeSet<_>>().len();
     if !is_most(distinct, numbers.iter().flatten().count()) {
         return Err(NotAttached::NumbersRepeat {
@@ -148,6 +152,8 @@ pub fn plan_attachment(
             distinct,
         });
     }
+    // This program's exports count from 0, stated numbers are those of video frames, and an order
+    // begins with the first frame.
     let counts_from_zero =
         matched_by != MatchedBy::Number || are_names_of_exports(imported, &video, &numbers);
     let indices = video.indices();
@@ -156,6 +162,7 @@ pub fn plan_attachment(
         .as_ref()
         .map(NumberedCameras::candidates)
         .unwrap_or_default();
+    // An order fits in one way; other candidates are of numbers that mean nothing here.
     if matched_by == MatchedBy::Order {
         candidates.truncate(1);
     }
@@ -212,6 +219,8 @@ impl Attachment {
     /// are attached.
     #[must_use]
     pub fn apply(&self, imported: &Imported, candidate: &AttachmentCandidate) -> Imported {
+        // Paths of the imported document start from its own folder; the result lies in that of the
+        // video.
         let mut document = imported
             .document
             .clone()
@@ -249,6 +258,7 @@ impl Attachment {
         kind: &str,
         candidate: &AttachmentCandidate,
     ) -> Option<String> {
+        // The first of them is named, so that the user sees of what kind they are.
         let used: BTreeSet<usize> = candidate.pairs.iter().map(|pair| pair.imported).collect();
         let mut left_out = (0..before.len()).filter(|index| !used.contains(index));
         let first = before.get(left_out.next()?)?.name();
@@ -366,6 +376,8 @@ impl OnlyVideo {
             .frames
             .binary_search_by_key(&frame_index, |frame| frame.frame_index)
             .ok()?;
+        // The identity is that of the frame of the video, all labels are the imported ones. The
+        // name of the imported file is kept beside them, so that an export can give it back.
         let (camera, size) = (imported.camera.clone(), imported.image_size);
         let frame = Frame::from_video(self.frames[at].clone(), camera, size);
         let labelled = Frame {

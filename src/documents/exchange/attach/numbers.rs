@@ -17,6 +17,8 @@ const MAX_RUNS: usize = 12;
 pub fn numbers_in_names(names: &[String]) -> Option<Vec<Option<u64>>> {
     let runs: Vec<Vec<Option<u64>>> = names.iter().map(|name| digit_runs(name)).collect();
     let longest = runs.iter().map(Vec::len).max().unwrap_or(0);
+    // Of equally many numbers the last run counts: `Reverse` makes the smallest index from the end
+    // the largest key.
     let best = (0..longest).max_by_key(|&run| (distinct_numbers(&runs, run), Reverse(run)))?;
     let differs = distinct_numbers(&runs, best) > 1;
     (differs || names.len() == 1).then(|| column(&runs, best).collect())

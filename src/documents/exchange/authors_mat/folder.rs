@@ -49,6 +49,7 @@ pub fn read_authors_folder(
 ) -> Result<AuthorsFolder, AuthorsError> {
     let folder = &resolve_path(folder);
     let mut sequences = Vec::new();
+    // Files without `annotation`, such as a model of the field or features, give no sequence.
     for path in mat_files(folder)? {
         sequences.extend(read_authors_sequence(&path)?);
     }
@@ -104,6 +105,7 @@ fn mat_files(folder: &Path) -> Result<Vec<PathBuf>, AuthorsError> {
 
 /// The error that a folder's files cannot be listed.
 fn cannot_list(folder: &Path, source: io::Error) -> AuthorsError {
+    // The usual mistake is to name a file of the folder.
     let is_file = source.kind() == io::ErrorKind::NotADirectory;
     let source = if is_file {
         io::Error::other("it is a file; give the folder that it lies in")
@@ -136,6 +138,7 @@ fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsErro
         if !place.is_dir() {
             continue;
         }
+        // `util` may have models of several fields, named like the folders of their sequences.
         let mut files = mat_files(&place)?;
         files.sort_by_key(|path| std::cmp::Reverse(common_prefix_letters(&name, path)));
         for path in files {
@@ -189,7 +192,9 @@ fn add(document: &mut Document, sequence: &AuthorsSequence, folder: &Path, middl
         .iter()
         .map(|frame| sequence.image_path(&frame.image))
         .collect();
-    // Without images, the picture size is twice the principal point, which is their middle.
+    // Without images, the picture size is twice the principal point, which is their middle. It was
+    // shifted by half a pixel to the corner, which is taken off again; `Annotation` checked that
+    // the result is a size.
     let middle = sequence.base_from_corner.principal_point;
     let by_centre = ImageSize::new((2.0 * middle.x - 1.0) as u32, (2.0 * middle.y - 1.0) as u32);
     let size = images
@@ -197,6 +202,7 @@ fn add(document: &mut Document, sequence: &AuthorsSequence, folder: &Path, middl
         .and_then(|path| media::image_size(path).ok())
         .unwrap_or(by_centre);
     let camera = camera_of(document, &base, size, sequence);
+    // People annotated these frames, so that they are references.
     for (frame, image) in sequence.frames.iter().zip(&images) {
         let added = Frame {
             status: FrameStatus::Reference,

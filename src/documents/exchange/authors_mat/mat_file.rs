@@ -79,6 +79,7 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<NamedValues, MatError> 
         big_endian,
     };
     let mut variables = NamedValues::new();
+    // The limit is for all variables together: many small ones could otherwise fill the memory.
     let mut left = MOST_UNFOLDED;
     while !reader.is_at_end() {
         let element = reader.element()?;
@@ -97,6 +98,7 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<NamedValues, MatError> 
                 if inside.skip_tag()? == ElementType::MATRIX
                     && wanted.contains(&&*inside.matrix_head()?.name)
                 {
+                    // One byte more than is left shows that it is too much.
                     let unfolded = unfold(element.bytes, left + 1)?;
                     left = left.checked_sub(unfolded.len()).ok_or_else(|| {
                         MatError::Compressed(format!(
@@ -239,7 +241,8 @@ impl<'a> Reader<'a> {
     fn element(&mut self) -> Result<Element<'a>, MatError> {
         let first = self.word()?;
         if first >> 16 != 0 {
-            // A small element: type and length share one word, and at most four bytes follow.
+            // A small element: type and length share one word, and at most four bytes follow. The
+            // types of whole tags are below 2¹⁶, so that their upper half is 0.
             let (kind, length) = (ElementType(first & 0xffff), (first >> 16) as usize);
             let at = self.at;
             let bytes = self.take(4)?;
@@ -253,7 +256,8 @@ impl<'a> Reader<'a> {
         let at = self.at;
         let bytes = self.take(length)?;
         if kind != ElementType::COMPRESSED {
-            // Some programs leave out the padding at the very end.
+            // Elements are padded to eight bytes, compressed ones are not. Some programs leave out
+            // the padding at the very end.
             self.at = (at + length).next_multiple_of(8).min(self.bytes.len());
         }
         Ok(Element { kind, bytes, at })
@@ -280,6 +284,7 @@ impl<'a> Reader<'a> {
 
     /// A number from its bytes, which are at most eight, in the file's order.
     fn number(&self, kind: ElementType, bytes: &[u8]) -> f64 {
+        // Into the low bytes of a number of eight, from which each type takes its own bits.
         let mut low_first = [0u8; 8];
         for (place, byte) in low_first.iter_mut().zip(bytes) {
             *place = *byte;
@@ -333,6 +338,8 @@ impl<'a> Reader<'a> {
 
     /// The head of a `MATRIX` element.
     fn matrix_head(&mut self) -> Result<Head, MatError> {
+        // An array begins with its flags (the class is the lowest byte of the first word), its
+        // sizes and its name.
         let Element {
             bytes: flags, at, ..
         } = self.element()?;
@@ -347,6 +354,8 @@ impl<'a> Reader<'a> {
         })?;
         let at = self.at;
         let sizes = self.numbers()?;
+        // A size that is no number counts as too large, so that the product overflows and is
+        // refused.
         let count = sizes.iter().try_fold(1usize, |count, size| {
             let size = if *size >= 0.0 && *size <= f64::from(u32::MAX) {
                 *size as usize
@@ -370,6 +379,8 @@ impl<'a> Reader<'a> {
     /// The value that follows a head.
     fn matrix_value(&mut self, head: &Head, depth: u32) -> Result<MatValue, MatError> {
         Ok(match head.class {
+            // Classes by the format's table: cell, structure, character, double to unsigned 64
+            // bits. An object, a sparse matrix or a function is passed over.
             1 => MatValue::Cells(self.matrices(head.count, depth)?),
             2 => self.structures(head.count, depth)?,
             4 => MatValue::Words(self.letters(head.rows)?),
@@ -405,6 +416,8 @@ impl<'a> Reader<'a> {
 
     fn structures(&mut self, count: usize, depth: u32) -> Result<MatValue, MatError> {
         let at = self.at;
+        // The length of a name, and all names one after the other, each filled with zeros; then the
+        // values of the first structure, of the second, …
         let length = self.numbers()?.first().copied().unwrap_or(0.0);
         let names = self.numbers()?;
         if !(1.0..=MOST_LETTERS).contains(&length) {
@@ -441,6 +454,7 @@ impl<'a> Reader<'a> {
             at,
             what: "text is expected",
         })?;
+        // Several rows lie side by side in memory, so that every `rows`-th letter is of the first.
         let rows = rows.unwrap_or(1.0).max(1.0) as usize;
         let numbers: Vec<f64> = bytes
             .chunks_exact(width)

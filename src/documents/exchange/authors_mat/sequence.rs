@@ -71,6 +71,8 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
         .and_then(MatValue::structures)
         .and_then(<[_]>::first)
         .ok_or_else(|| missing(path, "meta"))?;
+    // The base is stated once for the file, in `meta`; each frame adds pan, tilt and focal length,
+    // and repeats its full camera, which is compared with them.
     let position_m = meta_vector(meta, "cc", path)?;
     let base_rotation = meta_vector(meta, "base_rotation", path)?;
     let frames = annotation
@@ -95,15 +97,15 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
     for (index, fields) in frames.iter().enumerate() {
         let annotation = Annotation::from_fields(fields)
             .map_err(|what| missing(path, &format!("{what} in annotation {}", index + 1)))?;
+        // The principal point is stated with each frame alone; it belongs to the base, and `check`
+        // compares it with that of the others.
         if index == 0 {
             sequence.base_from_corner.principal_point = annotation.principal_point;
         }
         let turn = sequence.check(path, &annotation)?;
-        sequence.worst_turn = if turn > sequence.worst_turn {
-            turn
-        } else {
-            sequence.worst_turn
-        };
+        if turn > sequence.worst_turn {
+            sequence.worst_turn = turn;
+        }
         sequence.frames.push(AuthorsFrame {
             image: annotation.image.to_owned(),
             ptz: annotation.ptz,
@@ -187,6 +189,8 @@ impl AuthorsSequence {
     /// returns the angle between them.
     fn check(&self, path: &Path, annotation: &Annotation<'_>) -> Result<Angle, AuthorsError> {
         let camera = annotation.camera;
+        // This program's formulas on the authors' numbers against their full camera: a sign, an
+        // order of axes or a unit that is read wrongly shows here as degrees or metres.
         let pointed = PtzCamera::new(self.base_from_corner, annotation.ptz);
         let cam_from_world: Mat3 = from_rotation_vector(Vec3::new(camera[3], camera[4], camera[5]));
         let turn = angle_between(&pointed.cam_from_world(), &cam_from_world);

@@ -1,12 +1,11 @@
 //! The dataset card: what a new user must know before using the dataset.
 
-use super::done::DatasetDone;
 use super::frames_table::count_clicks;
 use super::matches::match_names;
 use super::options::{DatasetOptions, Pictures};
-use super::plan::PlannedFrame;
+use super::plan::{DatasetDone, PlannedFrame};
 use super::split::{Split, match_of};
-use crate::document::{Click, DocumentAt, FieldSize, Fields, FramePtz, Frames, Solution};
+use crate::document::{Click, DocumentAt, FieldSize, Fields, Frame, FramePtz, Frames, Solution};
 use crate::exchange::error::ExchangeError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -70,12 +69,25 @@ fn table(head: [&str; 2], rows: impl IntoIterator<Item = (String, String)>, text
     }
 }
 
-fn count_occurrences<K: Ord>(keys: impl Iterator<Item = K>) -> BTreeMap<K, usize> {
-    let mut counts = BTreeMap::new();
+/// A table of how often each key occurs, in the order of the keys; nothing where there is no key.
+fn table_of_counts<K: Ord>(
+    head: [&str; 2],
+    keys: impl Iterator<Item = K>,
+    name: impl Fn(&K) -> String,
+    text: &mut String,
+) {
+    let mut counts: BTreeMap<K, usize> = BTreeMap::new();
     for key in keys {
         *counts.entry(key).or_default() += 1;
     }
-    counts
+    if !counts.is_empty() {
+        let rows = counts.iter();
+        table(
+            head,
+            rows.map(|(key, count)| (name(key), count.to_string())),
+            text,
+        );
+    }
 }
 
 fn counts(card: &Card<'_>, text: &mut String) {
@@ -120,28 +132,22 @@ fn counts(card: &Card<'_>, text: &mut String) {
             splitting.seed
         );
     }
-    let origins = count_occurrences(card.frames.iter().map(|frame| frame.origin));
-    table(
+    table_of_counts(
         ["label", "frames"],
-        origins
-            .into_iter()
-            .map(|(origin, count)| (origin.to_string(), count.to_string())),
+        card.frames.iter().map(|frame| frame.origin),
+        ToString::to_string,
         text,
     );
-    let statuses = count_occurrences(frames.iter().map(|frame| frame.status));
-    table(
+    table_of_counts(
         ["status", "frames"],
-        statuses
-            .into_iter()
-            .map(|(status, count)| (status.as_str().to_owned(), count.to_string())),
+        frames.iter().map(|frame| frame.status),
+        |status| status.as_str().to_owned(),
         text,
     );
-    let cameras = count_occurrences(frames.iter().map(|frame| frame.camera.to_string()));
-    table(
+    table_of_counts(
         ["camera", "frames"],
-        cameras
-            .into_iter()
-            .map(|(camera, count)| (camera, count.to_string())),
+        frames.iter().map(|frame| &frame.camera),
+        ToString::to_string,
         text,
     );
 }
@@ -154,6 +160,7 @@ fn count_all_clicks(frames: &Frames, is_counted: impl Fn(&Click) -> bool) -> usi
 fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
     text.push_str("\n## Field\n\n");
     let document = card.original.document;
+    // Several cameras may be of one field; a line for each different one, in the order of the text.
     let mut said = BTreeSet::new();
     for frame in &document.frames {
         let (spec, model) = (document.field_of(frame), fields.for_frame(document, frame));
@@ -221,6 +228,8 @@ fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
             continue;
         };
         let field: &FieldModel = fields.for_frame(document, frame);
+        // Points of lines are left out: how far they are from a line says nothing about the place
+        // along it.
         for click in &frame.clicks {
             let target = click
                 .target
@@ -248,6 +257,7 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     let frames = &card.dataset.document.frames;
     let of = frames.len();
     let [solved, held_out] = misses(card, fields);
+    // Of how many clicks the two figures could be known, by `check` as `misses` has it.
     let clicks: [usize; 2] = [false, true].map(|check| {
         count_all_clicks(frames, |click| {
             click.target.is_some() && !click.is_on_line() && click.check == check
@@ -290,24 +300,21 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
         rows.map(|(name, value)| (name.to_owned(), value)),
         text,
     );
-    let warned = frames.iter().filter_map(|frame| frame.solution.as_ref());
-    let warned = count_occurrences(warned.flat_map(|solution| {
-        let codes: BTreeSet<&str> = solution
+    // A frame counts once for each kind of warning, however often it has one.
+    let solutions = frames.iter().filter_map(|frame| frame.solution.as_ref());
+    let warned = solutions.flat_map(|solution| {
+        let codes = solution
             .warnings
             .iter()
-            .map(|warning| warning.code.as_str())
-            .collect();
-        codes
-    }));
-    if !warned.is_empty() {
-        table(
-            ["warning", "frames"],
-            warned
-                .into_iter()
-                .map(|(code, count)| (format!("`{code}`"), count.to_string())),
-            text,
-        );
-    }
+            .map(|warning| warning.code.as_str());
+        codes.collect::<BTreeSet<&str>>()
+    });
+    table_of_counts(
+        ["warning", "frames"],
+        warned,
+        |code| format!("`{code}`"),
+        text,
+    );
     let clicked: BTreeSet<&str> = frames
         .iter()
         .flat_map(|frame| frame.clicks.iter())
@@ -352,23 +359,21 @@ fn ptz_range(frames: &Frames, value: fn(&FramePtz) -> f64) -> String {
     format!("{low:.1} to {high:.1}")
 }
 
+/// The name of a frame's match, of which some lie in the document's folder itself.
+fn describe_match(frame: &Frame, names: &BTreeMap<String, String>) -> String {
+    names
+        .get(&match_of(frame))
+        .filter(|name| !name.is_empty())
+        .cloned()
+        .unwrap_or_else(|| "(the document's folder)".to_owned())
+}
+
 fn provenance(card: &Card<'_>, text: &mut String) {
     text.push_str("\n## Provenance\n");
     let frames = &card.original.document.frames;
     let names = match_names(frames.iter().map(|frame| &**frame));
-    let matches = count_occurrences(frames.iter().map(|frame| {
-        match names.get(&match_of(frame)).map(String::as_str) {
-            None | Some("") => "(the document's folder)".to_owned(),
-            Some(name) => name.to_owned(),
-        }
-    }));
-    table(
-        ["video or folder", "frames"],
-        matches
-            .into_iter()
-            .map(|(name, count)| (name, count.to_string())),
-        text,
-    );
+    let matches = frames.iter().map(|frame| describe_match(frame, &names));
+    table_of_counts(["video or folder", "frames"], matches, String::clone, text);
     let annotators: BTreeSet<String> = frames
         .iter()
         .filter_map(|frame| frame.edited.as_ref()?.by.clone())

@@ -17,6 +17,7 @@ const STEP_M: f64 = 0.25;
 /// One of them is not valid.
 pub fn fields_json(at: DocumentAt<'_>) -> Result<String, ExchangeError> {
     let fields = Fields::from_document(at)?;
+    // Cameras of equal fields share an entry; a document has few different ones.
     let mut known: Vec<(Arc<FieldModel>, Vec<String>)> = Vec::new();
     for (camera, field) in at
         .document

@@ -4,7 +4,7 @@ use super::matches::match_names;
 use super::plan::PlannedFrame;
 use super::split::match_of;
 use crate::document::{Click, Frame};
-use crate::exchange::table::push_row;
+use crate::exchange::table::{field_text, push_row};
 
 const COLUMNS: [&str; 20] = [
     "image",
@@ -32,14 +32,12 @@ const COLUMNS: [&str; 20] = [
 /// The table of the frames of a dataset; each entry has the plan of a frame, the frame in the
 /// dataset and the original frame.
 pub fn frames_table(frames: &[(&PlannedFrame, &Frame, &Frame)]) -> String {
+    // The names of matches depend on all of them: each is as short as tells it from the others.
     let matches = match_names(frames.iter().map(|(_, _, original)| *original));
     let mut text = String::new();
     push_row(&COLUMNS.map(ToOwned::to_owned), &mut text);
     for (planned, dataset, original) in frames {
-        let name = matches
-            .get(&match_of(original))
-            .cloned()
-            .unwrap_or_default();
+        let name = field_text(matches.get(&match_of(original)));
         push_row(&row(planned, dataset, name), &mut text);
     }
     text
@@ -50,31 +48,22 @@ fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: String) -> [String;
     let video = frame.video.as_ref();
     [
         frame.image.clone().unwrap_or_default(),
-        planned
-            .split
-            .map(|split| split.to_string())
-            .unwrap_or_default(),
+        field_text(planned.split),
         planned.origin.to_string(),
         frame.status.as_str().to_owned(),
         name_of_match,
         frame.camera.to_string(),
-        frame
-            .clip
-            .as_ref()
-            .map(ToString::to_string)
-            .unwrap_or_default(),
-        video.map(|video| video.path.clone()).unwrap_or_default(),
-        video
-            .map(|video| video.frame_index.to_string())
-            .unwrap_or_default(),
-        number_text(video.and_then(|video| video.pts_s)),
+        field_text(frame.clip.as_ref()),
+        field_text(video.map(|video| &video.path)),
+        field_text(video.map(|video| video.frame_index)),
+        field_text(video.and_then(|video| video.pts_s)),
         frame.clicks.len().to_string(),
         count_clicks([frame], Click::is_on_line).to_string(),
         count_clicks([frame], |click| click.check).to_string(),
         count_clicks([frame], |click| click.snapped_sigma_px.is_some()).to_string(),
-        number_text(solution.and_then(|solution| solution.confidence)),
-        number_text(solution.and_then(|solution| solution.rms_px)),
-        number_text(solution.and_then(|solution| solution.worst_corner_sigma_px)),
+        field_text(solution.and_then(|solution| solution.confidence)),
+        field_text(solution.and_then(|solution| solution.rms_px)),
+        field_text(solution.and_then(|solution| solution.worst_corner_sigma_px)),
         frame.sha256.clone().unwrap_or_default(),
         planned.undistorted.clone().unwrap_or_default(),
         frame.id.to_string(),
@@ -91,9 +80,4 @@ pub fn count_clicks<'a>(
         .flat_map(|frame| &frame.clicks)
         .filter(|click| is_counted(click))
         .count()
-}
-
-/// A number with all its digits; empty where it is not known.
-fn number_text(value: Option<f64>) -> String {
-    value.map(|value| value.to_string()).unwrap_or_default()
 }

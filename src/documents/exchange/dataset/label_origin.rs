@@ -37,6 +37,7 @@ impl LabelOrigin {
             return is_clicked.then_some(Self::ClicksOnly);
         }
         let accepted = frame.status == FrameStatus::Reference;
+        // A frame that states no source has its camera from its clicks, if it has some.
         Some(match frame.source() {
             Some(SolutionSource::Markings) => Self::Snapped,
             Some(SolutionSource::Tracking) if accepted => Self::TrackedAccepted,

@@ -11,6 +11,8 @@ pub fn match_names<'a>(frames: impl Iterator<Item = &'a Frame>) -> BTreeMap<Stri
     let mut taken = BTreeSet::new();
     let mut names = BTreeMap::new();
     for (path, own) in paths.iter().zip(&parts) {
+        // As few folders from the end as tell the match from all others: the rest says where files
+        // lie on this machine.
         let count = (1..own.len())
             .find(|count| is_unique(last(own, *count), &parts))
             .unwrap_or(own.len());

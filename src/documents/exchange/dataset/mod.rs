@@ -20,7 +20,6 @@
 //! same bytes.
 
 mod card;
-mod done;
 mod field_lines;
 mod frames_table;
 mod label_origin;
@@ -36,12 +35,11 @@ mod templates;
 mod undistorted;
 mod write;
 
-pub use done::DatasetDone;
 pub use label_origin::LabelOrigin;
 pub use old_dataset::folder_for_new;
 pub use options::{DatasetOptions, PictureFormat, Pictures, SplitBy, Splitting};
 pub(super) use outside::OwnPlaces;
-pub use plan::{DatasetPlan, PlannedFrame, plan_dataset};
+pub use plan::{DatasetDone, DatasetPlan, PlannedFrame, plan_dataset};
 pub use split::Split;
 pub(super) use templates::with_templates;
 pub use write::write_dataset;

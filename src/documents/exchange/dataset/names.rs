@@ -32,6 +32,7 @@ pub fn picture_name(
         }
         (None, None) => return Err("it has no picture".to_owned()),
     };
+    // A picture that is written anew has the ending of its new format.
     let name = if pictures == Pictures::Extracted && frame.image.is_some() {
         Path::new(&name)
             .with_extension(format.ending())
@@ -45,6 +46,7 @@ pub fn picture_name(
 }
 
 fn name_from_image(image: &str) -> String {
+    // `a//b`, `./a` and `a` would otherwise be three names of one file.
     if let Ok(path) = safe_path(image) {
         let plain: Vec<&str> = path
             .split('/')

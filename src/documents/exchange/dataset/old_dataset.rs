@@ -36,6 +36,7 @@ impl OldDataset {
     /// The folder is not empty and not a dataset, or it is a dataset and `force` was not given.
     pub fn read(folder: &Path, force: bool) -> Result<Self, ExchangeError> {
         let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+        // `symlink_metadata`, because a broken link is something that is there.
         if is_empty || fs::symlink_metadata(folder).is_err() {
             return Ok(Self::default());
         }
@@ -51,6 +52,7 @@ impl OldDataset {
         }
         let path = folder.join(MANIFEST);
         let manifest = fs::read_to_string(&path).map_err(|source| cannot_read(&path, source))?;
+        // As `sha256sum` writes it: the hash, two blanks, the name.
         let files = manifest.lines().filter_map(|line| line.split_once("  "));
         Ok(Self(
             files

@@ -20,6 +20,8 @@ impl OwnPlaces {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
+        // `match.mp4.touchline` is the project of `match.mp4` beside it; a folder named by the
+        // suffix alone is of nothing.
         let frames = name
             .strip_suffix(PROJECT_SUFFIX)
             .filter(|name| !name.is_empty());

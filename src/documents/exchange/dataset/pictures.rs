@@ -69,6 +69,7 @@ impl<'a> Folder<'a> {
     ) -> Result<String, ExchangeError> {
         let path = self.file(name)?;
         if as_link {
+            // A hard link to a symbolic link would be a symbolic link.
             let from = fs::canonicalize(from).map_err(|source| self.write_error(name, source))?;
             fs::hard_link(&from, &path).map_err(|source| match source.kind() {
                 io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk {
@@ -80,6 +81,8 @@ impl<'a> Folder<'a> {
         } else {
             fs::copy(from, &path).map_err(|source| self.write_error(name, source))?;
         }
+        // The hash of what arrived, not of the source: a damaged copy must not have the right one
+        // in the manifest.
         let hash = sha256_of_file(&path)?;
         Ok(self.note(name, hash))
     }
@@ -110,6 +113,7 @@ impl<'a> Folder<'a> {
 /// A picture encoded in a format.
 pub fn encode_picture(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, ImageError> {
     let size = picture.size();
+    // Pictures have no transparency; three bytes a pixel are smaller, and JPEG has no fourth.
     let rgb: Vec<u8> = picture
         .rgba()
         .as_chunks::<4>()

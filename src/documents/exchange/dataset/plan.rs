@@ -1,4 +1,4 @@
-//! The plan of a dataset, made before anything is written.
+//! //! The plan of a dataset, made before anything is written, and what became of it.
 
 use super::label_origin::LabelOrigin;
 use super::names::picture_name;
@@ -43,6 +43,19 @@ pub struct PlannedFrame {
     pub name: String,
     /// The source of its pixels.
     pub(super) source: Source,
+}
+
+/// The contents of the written dataset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DatasetDone {
+    /// The number of frames.
+    pub frames: usize,
+    /// The number of pictures.
+    pub pictures: usize,
+    /// The number of frames of each split.
+    pub counts: [usize; 3],
+    /// Chosen frames that are not in it, by name, with the reason.
+    pub left_out: Vec<(String, String)>,
 }
 
 /// The source of a picture.
@@ -172,6 +185,7 @@ pub fn plan_dataset(
     }
     if let Some(splitting) = options.splitting {
         let of: Vec<&Frame> = frames.iter().map(|(frame, _)| *frame).collect();
+        // A folder for each split, below that of the pictures.
         for ((_, planned), part) in frames.iter_mut().zip(split(&of, splitting)) {
             planned.split = Some(part);
             for name in [&mut planned.picture, &mut planned.undistorted]
@@ -182,6 +196,7 @@ pub fn plan_dataset(
             }
         }
     }
+    // Undistorted pictures lie below a folder of their own, which is a dataset in itself.
     for (_, planned) in &mut frames {
         planned.picture = planned
             .picture
@@ -214,9 +229,12 @@ fn plan_frame(
     let source = source_of(at, frame, options)?;
     let has_camera = at.document.ptz_camera(frame).is_some();
     let area = f64::from(frame.image_size.width) * f64::from(frame.image_size.height);
+    // The size of a picture that is made anew is a guess from its area; that of a copied file is
+    // known.
     let decoded = area * options.picture_format.bytes_per_px();
     let mut bytes = 0.0;
     let is_left = options.pictures == Pictures::Left;
+    // The name is needed for undistorted pictures even where the others stay where they are.
     let named = picture_name(frame, options.pictures, options.picture_format);
     let picture = if is_left { None } else { Some(named.clone()?) };
     if !is_left {
@@ -260,6 +278,8 @@ fn source_of(
     options: &DatasetOptions,
 ) -> Result<Source, String> {
     let picture = frame.picture_source(at.folder).ok_or("it has no picture");
+    // Extracted pictures are decoded from the video where there is one, else from the image file.
+    // Otherwise an image file is taken as it is, and a video only where there is none.
     let source = match (&frame.video, options.pictures) {
         (Some(video), Pictures::Extracted) => {
             let index =
@@ -273,6 +293,8 @@ fn source_of(
         },
     };
     let needs_picture = options.pictures != Pictures::Left || options.undistorted;
+    // Sizes and files are checked before anything is written: the labels are in px of the stated
+    // size. The size of a video shows when it is decoded.
     match source.frame_ref() {
         _ if !needs_picture => {}
         FrameRef::Image(path) => {
@@ -326,11 +348,11 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
         ));
     }
     if let Some(splitting) = options.splitting {
+        let counts = plan.counts();
         let empty: Vec<&str> = Split::ALL
             .into_iter()
-            .enumerate()
-            .filter(|(part, _)| splitting.shares[*part] > 0 && plan.counts()[*part] == 0)
-            .map(|(_, split)| split.as_str())
+            .filter(|split| splitting.shares[*split as usize] > 0 && counts[*split as usize] == 0)
+            .map(Split::as_str)
             .collect();
         if !empty.is_empty() {
             let by = splitting.by.name();
@@ -359,16 +381,15 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
             outside.len()
         ));
     }
-    let unlooked: BTreeSet<LabelOrigin> = [
-        LabelOrigin::Tracked,
-        LabelOrigin::Suggested,
-        LabelOrigin::Interpolated,
-    ]
-    .into();
     let count = plan
         .frames
         .iter()
-        .filter(|frame| unlooked.contains(&frame.origin))
+        .filter(|frame| {
+            matches!(
+                frame.origin,
+                LabelOrigin::Tracked | LabelOrigin::Suggested | LabelOrigin::Interpolated
+            )
+        })
         .count();
     if count > 0 {
         notes.push(format!(

@@ -90,12 +90,14 @@ pub fn split(frames: &[&Frame], splitting: Splitting) -> Vec<Split> {
         .map(|(group, frames)| (key(splitting.seed, &group), frames))
         .collect();
     shuffled.sort();
+    // Shares of 0 : 0 : 0 give everything to the first split.
     let all: f64 = splitting.shares.iter().map(|share| f64::from(*share)).sum();
     let wanted = splitting
         .shares
         .map(|share| f64::from(share) / all.max(1.0) * frames.len() as f64);
     let mut assigned = [0.0; 3];
     let mut of_frame = vec![Split::Train; frames.len()];
+    // The split that lacks most frames comes nearest to its share with whole groups.
     for (_, members) in shuffled {
         let to = next_split(splitting.shares, wanted, assigned);
         assigned[to] += members.len() as f64;
@@ -110,6 +112,8 @@ pub fn split(frames: &[&Frame], splitting: Splitting) -> Vec<Split> {
 /// that lacks most frames.
 fn next_split(shares: [u32; 3], wanted: [f64; 3], assigned: [f64; 3]) -> usize {
     let with_share = (0..Split::ALL.len()).filter(|split| shares[*split] > 0);
+    // With few groups the largest share would take all of them; a split with a share gets one
+    // first, so that a test set exists.
     let empty = with_share.clone().find(|split| assigned[*split] == 0.0);
     let missing = [0, 1, 2].map(|split: usize| wanted[split] - assigned[split]);
     empty
@@ -120,6 +124,7 @@ fn next_split(shares: [u32; 3], wanted: [f64; 3], assigned: [f64; 3]) -> usize {
 /// The sort key of a group in the shuffled order: a hash of seed and group, so that added groups do
 /// not reorder the others.
 fn key(seed: u64, group: &[String]) -> [u8; 32] {
+    // The length before each part keeps ("ab", "c") and ("a", "bc") apart.
     let mut digest = Sha256::new();
     digest.update(seed.to_le_bytes());
     for part in group {

@@ -52,6 +52,7 @@ fn take_along(
     // A template of the same name from another folder gets a number.
     for place in numbered {
         match files.iter().find(|(known, _)| *known == place) {
+            // Another template of this name: the next number. The same one is copied once.
             Some((_, known)) if known != bytes => {}
             known => {
                 if known.is_none() {

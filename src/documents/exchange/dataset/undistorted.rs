@@ -21,6 +21,7 @@ pub fn undistort_picture(picture: &Picture, camera: &PtzCamera) -> Result<Pictur
         lens,
         fold_radius_squared: lens.fold_radius_squared(),
     };
+    // Row by row on all threads; the order of the rows stays.
     let rgba: Vec<u8> = (0..size.height)
         .into_par_iter()
         .flat_map_iter(|y| (0..size.width).flat_map(move |x| distorted.undistorted_pixel(x, y)))
@@ -67,6 +68,7 @@ fn sample(picture: &Picture, at: ImagePoint) -> [u8; 4] {
     if !picture.size().contains(at) {
         return BLACK;
     }
+    // From the corner convention to indices of pixel centres.
     let (x, y) = (at.x - 0.5, at.y - 0.5);
     let (left, top) = (x.floor(), y.floor());
     let (to_right, to_below) = (x - left, y - top);
@@ -100,13 +102,10 @@ pub fn undistort_document(document: &Document) -> Document {
     plain
         .frames
         .retain(|frame| document.ptz_camera(frame).is_some());
-    for (frame, distorted) in plain.frames.iter_mut().zip(
-        document
-            .frames
-            .iter()
-            .filter(|frame| document.ptz_camera(frame).is_some()),
-    ) {
-        if let Some(camera) = document.ptz_camera(distorted) {
+    // The cameras of the original document still have their lenses.
+    for frame in &mut plain.frames {
+        let frame: &mut Frame = frame;
+        if let Some(camera) = document.ptz_camera(frame) {
             straighten(frame, &camera);
         }
     }
@@ -121,12 +120,13 @@ pub fn undistort_document(document: &Document) -> Document {
 
 /// Moves a frame's clicks to the undistorted picture and removes what has no place there.
 fn straighten(frame: &mut Frame, camera: &PtzCamera) {
+    // Warnings and disputes refer to clicks by their position, which changes where a click is
+    // removed.
     let is_shown = frame
         .clicks
         .iter()
         .all(|click| undistort_point(click.image, camera).is_some());
     if !is_shown && let Some(solution) = &mut frame.solution {
-        // Indices of clicks are no longer valid.
         solution.disputed.clear();
         for warning in &mut solution.warnings {
             warning.clicks.clear();
@@ -140,13 +140,19 @@ fn straighten(frame: &mut Frame, camera: &PtzCamera) {
     });
     frame.repeats.clear();
     frame.masks.clear();
+    // A frame states k₁ and k₂ with its solution, with a lens of its own, or both.
     if let Some(ptz) = &mut frame.ptz {
         (ptz.k1, ptz.k2) = (None, None);
+    }
+    if let Some(lens) = &mut frame.lens {
+        (lens.k1, lens.k2) = (None, None);
     }
 }
 
 /// The place of a point in the undistorted picture, px; none where the lens model has no inverse.
 fn undistort_point(point: ImagePoint, camera: &PtzCamera) -> Option<ImagePoint> {
+    // The ideal point on the plane at depth 1, drawn with the same focal length and principal
+    // point.
     let ideal = camera.cam_plane_from_image(point).ok()? * camera.ptz().focal_px;
     let centre = camera.base().principal_point;
     Some(ImagePoint::new(centre.x + ideal.x, centre.y + ideal.y))
@@ -155,7 +161,7 @@ fn undistort_point(point: ImagePoint, camera: &PtzCamera) -> Option<ImagePoint> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::Click;
+    use crate::document::{Click, FrameLens};
     use crate::exchange::tests::{SIZE, awkward};
 
     /// A picture with a bright spot where the camera shows a point: after undistortion it is where
@@ -193,6 +199,17 @@ mod tests {
         assert!(found.distance_px(wanted) < 0.1, "{found:?} {wanted:?}");
         let bare = plain.ptz_camera(&plain.frames[3]).unwrap();
         assert!(bare.lens().is_none());
+    }
+
+    #[test]
+    fn a_lens_of_the_frame_itself_is_taken_off_too() {
+        let mut document = awkward();
+        let radial = Radial { k1: -0.2, k2: 0.0 };
+        document.frames[3].lens = Some(FrameLens::new(2130.0, SIZE.centre(), radial));
+        let plain = undistort_document(&document);
+        let camera = plain.ptz_camera(&plain.frames[3]).unwrap();
+        assert!(camera.lens().is_none());
+        assert_eq!(camera.base().principal_point, SIZE.centre());
     }
 
     #[test]

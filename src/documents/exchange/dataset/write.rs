@@ -1,19 +1,18 @@
 //! Writes a dataset into a temporary folder beside the target, which is renamed at the end.
 
 use super::card::{Card, card};
-use super::done::DatasetDone;
 use super::field_lines::fields_json;
 use super::frames_table::frames_table;
 use super::old_dataset::{DOCUMENT, MANIFEST, OldDataset};
 use super::options::{DatasetOptions, Pictures};
 use super::pictures::{Folder, encode_picture};
-use super::plan::{DatasetPlan, PlannedFrame, Source, count_by_split, other_size};
+use super::plan::{DatasetDone, DatasetPlan, PlannedFrame, Source, count_by_split, other_size};
 use super::split::Split;
 use super::templates::with_templates;
 use super::undistorted::{undistort_document, undistort_picture};
 use crate::document::{
-    Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes, document_to_string,
-    resolve_path,
+    Camera, Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes,
+    document_to_string, resolve_path,
 };
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::cannot_write;
@@ -61,7 +60,10 @@ pub fn write_dataset(
     })?;
     let temporary =
         temporary_folder_in(folder_of(folder)).map_err(|source| cannot_write(folder, source))?;
+    // Pictures first, because a frame of which they cannot be read is not in the documents and
+    // tables that follow. A break returns early; the temporary folder is then deleted.
     let mut files = Folder::new(temporary.path(), folder);
+    let of = plan.pictures();
     let mut written = Written {
         of_frame: BTreeMap::new(),
         left_out: plan.left_out.clone(),
@@ -72,13 +74,14 @@ pub fn write_dataset(
         if progress
             .report(Share {
                 done: written.pictures,
-                of: plan.pictures(),
+                of,
             })
             .is_break()
         {
             return Err(ExchangeError::Stopped);
         }
     }
+    // The frames that the dataset has in the end, in the order of the plan.
     let kept: Vec<&PlannedFrame> = plan
         .frames
         .iter()
@@ -98,8 +101,12 @@ pub fn write_dataset(
     }
     let original = document.into_dataset();
     let chosen = chosen(&original, &written.of_frame);
+    // Templates are copies in the dataset, and their paths start from its folder. So the fields of
+    // `chosen` can be loaded from there alone, and their paths are not relocated.
+    let in_dataset = temporary.path();
     let dataset = if options.pictures == Pictures::Left {
-        chosen.clone().relocate(at.folder, &resolve_path(folder))
+        let relocated = chosen.clone().relocate(at.folder, &resolve_path(folder));
+        with_fields_of(relocated, &chosen)
     } else {
         with_pictures(&chosen, &kept, &written, |frame, hashes| {
             Some((frame.picture.as_deref()?, hashes.picture.as_deref()?))
@@ -125,6 +132,7 @@ pub fn write_dataset(
             &templates_above(plain),
         )?;
     }
+    // `chosen` has the original paths of videos and folders, which name the matches.
     let rows = kept.iter().filter_map(|planned| {
         let of_dataset: &Frame = dataset.frames.by_id(&planned.id)?;
         Some((*planned, of_dataset, &**chosen.frames.by_id(&planned.id)?))
@@ -157,15 +165,20 @@ pub fn write_dataset(
     };
     let card = card(&Card {
         dataset: dataset.at(at.folder),
-        original: chosen.at(at.folder),
+        original: chosen.at(in_dataset),
         frames: &kept,
         options,
         done: &done,
     })?;
     files.write("README.md", card.as_bytes())?;
-    files.write("fields.json", fields_json(chosen.at(at.folder))?.as_bytes())?;
+    files.write(
+        "fields.json",
+        fields_json(chosen.at(in_dataset))?.as_bytes(),
+    )?;
     files.write("schema.json", crate::document::SCHEMA.as_bytes())?;
     files.write("touchline_dataset.py", DATASET_LOADER.as_bytes())?;
+    // The manifest is of all files before it, so that it is written last. Then the folder gets its
+    // name.
     let manifest = files.manifest();
     files.write(MANIFEST, manifest.as_bytes())?;
     let names = files.into_names();
@@ -236,6 +249,8 @@ fn write_pictures(
         (&planned.picture, &planned.source),
         (Some(_), Source::Decoded(_))
     );
+    // Decoded once for both pictures. A file that is copied is decoded only for the undistorted
+    // one.
     let mut pixels = None;
     if is_decoded || planned.undistorted.is_some() {
         match read(planned, frame, reader) {
@@ -305,6 +320,7 @@ fn read(
 
 /// The document of some frames, with the cameras and shots that they need.
 fn chosen(document: &Document, frames: &BTreeMap<FrameId, Hashes>) -> Document {
+    // Cameras and shots of frames that are not in the dataset would refer to nothing.
     let mut chosen = document.clone();
     chosen.frames.retain(|frame| frames.contains_key(&frame.id));
     chosen
@@ -359,10 +375,20 @@ fn with_pictures<'a>(
     document
 }
 
+/// The document with the fields of another one, which has the same cameras.
+fn with_fields_of(mut document: Document, other: &Document) -> Document {
+    document.field.clone_from(&other.field);
+    for (camera, of_other) in document.cameras.iter_mut().zip(&other.cameras) {
+        let camera: &mut Camera = camera;
+        camera.field.clone_from(&of_other.field);
+    }
+    document
+}
+
 /// The document of a subfolder of a dataset: its own templates are one folder up.
 fn templates_above(mut document: Document) -> Document {
     let cameras = document.cameras.iter_mut().filter_map(|camera| {
-        let camera: &mut crate::document::Camera = camera;
+        let camera: &mut Camera = camera;
         camera.field.as_mut()
     });
     for field in cameras
@@ -381,6 +407,7 @@ fn write_document(
     document: &Document,
 ) -> Result<(), ExchangeError> {
     let text = document_to_string(document)?;
+    // The text is compared, not the values: what the reader drops or rounds shows there.
     let again =
         document_from_bytes(text.as_bytes()).map_err(|source| ExchangeError::NoDocument {
             file: name.to_owned(),
@@ -394,4 +421,56 @@ fn write_document(
         });
     }
     files.write(name, text.as_bytes()).map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::dataset::plan_dataset;
+    use crate::exchange::tests::awkward;
+    use std::fs;
+    use std::ops::ControlFlow;
+    use touchline_assets::FIELDS;
+    use touchline_vision::media::{FrameRef, MediaError};
+
+    /// The reader of a dataset without pictures.
+    struct NoFrames;
+
+    impl ReadFrames for NoFrames {
+        fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+            panic!("{frame:?} is read")
+        }
+    }
+
+    #[test]
+    fn a_template_of_the_users_own_is_found_in_the_dataset() {
+        let place = tempfile::tempdir().unwrap();
+        let (project, set) = (place.path().join("project"), place.path().join("set"));
+        fs::create_dir(&project).unwrap();
+        fs::write(project.join("mine.json"), FIELDS[0].1).unwrap();
+        let mut document = awkward();
+        document.field.template = "mine.json".to_owned();
+        let options = DatasetOptions {
+            pictures: Pictures::Left,
+            ..DatasetOptions::default()
+        };
+        let plan = plan_dataset(document.at(&project), &options).unwrap();
+        let progress = Progress::new(|_: Share| ControlFlow::Continue(()));
+        let done = write_dataset(
+            document.at(&project),
+            &plan,
+            &options,
+            &mut NoFrames,
+            &set,
+            false,
+            &progress,
+        )
+        .unwrap();
+        assert_eq!(done.frames, 12);
+        let dataset = document_from_bytes(&fs::read(set.join(DOCUMENT)).unwrap()).unwrap();
+        assert_eq!(dataset.field.template, "fields/mine.json");
+        assert_eq!(dataset.field.model(&set).unwrap().length_m, 100.0);
+        let image = dataset.frames[0].image.as_deref();
+        assert_eq!(image, Some("../project/images/0001.jpg"));
+    }
 }

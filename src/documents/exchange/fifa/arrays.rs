@@ -5,7 +5,7 @@ use crate::exchange::frame_camera::{FrameCamera, FrameProjection, KnownLens, Pin
 use crate::exchange::npy::Array;
 use crate::exchange::npz::Npz;
 use crate::exchange::options::Pixels;
-use crate::exchange::values::are_oblong_pixels;
+use crate::exchange::values::{are_oblong_pixels, coefficient, refuse_further_coefficients};
 use touchline_core::camera::Radial;
 use touchline_core::geometry::{ImagePoint, Mat3, Vec3};
 
@@ -51,6 +51,8 @@ impl Sequence {
         let archive = Npz::open(bytes)?;
         let (calibrations, distortions) = (archive.array("K")?, archive.array("k")?);
         let frames = calibrations.shape.first().copied().unwrap_or(0);
+        // `K` says how many frames there are, and the other arrays must agree. All shapes are
+        // checked here, so that `Array::row` finds a row for each frame.
         let has_k = calibrations.shape == [frames, 3, 3] && (1..=MAX_FRAMES).contains(&frames);
         check_shape(
             "K",
@@ -66,6 +68,8 @@ impl Sequence {
             is_right,
             "(frames, 2 or 5), as many frames as K has,",
         )?;
+        // Rotation and translation are there for all frames, for the first one, or for none; one
+        // without the other means nothing.
         let poses = match (archive.find("R")?, archive.find("t")?) {
             (None, None) => None,
             (Some(rotations), Some(translations)) => {
@@ -96,6 +100,7 @@ impl Sequence {
     /// lens.
     pub(super) fn projection(&self, frame: usize) -> Result<FrameProjection, Problem> {
         let lens = lens_of(self.calibrations.row(frame), self.distortions.row(frame))?;
+        // A row beyond the only pose gives no numbers, so that this frame has its lens alone.
         if let Some((rotations, translations)) = &self.poses
             && let &[x, y, z] = translations.row(frame)
         {
@@ -116,6 +121,7 @@ impl Sequence {
 
 /// The lens that a frame's rows of `K` and `k` state.
 fn lens_of(calibration: &[f64], distortion: &[f64]) -> Result<KnownLens, Problem> {
+    // By rows; a, b and c have no meaning of their own and must be zero.
     let &[fx, skew, cx, a, fy, cy, b, c, scale] = calibration else {
         return Err(Problem::Count {
             what: "K".to_owned(),
@@ -139,20 +145,14 @@ fn lens_of(calibration: &[f64], distortion: &[f64]) -> Result<KnownLens, Problem
             why: "pixels must be square, without skew",
         });
     }
-    if let Some(other) = distortion.iter().skip(2).find(|number| **number != 0.0) {
-        let what = format!("a distortion coefficient of {other} beyond k1 and k2");
-        return Err(Problem::Unsupported {
-            what,
-            why: "the document's lens has k1 and k2 only",
-        });
-    }
+    refuse_further_coefficients(distortion.get(2..).unwrap_or_default())?;
     let shift = Pixels::Centre.to_corner_px();
     Ok(KnownLens {
         focal_px: fx,
         principal_point: ImagePoint::new(cx + shift, cy + shift),
         radial: Radial {
-            k1: distortion[0],
-            k2: distortion[1],
+            k1: coefficient(distortion, 0),
+            k2: coefficient(distortion, 1),
         },
     })
 }
@@ -162,6 +162,8 @@ pub(super) fn arrays_of(held: &[FrameCamera]) -> Vec<(&'static str, Array)> {
     let shift = Pixels::Centre.to_corner_px();
     let (mut calibrations, mut distortions) = (Vec::new(), Vec::new());
     let (mut rotations, mut translations) = (Vec::new(), Vec::new());
+    // A frame without a pose adds to `K` and `k` alone, so that `R` and `t` have one row or as many
+    // as the others: `hold` gives the first frame its pose, and the others all or none.
     for frame in held {
         let lens = match frame.shown {
             FrameProjection::Camera(pinhole) => {

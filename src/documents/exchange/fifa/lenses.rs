@@ -19,6 +19,8 @@ pub(super) fn document_with_lenses(
         .filter(|(frame, _, _)| frame.pinhole().is_some())
         .cloned()
         .collect();
+    // `document_of` groups frames of one principal point and one lens; here both belong to the
+    // frame, so that all take those of the first to be grouped by place and axis.
     if let Some(first) = posed.first().map(|(_, _, view)| view.known_lens()) {
         for (_, _, view) in &mut posed {
             (view.principal_point, view.lens) = (first.principal_point, first.radial);
@@ -37,6 +39,8 @@ pub(super) fn document_with_lenses(
     let mut made = Vec::with_capacity(frames.len());
     for (read, size, view) in frames {
         let lens = FrameLens::new(view.focal_px, view.principal_point, view.lens);
+        // `document_of` leaves out no frame that was checked, so that `solved` has one for each
+        // posed frame.
         let frame = if read.pinhole().is_some() {
             solved.next().map(|frame| {
                 let ptz = frame.ptz.as_ref().map(FramePtz::ptz);
@@ -51,6 +55,7 @@ pub(super) fn document_with_lenses(
                 .get(&read.video)
                 .cloned()
                 .unwrap_or_else(|| "main".into());
+            // A file without any pose has no camera yet.
             if !document.cameras.iter().any(|known| known.id == camera) {
                 document
                     .cameras
@@ -59,6 +64,7 @@ pub(super) fn document_with_lenses(
             Some(unsolved_frame(read, camera, *size))
         };
         if let Some(frame) = frame {
+            // The first posed frame of a video says which camera its other frames are of.
             camera_of_video
                 .entry(read.video.clone())
                 .or_insert_with(|| frame.camera.clone());

@@ -19,7 +19,7 @@ mod lenses;
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
-use super::files::Files;
+use super::files::{Files, stem};
 use super::frame_camera::{FrameCamera, FrameProjection};
 use super::held::parts;
 use super::into_document::{Exactness, View};
@@ -29,7 +29,6 @@ use super::picture_size::SizeSource;
 use crate::document::{Document, FieldSpec};
 use arrays::{Sequence, arrays_of};
 use lenses::document_with_lenses;
-use std::path::Path;
 use touchline_core::geometry::ImageSize;
 
 /// The format.
@@ -55,6 +54,7 @@ impl CameraFormat for Fifa {
         context: &WriteContext<'_>,
     ) -> Result<FrameCamera, String> {
         let (pinhole, _) = parts(frame)?;
+        // As the tasks give their files: the pose of the first frame alone.
         let is_open = context.options.rotations == Rotations::First && index > 0;
         let shown = if is_open {
             FrameProjection::Lens(pinhole.known_lens())
@@ -85,6 +85,8 @@ impl CameraFormat for Fifa {
     }
 
     fn notes(&self, frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
+        // A reader takes the row for the frame's number, so that the first row of another number is
+        // worth a note.
         let numbered = frames
             .iter()
             .enumerate()
@@ -139,11 +141,8 @@ impl CameraFormat for Fifa {
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|name, bytes| {
             let sequence = Sequence::read(bytes)?;
-            let stem = Path::new(name)
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy();
-            let video = format!("{stem}.mp4");
+            // The tasks name a video and its cameras alike.
+            let video = format!("{}.mp4", stem(name));
             let size = options.size.unwrap_or(SET_SIZE);
             (0..sequence.frames)
                 .map(|index| read_frame(&sequence, index, &video, size))

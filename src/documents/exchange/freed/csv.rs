@@ -8,7 +8,7 @@ use crate::exchange::files::Files;
 use crate::exchange::format::Format;
 use crate::exchange::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::options::ImportOptions;
-use crate::exchange::table::{Table, TableRow, push_row};
+use crate::exchange::table::{Table, TableRow, field_text, push_row};
 use std::collections::BTreeSet;
 use touchline_core::geometry::Vec3;
 
@@ -56,20 +56,18 @@ impl CameraFormat for FreeDCsv {
             .into_iter()
             .zip(held)
         {
-            let timecode = context.timecode(frame).map(|timecode| timecode.to_string());
+            // Angles and places are not rounded to steps as in packets: a table keeps all digits.
             let numbers = sample
                 .angles_deg
                 .into_iter()
                 .chain(sample.position_m.iter().map(|metres| metres * 1000.0));
             let mut row = vec![
-                frame
-                    .frame_index
-                    .map(|index| index.to_string())
-                    .unwrap_or_default(),
-                frame.pts_s.map(|pts| pts.to_string()).unwrap_or_default(),
-                timecode.unwrap_or_default(),
+                field_text(frame.frame_index),
+                field_text(frame.pts_s),
+                field_text(context.timecode(frame)),
                 CAMERA.to_string(),
             ];
+            // The focus is not known; 0 stands for it, as in packets.
             row.extend(
                 numbers
                     .chain([sample.zoom_raw, 0.0])
@@ -113,6 +111,7 @@ impl CameraFormat for FreeDCsv {
         let mut count = 0;
         files.read_all(|_, bytes| {
             let table = Table::read(bytes)?;
+            // From the angles to the zoom; numbers, times and the focus may be absent.
             table.needs(&COLUMNS[4..11])?;
             let mut frames = Vec::new();
             for row in table.rows() {
@@ -142,6 +141,7 @@ fn read_row(row: TableRow<'_>, reading: Reading<'_>, name: &str) -> Result<Frame
         .pinhole(reading)
         .map_err(|problem| problem.at_line(row.line()))?;
     let frame = FrameCamera::new(name, Some(reading.size), FrameProjection::Camera(pinhole));
+    // A table has numbers and times where its writer knew them.
     Ok(FrameCamera {
         frame_index: row.frame_index()?,
         pts_s: row.find("pts_s")?,

@@ -33,6 +33,8 @@ struct Reading<'a> {
 
 impl<'a> Reading<'a> {
     fn from_options(options: &'a ImportOptions, format: Format) -> Result<Self, ExchangeError> {
+        // Three things that no packet states; without one of them the numbers would give a camera,
+        // but a wrong one.
         let size = options.size.ok_or_else(|| {
             option_needed(format, "the size of its pictures", "--size WIDTHxHEIGHT")
         })?;
@@ -72,6 +74,8 @@ fn hold(
 ) -> Result<FrameCamera, String> {
     let (pinhole, size) = parts(frame)?;
     let (zoom, sensor) = (&context.options.zoom, context.options.sensor_width_mm);
+    // To the raw number and back, so that the loss of a whole zoom value is measured and the file
+    // compares exactly.
     let raw = zoom.raw(pinhole.focal_px, size, sensor)?;
     let focal_px = zoom
         .focal_px(raw, size, sensor)
@@ -92,6 +96,8 @@ fn samples(
     context: &WriteContext<'_>,
     format: Format,
 ) -> Result<Vec<Sample>, ExchangeError> {
+    // A reader knows one size for the whole stream, by which it finds the middle and the focal
+    // length.
     let first_size = held.first().and_then(|first| first.size);
     held.iter()
         .map(|frame| {

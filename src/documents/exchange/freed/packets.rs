@@ -34,6 +34,8 @@ impl CameraFormat for FreeD {
     }
 
     fn exactness(&self) -> Exactness {
+        // More than two roundings by half a step of 1/32768°, which is 2.7e-7 rad. A camera that
+        // stays in its place is rounded to the same step in every packet.
         Exactness {
             angle_rad: 6e-7,
             place_m: 1e-6,
@@ -66,6 +68,7 @@ impl CameraFormat for FreeD {
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {
+        // The second byte is the camera's number.
         let sorted = files.sorted_entries();
         let packets = sorted
             .iter()
@@ -81,6 +84,7 @@ impl CameraFormat for FreeD {
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         let reading = Reading::from_options(options, Format::FreeD)?;
+        // Packets have no number: frames are counted over all files, in their natural order.
         let mut count = 0;
         files.read_all(|_, bytes| {
             if bytes.is_empty() {
@@ -88,6 +92,7 @@ impl CameraFormat for FreeD {
             }
             refuse_archive(bytes)?;
             let mut frames = Vec::with_capacity(bytes.len() / PACKET);
+            // `chunks` also gives the rest of a file that was cut, which is no packet.
             for (index, packet) in bytes.chunks(PACKET).enumerate() {
                 let pinhole = Sample::from_packet(packet)
                     .and_then(|sample| sample.pinhole(reading))

@@ -63,6 +63,8 @@ impl Sample {
     }
 
     pub(super) fn packet(&self) -> Result<[u8; PACKET], String> {
+        // Byte 0 the type, 1 the camera, 2 to 19 six numbers of three bytes, 20 to 22 the zoom, 23
+        // to 25 the focus, 26 and 27 free, 28 the check sum. What is not known stays 0.
         let mut bytes = [0; PACKET];
         (bytes[0], bytes[1]) = (D1, CAMERA);
         let places = self
@@ -76,11 +78,13 @@ impl Sample {
             .chain(places);
         for (index, (value, unit)) in steps.enumerate() {
             let value = value.round();
+            // Wrapped around it would be another camera. Angles within ±180° always fit.
             if !(value.abs() <= MAX_S24) {
                 return Err(format!(
                     "{value} steps ({unit}) are more than 24 bits hold (±131 m)"
                 ));
             }
+            // The lower three bytes of a two's complement are that of 24 bits, as the value fits.
             bytes[2 + 3 * index..5 + 3 * index].copy_from_slice(&(value as i32).to_be_bytes()[1..]);
         }
         bytes[20..23].copy_from_slice(&(self.zoom_raw as u32).to_be_bytes()[1..]);
@@ -98,6 +102,7 @@ impl Sample {
         if packet[0] != D1 {
             return Err(not_a_packet(format!("it begins with {:#04x}", packet[0])));
         }
+        // A lost byte shifts all that follow; the sum finds it at the first wrong packet.
         let sum = checksum(packet);
         if sum != packet[PACKET - 1] {
             return Err(not_a_packet(format!(

@@ -23,11 +23,13 @@ impl Zoom {
                 100.0 * focal_px * sensor / f64::from(size.width)
             }
             Self::Table(table) => {
+                // The table the other way round.
                 between(table.iter().map(|(raw, focal)| (*focal, *raw)), focal_px).ok_or_else(
                     || format!("the focal length {focal_px} px is not within the zoom table"),
                 )?
             }
         };
+        // A packet has whole numbers of 24 bits without a sign.
         let raw = raw.round();
         if (0.0..=MAX_U24).contains(&raw) {
             Ok(raw)
@@ -67,10 +69,13 @@ impl Zoom {
 /// descending. None outside the table.
 fn between(table: impl Iterator<Item = (f64, f64)>, at: f64) -> Option<f64> {
     let mut rows: Vec<(f64, f64)> = table.collect();
+    // Either column may fall along the table, so that the rows are put in order for the column that
+    // is searched.
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let pair = rows
         .windows(2)
         .find(|pair| pair[0].0 <= at && at <= pair[1].0)?;
+    // Two rows of one value divide by zero; then the first of them counts.
     let share = (at - pair[0].0) / (pair[1].0 - pair[0].0);
     Some(if share.is_finite() {
         pair[0].1 + share * (pair[1].1 - pair[0].1)

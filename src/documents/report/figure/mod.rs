@@ -2,8 +2,9 @@
 //!
 //! A [`Figure`] is laid out once into a few kinds of shapes. [`Figure::to_svg`] writes these, and
 //! [`Figure::to_png`] rasterises them, so that both files agree. Text is drawn as outlines of the
-//! program's own typeface in both. Neither needs a system font or a GPU. Colours are those of Okabe and Ito, which remain distinct with colour vision deficiency.
-//! Marks and dashes differ as well, for printing in grey.
+//! program's own typeface in both. Neither needs a system font or a GPU. Colours are those of Okabe
+//! and Ito, which remain distinct with colour vision deficiency. Marks and dashes differ as well,
+//! for printing in grey.
 //!
 //! Why not `plotters` 0.3? Two of the figures were drawn with it for comparison. Its bitmaps do not
 //! smooth wide lines and round every coordinate to a pixel, its SVG has integer coordinates only,
@@ -65,8 +66,8 @@ pub struct Series {
     /// Its points.
     pub points: Vec<[f64; 2]>,
     /// Error bars: low and high end for each point. Empty for none. An end beyond the axis is drawn
-    /// open, such as a low end that is not positive on a logarithmic axis; a bar with an end that is
-    /// NaN is not drawn.
+    /// open, such as a low end that is not positive on a logarithmic axis; a bar with an end that
+    /// is NaN is not drawn.
     pub bars: Vec<[f64; 2]>,
     /// The mark at each point.
     pub mark: Mark,
@@ -191,6 +192,9 @@ impl Series {
             .filter(|value| value.is_finite())
             .collect();
         sorted.sort_by(f64::total_cmp);
+        // Each value has two points, at the share before and after it, which gives a vertical step.
+        // Values that are not finite have none, but are among `of`. Without a case, the share is
+        // zero, not NaN.
         let share = |count: usize| count as f64 / of.max(1) as f64;
         let steps = sorted.iter().enumerate();
         let points = steps

@@ -1,10 +1,10 @@
 //! A drawing as SVG.
 //!
-//! Text is drawn as outlines, so that a viewer without the typeface shows the same figure. Each glyph
-//! that occurs is defined once, in font units: they are integers, apart from some halves, and one
-//! definition serves all sizes and both directions. A glyph's id is its number in the typeface, so
-//! figures that share an HTML page agree about it. The text itself is the label of its group, for
-//! screen readers.
+//! Text is drawn as outlines, so that a viewer without the typeface shows the same figure. Each
+//! glyph that occurs is defined once, in font units: they are integers, apart from some halves, and
+//! one definition serves all sizes and both directions. A glyph's id is its number in the typeface,
+//! so figures that share an HTML page agree about it. The text itself is the label of its group,
+//! for screen readers.
 
 use super::FigureError;
 use super::shape::{Drawing, Rgb, Shape};
@@ -17,6 +17,7 @@ use touchline_core::geometry::{decimal, xml_text};
 /// The SVG document of a drawing. `title` names it for screen readers.
 pub fn write(drawing: &Drawing, title: &str) -> Result<String, FigureError> {
     let typeface = Typeface::load()?;
+    // Shapes first: they show which glyphs have to be defined above them.
     let mut shapes = String::new();
     let mut glyphs = BTreeSet::new();
     for shape in &drawing.shapes {
@@ -106,6 +107,8 @@ fn write_shape(
             anchor,
             upright,
         } => {
+            // The group's transform leads from font units to px, so that glyphs are used unscaled.
+            // It needs more decimals than a position, because hundreds of units multiply it.
             let line = typeface.place_glyphs(text, *size, *anchor);
             let [x, y] = at.map(number);
             let turn = if *upright { " rotate(-90)" } else { "" };
@@ -135,11 +138,11 @@ fn uses(line: &TextLine, typeface: &Typeface, glyphs: &mut BTreeSet<GlyphId>) ->
 }
 
 /// The path of an outline, in relative commands, which have fewer digits than absolute ones.
-fn path(strokes: &[OutlineSegment]) -> String {
+fn path(segments: &[OutlineSegment]) -> String {
     let mut out = String::new();
     let mut from = [0; 2];
-    for stroke in strokes {
-        let (command, points) = match *stroke {
+    for segment in segments {
+        let (command, points) = match *segment {
             OutlineSegment::Begin(to) => ('m', vec![to]),
             OutlineSegment::Line(to) => ('l', vec![to]),
             OutlineSegment::Quad(a, to) => ('q', vec![a, to]),

@@ -22,6 +22,8 @@ impl Ruler {
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
         let usable = values
             .filter(|value| value.is_finite() && (axis.scale == Scale::Linear || *value > 0.0));
+        // Values that the axis cannot show do not widen it. Without any value it still has a range,
+        // one that both scales can show.
         let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
             (low.min(v), high.max(v))
         });
@@ -69,11 +71,14 @@ impl Ruler {
         } else {
             ((from / step).floor() * step, (to / step).ceil() * step)
         };
-        // As many decimals as the step needs.
+        // As many decimals as the step needs: its only digit, 1, 2 or 5, stands at
+        // 10^floor(log10).
         let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
         // Tolerance for rounding: a tick mark at either end of the range is included.
         let first = (from / step - 1e-9).ceil() as i64;
         let last = (to / step + 1e-9).floor() as i64;
+        // Each value is a multiple of the step, not a sum, so that rounding does not add up. The
+        // label of zero never has a sign.
         let ticks = (first..=last).map(|number| {
             let value = number as f64 * step;
             (
@@ -92,6 +97,7 @@ impl Ruler {
     /// A logarithmic ruler. Unless the range is fixed, it is extended to 1, 2 or 5 times a power of
     /// ten.
     fn log(from: f64, to: f64, fixed: bool) -> Self {
+        // A single value gets two octaves around it.
         let (from, to) = if from < to {
             (from, to)
         } else {
@@ -111,6 +117,7 @@ impl Ruler {
             &[1.0]
         };
         let stride = (decades / 6.0).ceil().max(1.0) as i32;
+        // One power more on either side than needed; what lies outside the range is left out below.
         let powers = from.log10().floor() as i32..=to.log10().ceil() as i32;
         let ticks = powers
             .filter(|power| power.rem_euclid(stride) == 0)
@@ -146,6 +153,7 @@ impl Ruler {
 
 /// The number of the form 1, 2 or 5 times a power of ten that is nearest by ratio.
 fn nice_step(rough: f64) -> f64 {
+    // 10 stands for 1 of the next power, which may be nearer.
     let power = 10f64.powf(rough.log10().floor());
     let off = |factor: &f64| (factor * power / rough).ln().abs();
     [1.0, 2.0, 5.0, 10.0]

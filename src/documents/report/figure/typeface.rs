@@ -67,6 +67,8 @@ impl Typeface {
             glyphs.push(PlacedGlyph { id, x: width });
             width += f64::from(self.font.h_advance_unscaled(id));
         }
+        // The anchor needs the width of the whole text. Advances alone are added: the typeface's
+        // kerning is not applied, in SVG and PNG alike.
         let start = match anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => -width / 2.0,
@@ -86,10 +88,10 @@ impl Typeface {
     /// The outline of a glyph; empty for a space.
     pub fn outline(&self, glyph: GlyphId) -> Vec<OutlineSegment> {
         let curves = self.font.outline(glyph).map(|outline| outline.curves);
-        let mut strokes = Vec::new();
+        let mut segments = Vec::new();
         let mut end = None;
         for curve in curves.unwrap_or_default() {
-            let (from, stroke, to) = match curve {
+            let (from, segment, to) = match curve {
                 OutlineCurve::Line(a, b) => (a, OutlineSegment::Line(flip_y(b)), b),
                 OutlineCurve::Quad(a, b, c) => (a, OutlineSegment::Quad(flip_y(b), flip_y(c)), c),
                 OutlineCurve::Cubic(a, b, c, d) => {
@@ -97,17 +99,17 @@ impl Typeface {
                 }
             };
             // The font's contours are closed by a line, which often has no length.
-            if matches!(stroke, OutlineSegment::Line(_)) && from == to {
+            if matches!(segment, OutlineSegment::Line(_)) && from == to {
                 continue;
             }
             // A curve that does not start where the last one ended begins a new contour.
             if end != Some(from) {
-                strokes.push(OutlineSegment::Begin(flip_y(from)));
+                segments.push(OutlineSegment::Begin(flip_y(from)));
             }
-            strokes.push(stroke);
+            segments.push(segment);
             end = Some(to);
         }
-        strokes
+        segments
     }
 }
 

@@ -96,6 +96,8 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
         Steps::Ignored => None,
     };
     match content.pending(&hash) {
+        // A newer journal may have edits that would be lost if the document were opened without
+        // them.
         Pending::Newer { version } => return Err(StoreError::NewerJournal { path, version }),
         Pending::OtherDocument { edits } => {
             recovery.foreign_edits = edits;

@@ -13,6 +13,8 @@ impl DocumentStore for Store {
     }
 
     fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError> {
+        // The edits of the deleted journal are only in memory: after them, these would not fit any
+        // document on the disk.
         if self.needs_whole {
             return Err(StoreError::Gone {
                 path: self.location.journal(),
@@ -33,6 +35,8 @@ impl DocumentStore for Store {
             return Ok(None);
         }
         let (theirs, _) = read_document(&self.location)?;
+        // Before its first write a new document has no state in common with a file that others
+        // made.
         let base = match (&self.opened, &self.written) {
             (Some(opened), Some((written, _))) => common_base(opened, written, &theirs),
             _ => theirs.clone(),

@@ -73,6 +73,7 @@ impl Store {
     /// # Errors
     /// Another program has it open, or it cannot be written.
     pub fn replace(location: &Location, document: &Document) -> Result<Self, StoreError> {
+        // The lock comes first, so that no other program has the document open below.
         let lock = lock_or_fail(location)?;
         let path = location.journal();
         set_orphan_aside(&path)?;
@@ -142,6 +143,7 @@ impl Store {
         document: &Document,
         history: &History<Document>,
     ) -> Result<Option<PathBuf>, StoreError> {
+        // Their version is copied before anything else, so that no failure below can lose it.
         let path = self.location.file().to_path_buf();
         let (mut kept, mut theirs) = (None, None);
         let on_disk = self.hash_on_disk()?;
@@ -235,6 +237,7 @@ impl Store {
             let backup = self.location.backup();
             keep_backup(path, &backup)
                 .map_err(|source| StoreError::from_io("write", &backup, source))?;
+            // A file that cannot be read any more counts as replaced, and is not overwritten.
             let is_written = self.write_text(&text, &|| {
                 self.hash_on_disk().ok().flatten().as_ref() != on_disk
             });
@@ -244,6 +247,8 @@ impl Store {
                 });
             }
         }
+        // From here on the document is on the disk. A new one has no earlier state: it counts as
+        // opened in the state that is written first.
         self.opened.get_or_insert_with(|| document.clone());
         self.written = Some((document.clone(), hash.clone()));
         (self.behind, self.needs_whole) = (false, false);
@@ -272,7 +277,8 @@ impl Store {
     /// Restores the journal and the lock if they were deleted, or if the folder was moved away and
     /// a folder of that name exists again.
     fn settle_again(&mut self) -> Result<(), StoreError> {
-        if self.journal.is_in_place() {
+        let has_journal = self.journal.is_in_place();
+        if has_journal && self.lock.is_in_place() {
             return Ok(());
         }
         let folder = self.location.folder();
@@ -281,8 +287,13 @@ impl Store {
                 path: folder.to_path_buf(),
             });
         }
+        // Without its file the lock keeps no other program out. If another one has locked the
+        // document since, the journal is its own, too, and nothing may be written.
         if !self.lock.is_in_place() {
             self.lock = lock_or_fail(&self.location)?;
+        }
+        if has_journal {
+            return Ok(());
         }
         let path = self.location.journal();
         // The edits of the deleted journal are in memory only, so the next write must be a whole
@@ -316,8 +327,11 @@ impl Drop for Store {
     fn drop(&mut self) {
         let path = self.location.journal();
         // A journal with edits may be removed if the own version beside the document contains them.
+        // This comes before the lock is dropped. Without the lock's file, the journal may belong to
+        // another program.
         let is_kept = self.own.as_ref().is_some_and(|own| own.is_whole);
         if (!self.behind || is_kept)
+            && self.lock.is_in_place()
             && self.journal.is_in_place()
             && let Err(error) = fs::remove_file(&path)
         {
@@ -328,6 +342,7 @@ impl Drop for Store {
 
 /// Whether a write failed because there is no room.
 fn is_disk_full(error: &io::Error) -> bool {
+    // A quota is a full disk for this user: there, too, a smaller history makes room.
     matches!(
         error.kind(),
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded

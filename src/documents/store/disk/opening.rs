@@ -48,6 +48,7 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     let location = Location::find(path)?;
     let lock = match lock(&location) {
         Ok(lock) => lock,
+        // Read-only, nothing can be undone, so that the steps need not be read.
         Err(reason) => {
             let Contents {
                 document, recovery, ..
@@ -62,6 +63,7 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
             });
         }
     };
+    // Read under the lock: no other instance can write between this and the first own write.
     let contents = read_contents(&location, Steps::Wanted)?;
     let Contents {
         document,

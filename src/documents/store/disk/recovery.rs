@@ -50,6 +50,7 @@ impl Recovery {
             ));
         }
         if let Some((name, left_out)) = &self.misfit {
+            // The number counts the edit itself, so it is at least 1.
             let others = match left_out - 1 {
                 0 => "it is".to_owned(),
                 1 => "it and 1 edit after it are".to_owned(),

@@ -32,6 +32,7 @@ pub fn write_document(
         });
     }
     // A journal or a lock means that the file is, or was, open in the program: take the lock.
+    // Otherwise no lock is left behind beside a result that is never opened for writing.
     if location.journal().exists() || location.lock().exists() {
         return Store::replace(location, document).map(drop);
     }
@@ -62,6 +63,8 @@ pub fn write_document(
 /// # Errors
 /// The document is open in another program, or cannot be written.
 pub fn refuse_open(path: &Path) -> Result<(), StoreError> {
+    // What does not exist is open nowhere. A lock file alone proves nothing, because a killed
+    // process leaves one: only an attempt to lock it shows whether another process has it.
     let Ok(location) = Location::find(path) else {
         return Ok(());
     };

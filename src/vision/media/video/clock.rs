@@ -35,13 +35,15 @@ impl FrameClock {
     pub fn index_at(&self, pts_s: f64) -> Option<usize> {
         match self {
             Self::Even { first_s, fps } => {
+                // In units of the frame spacing. Comparisons with NaN are false, so a time that is
+                // not a number has no frame.
                 let slot = (pts_s - first_s) * fps;
                 let nearest = slot.round();
                 ((slot - nearest).abs() <= TOLERANCE && nearest >= 0.0).then_some(nearest as usize)
             }
             Self::Listed(times) => {
                 // The nearest of the two neighbours, accepted within a share of the smaller gap
-                // beside it.
+                // beside it. A single frame has no gap and is accepted at any time.
                 let after = times.partition_point(|&time| time < pts_s);
                 let nearest = [after.checked_sub(1), Some(after)]
                     .into_iter()
@@ -56,7 +58,7 @@ impl FrameClock {
                     nearest
                         .checked_sub(1)
                         .map(|before| times[nearest] - times[before]),
-                    { times.get(nearest + 1).map(|next| next - times[nearest]) },
+                    times.get(nearest + 1).map(|next| next - times[nearest]),
                 ]
                 .into_iter()
                 .flatten()

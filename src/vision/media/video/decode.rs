@@ -56,6 +56,8 @@ impl Video {
         let Survey { video, capture } = find_or_survey(path, backend, progress, |progress| {
             survey(path, backend, progress)
         })?;
+        // After a survey the capture is somewhere in the video, after an earlier one before its
+        // first frame. With an unknown position the first access seeks in both cases.
         Ok(Self {
             player: Player {
                 capture,
@@ -85,6 +87,8 @@ impl Video {
                 frames: self.info.decoded_frames,
             });
         }
+        // The survey compared and examined the pictures as they are stored, so fields are separated
+        // here, above the player.
         self.player.go_to(&self.info, index)?;
         let picture = self.player.capture.picture(index)?;
         Ok(if self.info.interlaced {

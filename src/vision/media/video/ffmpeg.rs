@@ -37,6 +37,7 @@ pub(super) struct Ffmpeg {
 
 /// The programs; `None` if one of them cannot be run.
 pub(super) fn ffmpeg() -> Option<&'static Ffmpeg> {
+    // Once per process, because starting the two programs takes time.
     static FFMPEG: LazyLock<Option<Ffmpeg>> = LazyLock::new(|| {
         let version = stated_version(&version_text("ffmpeg")?)?;
         version_text("ffprobe")?;
@@ -129,6 +130,8 @@ impl FfmpegCapture {
 
     /// Reads the next frame and its time; false at the end.
     fn read_frame(&mut self) -> io::Result<bool> {
+        // The process starts with the first read after a seek, so that seeks in a row start only
+        // one.
         let decoder = match &mut self.decoder {
             Some(decoder) => decoder,
             none => none.insert(Decoder::start(
@@ -170,6 +173,7 @@ impl Capture for FfmpegCapture {
     }
 
     fn restart(&mut self) -> Result<(), MediaError> {
+        // Dropping the decoder ends its process.
         (self.decoder, self.start_s, self.time_s) = (None, None, None);
         Ok(())
     }
@@ -209,7 +213,8 @@ impl Decoder {
         output: Output,
         start_s: Option<f64>,
     ) -> io::Result<Self> {
-        // `-ss` counts from the start of the file, which is that of its earliest stream.
+        // `-ss` counts from the start of the file, which is that of its earliest stream. Before the
+        // input it seeks to a key frame and decodes from there, without output up to the position.
         let from_s = start_s
             .map(|start_s| start_s + stream.late_s)
             .filter(|&from_s| from_s > 0.0);
@@ -219,7 +224,10 @@ impl Decoder {
             Output::Pictures => format!("scale={width}:{height}:flags=bicubic,format=rgba"),
             Output::Times => "crop=2:2:0:0,format=gray".to_owned(),
         };
-        // The filter prints only frames with some metadata, so one key is added to each.
+        // The filter prints only frames with some metadata, so one key is added to each. Unbuffered
+        // (`direct`), so that a stamp is in its pipe before the pixels are. The colon is escaped
+        // for the filter and once more for the graph of filters. Stamps come before scaling or
+        // cropping.
         let stamp =
             "metadata=mode=add:key=t:value=0,metadata=mode=print:key=t:direct=1:file=pipe\\\\:2";
         let mut command = Command::new("ffmpeg");
@@ -268,6 +276,8 @@ impl Decoder {
     /// The time stamp of the frame whose pixels were read last, in steps of the stream's time base;
     /// `None` if it has none. Its line is written before the pixels, so this does not block.
     fn read_time_stamp(&mut self) -> io::Result<Option<i64>> {
+        // The filter prints two lines for each frame, the stamp and the key. Whatever is not a
+        // stamp is skipped, UTF-8 or not.
         loop {
             self.line.clear();
             if self.times.read_until(b'\n', &mut self.line)? == 0 {

@@ -36,6 +36,9 @@ impl Stream {
             reader: "ffprobe".to_owned(),
             reason: error.to_string(),
         })?;
+        // Both a failure that `ffprobe` states by its exit code and an output without a video mean
+        // that the file is none; only a program that does not run or end is a failure of the
+        // reader.
         let described = output.and_then(|output| Self::from_properties(&Properties::read(&output)));
         described.ok_or_else(|| MediaError::NotAVideo {
             path: path.to_path_buf(),
@@ -62,6 +65,7 @@ impl Stream {
         let [mean, nominal] =
             ["avg_frame_rate", "r_frame_rate"].map(|name| stream(name).and_then(ratio));
         let fps = mean.or(nominal).unwrap_or(25.0);
+        // Matroska states no duration of the stream, only of the file, and no number of frames.
         let duration_s = stream("duration")
             .and_then(finite_number)
             .or_else(|| properties.file_property("duration").and_then(finite_number));
@@ -100,6 +104,8 @@ pub(super) fn count_packets(
     let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
     let mut command = probe_command("packet=size");
     command.arg(file).stderr(Stdio::null());
+    // No count is no failure: the survey then decodes all frames. If `count` stops it, the process
+    // ends as it is dropped.
     let Ok(mut process) = Process::start(&mut command) else {
         return Ok(None);
     };
@@ -117,6 +123,8 @@ pub(super) fn count_packets(
 
 /// An `ffprobe` command for some entries of a file's first video stream, one per line.
 fn probe_command(entries: &str) -> Command {
+    // A video may be a playlist that names other files or addresses: only files are followed. `V`
+    // leaves out streams that are cover pictures.
     let mut command = Command::new("ffprobe");
     command
         .args([
@@ -170,6 +178,7 @@ impl Properties {
 
     /// Counterclockwise rotation to apply to the frames, degrees.
     fn rotation_deg(&self) -> i64 {
+        // The number of the side data in the key differs from file to file.
         let rotation = self.0.iter().find(|(key, _)| key.ends_with(".rotation"));
         rotation
             .and_then(|(_, degrees)| degrees.parse().ok())

@@ -49,6 +49,8 @@ impl Examination {
         path: &Path,
         progress: &Progress<'_, CountProgress>,
     ) -> Result<Option<SurveyedVideo>, MediaError> {
+        // Waits with a timeout instead of until `changed`, so that progress and cancellation are
+        // served meanwhile; a spurious wake-up only goes round once more.
         loop {
             let mut state = lock(&self.state);
             match &*state {
@@ -70,7 +72,12 @@ impl Examination {
                 None
             };
             drop(state);
-            if counted.is_some_and(|counted| progress.report(counted).is_break()) {
+            // A survey of a constant rate may have counted nothing yet.
+            let is_cancelled = counted.map_or_else(
+                || progress.is_cancelled(),
+                |counted| progress.report(counted).is_break(),
+            );
+            if is_cancelled {
                 return Err(MediaError::Stopped {
                     path: path.to_path_buf(),
                 });
@@ -124,6 +131,8 @@ pub(super) fn find_or_survey(
     progress: &Progress<'_, CountProgress>,
     survey: impl FnOnce(&Progress<'_, CountProgress>) -> Result<Survey, MediaError>,
 ) -> Result<Survey, MediaError> {
+    // The state is read before the survey: a file that changes during it has another state when it
+    // is opened next, and is surveyed again.
     let Some(file) = FileState::read(path, backend) else {
         return survey(progress);
     };
@@ -147,6 +156,8 @@ pub(super) fn find_or_survey(
 
 /// The cache entry of a file, moved to the end of the list.
 fn examination(file: FileState) -> Arc<Examination> {
+    // The list is locked only for the look-up; a survey in progress has a lock of its own. Threads
+    // that wait for one keep it by their `Arc`, even if it has left the list.
     let mut all = lock(&KNOWN);
     let of_file = match all.iter().position(|(known, _)| *known == file) {
         Some(at) => all.remove(at),
@@ -161,4 +172,28 @@ fn examination(file: FileState) -> Arc<Examination> {
 /// The state is replaced in one assignment, so it is consistent even after a panic.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn a_thread_that_waits_for_a_survey_without_a_count_can_be_cancelled() {
+        let path = Path::new("match.mp4");
+        let progress = Progress::new(|_: CountProgress| ControlFlow::Break(()));
+        let step = CountProgress {
+            path: Arc::from(path),
+            counted: 0,
+            stated: 0,
+        };
+        assert!(progress.report(step).is_break());
+        let elsewhere = Examination {
+            state: Mutex::new(State::UnderWay(None)),
+            ..Examination::default()
+        };
+        let waited = elsewhere.find_or_start(path, &progress);
+        assert!(matches!(waited, Err(MediaError::Stopped { .. })));
+    }
 }

@@ -86,6 +86,7 @@ impl OpenCvCapture {
         // A time of 0 is real for the very first frame only; see the module.
         let is_known = time_ms.is_finite() && (time_ms != 0.0 || self.is_fresh);
         self.is_fresh = false;
+        // Remnants after a damaged frame have times that go back; a frame of unknown time passes.
         self.time_s = is_known.then_some(time_ms / 1000.0);
         let is_new = self.time_s.is_none_or(|time_s| time_s > self.latest_s);
         self.latest_s = self
@@ -103,6 +104,8 @@ impl OpenCvCapture {
         let Some(bytes) = byte_count(size) else {
             return Ok(None);
         };
+        // The target is a view of `rgba`, so that OpenCV converts into the picture's own memory; it
+        // ends before the picture takes it.
         let mut rgba = vec![0; bytes];
         {
             let code = if self.bgr.channels() == 1 {
@@ -135,6 +138,8 @@ impl Capture for OpenCvCapture {
     }
 
     fn grab(&mut self) -> Result<bool, MediaError> {
+        // OpenCV reports a damaged frame as it reports the end; only many failures in a row are the
+        // end.
         Ok((0..MAX_FAILURES).any(|_| self.inner.grab().unwrap_or(false) && self.note_time()))
     }
 
@@ -181,16 +186,8 @@ fn read_properties(inner: &VideoCapture) -> StatedProperties {
         size: ImageSize::new(width, height),
         rotation_deg: (property(inner, videoio::CAP_PROP_ORIENTATION_META) as i64).rem_euclid(360)
             as u32,
-        fps: if fps.is_finite() && fps > 0.0 {
-            fps
-        } else {
-            25.0
-        },
-        frames: if frames.is_finite() && frames > 0.0 {
-            frames as usize
-        } else {
-            0
-        },
+        fps: positive(fps).unwrap_or(25.0),
+        frames: positive(frames).map_or(0, |frames| frames as usize),
         pixel_aspect: if across > 0.0 && down > 0.0 {
             across / down
         } else {
@@ -199,6 +196,12 @@ fn read_properties(inner: &VideoCapture) -> StatedProperties {
     }
 }
 
+/// A number, unless it is infinite, NaN or not positive.
+fn positive(number: f64) -> Option<f64> {
+    Some(number).filter(|number| number.is_finite() && *number > 0.0)
+}
+
+/// A property; NaN if OpenCV does not have it.
 fn property(inner: &VideoCapture, id: i32) -> f64 {
     inner.get(id).unwrap_or(f64::NAN)
 }

@@ -20,32 +20,22 @@ pub(super) struct Player {
     pub(super) preroll: usize,
 }
 
-/// The result of reading on.
+/// The result of reading on, by one frame or several.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum ReadOutcome {
     /// The frame of this index.
     At(usize),
-    /// Frames whose times fit no index.
+    /// A frame with a time that fits no index; of several, too many in a row.
     OffBeat,
     /// The end of the video.
-    End,
-}
-
-/// The next frame.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Advance {
-    /// The frame of this index.
-    To(usize),
-    /// A frame whose time fits no index.
-    OffBeat,
-    /// None: the end of the video.
     End,
 }
 
 impl Player {
     /// Makes `target` the last frame grabbed.
     pub(super) fn go_to(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
-        // Read on if the target is a little ahead; otherwise seek.
+        // Read on if the target is a little ahead; otherwise seek. A seek with a run-up costs the
+        // run-up, so that reading on pays up to that distance; a run-up without end never seeks.
         let farthest = READ_ON_FRAMES.max(self.preroll);
         if self
             .position
@@ -92,30 +82,33 @@ impl Player {
         info: &VideoInfo,
         mut look: impl FnMut(&mut dyn Capture, usize),
     ) -> Result<Option<usize>, MediaError> {
+        // The last index is recorded here, because the end of the video clears the position.
         let mut last = self.position;
         loop {
             match self.advance(info)? {
-                Advance::To(index) => {
+                ReadOutcome::At(index) => {
                     look(&mut *self.capture, index);
                     last = Some(index);
                 }
-                Advance::OffBeat => return Ok(None),
-                Advance::End => return Ok(last),
+                ReadOutcome::OffBeat => return Ok(None),
+                ReadOutcome::End => return Ok(last),
             }
         }
     }
 
     /// Reads on until `target` or a frame after it.
     fn read_on_to(&mut self, info: &VideoInfo, target: usize) -> Result<ReadOutcome, MediaError> {
+        // A single frame off the beat may be a remnant after a seek or a damaged part; several in a
+        // row mean that the clock is wrong.
         let mut off_beat = 0;
         while off_beat < OFF_BEAT_FRAMES {
             if let Some(at) = self.position.filter(|&at| at >= target) {
                 return Ok(ReadOutcome::At(at));
             }
             off_beat = match self.advance(info)? {
-                Advance::To(_) => 0,
-                Advance::OffBeat => off_beat + 1,
-                Advance::End => return Ok(ReadOutcome::End),
+                ReadOutcome::At(_) => 0,
+                ReadOutcome::OffBeat => off_beat + 1,
+                ReadOutcome::End => return Ok(ReadOutcome::End),
             };
         }
         Ok(ReadOutcome::OffBeat)
@@ -124,12 +117,14 @@ impl Player {
     /// Seeks to a frame at or before `target`. If the time stamp shows that it landed after it,
     /// starts twice as far back, and in the end at the very beginning.
     fn jump_before(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
+        // A run-up of `usize::MAX` (seeks do not reproduce the pictures) leaves no start, nor does
+        // a target near the beginning: both go to the first frame, which is exact.
         let mut back = self.preroll;
         while let Some(start) = target.checked_sub(back).filter(|&start| start > 0) {
             self.position = None;
             if let Some(start_s) = info.clock.pts_s(start) {
                 self.capture.jump_near(start_s);
-                if matches!(self.advance(info)?, Advance::To(landed) if landed <= target) {
+                if matches!(self.advance(info)?, ReadOutcome::At(landed) if landed <= target) {
                     return Ok(());
                 }
             }
@@ -156,17 +151,19 @@ impl Player {
 
     /// Grabs the next frame and determines its index: by its time, or by counting if the time is
     /// unknown.
-    fn advance(&mut self, info: &VideoInfo) -> Result<Advance, MediaError> {
+    fn advance(&mut self, info: &VideoInfo) -> Result<ReadOutcome, MediaError> {
         if !self.capture.grab()? {
             self.position = None;
-            return Ok(Advance::End);
+            return Ok(ReadOutcome::End);
         }
+        // Frames without a time of their own are counted. After a seek the position is unknown, and
+        // such a frame has no index.
         let counted = self.position.map(|at| at + 1);
         self.position = self
             .capture
             .time_s()
             .map_or(counted, |time_s| info.clock.index_at(time_s));
-        Ok(self.position.map_or(Advance::OffBeat, Advance::To))
+        Ok(self.position.map_or(ReadOutcome::OffBeat, ReadOutcome::At))
     }
 }
 

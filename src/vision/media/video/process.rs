@@ -58,14 +58,16 @@ impl Process {
     #[cfg(unix)]
     pub fn wait(&mut self) -> io::Result<ExitStatus> {
         use rustix::event::{Timespec, poll};
+        use rustix::io::retry_on_intr;
         const INTERVAL: Duration = Duration::from_millis(5);
         let interval = Timespec::try_from(INTERVAL).map_err(io::Error::other)?;
         for _ in 0..self.patience.as_millis() / INTERVAL.as_millis() {
             if let Some(status) = self.child.try_wait()? {
                 return Ok(status);
             }
-            // Nothing to poll: this only passes the time.
-            poll(&mut [], Some(&interval))?;
+            // Nothing to poll: this only passes the time. A signal, such as Ctrl-C, interrupts it
+            // and is no failure of the process.
+            retry_on_intr(|| poll(&mut [], Some(&interval)))?;
         }
         Err(io::Error::other(format!(
             "it gave all its output and did not end for {} s",
@@ -132,7 +134,8 @@ impl<R: Read + std::os::fd::AsFd> Read for Patient<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         use rustix::event::{PollFd, PollFlags, Timespec, poll};
         let patience = Timespec::try_from(self.patience).map_err(io::Error::other)?;
-        // Wait for data with a timeout: a plain read would block forever if the process hangs.
+        // Wait for data with a timeout: a plain read would block forever if the process hangs. The
+        // end of the output counts as data. Callers of `Read` repeat what a signal interrupts.
         let ready = poll(
             &mut [PollFd::new(&self.pipe, PollFlags::IN)],
             Some(&patience),

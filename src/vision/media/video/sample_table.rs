@@ -46,16 +46,17 @@ fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> 
             1 => big_endian(&head[8..16]),
             length => length,
         };
+        // Shorter than its own head: damaged; longer than the file: cut off.
         if length < 8 || length > bytes - at {
             return Ok(None);
         }
         let kept = match &head[4..8] {
             b"moof" => return Ok(None),
-            b"ftyp" => &mut kind_of_file,
-            b"moov" => &mut index,
-            _ => &mut None,
+            b"ftyp" => Some(&mut kind_of_file),
+            b"moov" => Some(&mut index),
+            _ => None,
         };
-        if matches!(&head[4..8], b"ftyp" | b"moov") {
+        if let Some(kept) = kept {
             if length > MOST_BYTES {
                 return Ok(None);
             }

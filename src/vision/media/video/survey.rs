@@ -32,7 +32,7 @@ const LONG_LEAD_FRAMES: usize = 640;
 const PREROLL_FRAMES: usize = 300;
 /// Distance from the end at which the search for the last frame begins.
 const TAIL_FRAMES: usize = 64;
-/// A decoder holds back at most this many frames to show them in order (H.264, annex A.3.1:
+/// A decoder keeps back at most this many frames to show them in order (H.264, annex A.3.1:
 /// `MaxDpbFrames`).
 const REORDERED_FRAMES: usize = 16;
 /// Number of frames counted between two progress reports.
@@ -52,7 +52,7 @@ pub(super) struct Survey {
     pub(super) capture: Box<dyn Capture>,
 }
 
-/// The result of a survey. It holds for as long as the file does not change.
+/// The result of a survey. It is valid for as long as the file does not change.
 #[derive(Clone)]
 pub(super) struct SurveyedVideo {
     pub(super) info: VideoInfo,
@@ -79,6 +79,7 @@ pub(super) fn survey(
     backend: VideoBackend,
     progress: &Progress<'_, CountProgress>,
 ) -> Result<Survey, MediaError> {
+    // Text is refused before a backend reads it, and the stated size before a frame is decoded.
     let container = container_of(path)?;
     let described = DescribedVideo::new(path, backend)?;
     let mut capture = described.open(path)?;
@@ -139,7 +140,8 @@ pub(super) fn survey(
     let mut combed = at_the_start.count();
 
     if lead.is_whole {
-        // A short video was played as a whole; its times are known.
+        // A short video was played as a whole; its times are known. An even clock is preferred
+        // where it fits, for it stores no list.
         if deviation_s > ROUNDED_S {
             info.clock = clock_from_times(&lead.times_s, first_s, info.fps);
         }
@@ -178,6 +180,7 @@ pub(super) fn survey(
             } else {
                 play_through(described.open_times(path)?, &counter)?
             };
+            // All times may lie on the stated rate after all: then only the count was wrong.
             info.decoded_frames = times_s.len();
             if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
                 info.clock = clock_from_times(&times_s, first_s, info.fps);
@@ -264,6 +267,8 @@ fn play_lead(capture: &mut dyn Capture, frames: usize) -> Result<Lead, MediaErro
         size: None,
         is_whole: false,
     };
+    // The size is that of the first picture, since a container may state another. The samples are
+    // late in the lead, so that a seek to them has frames to skip.
     for index in 0..frames {
         if !capture.grab()? {
             lead.is_whole = true;
@@ -282,6 +287,7 @@ fn play_lead(capture: &mut dyn Capture, frames: usize) -> Result<Lead, MediaErro
 
 /// The largest deviation of the known times from a clock, s.
 fn deviation_s(clock: &FrameClock, times_s: &[Option<f64>]) -> f64 {
+    // Unknown times, as OpenCV has for the last frames, cannot deviate.
     let distances = times_s
         .iter()
         .enumerate()
@@ -344,9 +350,10 @@ fn count_to_the_end(
         }
     })?;
     // A missing frame near the end, as in a truncated file, would shift the count of those after
-    // it: the number read must equal the difference of the indices.
+    // it: the number read must equal the difference of the indices. Times that go back may even end
+    // at a smaller index.
     Ok(last
-        .filter(|&last| last - good == read)
+        .filter(|&last| last.checked_sub(good) == Some(read))
         .map(|last| last + 1))
 }
 
@@ -369,6 +376,8 @@ fn verified_sample_times_s(
     let Some(times_s) = table else {
         return Ok(None);
     };
+    // The table may list frames that the decoder drops, or in another order. So the first frames
+    // must have its times exactly, and seeks all over the video must land on a listed time.
     let clock = FrameClock::Listed(times_s.clone().into());
     let listed = VideoInfo {
         clock,
@@ -425,6 +434,8 @@ impl Counter<'_> {
 
 /// Whether seeking gives the same pictures as playing.
 fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture)]) -> bool {
+    // Backwards, and with the position forgotten, so that each one is a seek and none reads on.
+    // Equal to the last byte: a decoder that seeks correctly gives the same pixels.
     samples.iter().rev().all(|(index, played)| {
         player.position = None;
         player.go_to(info, *index).is_ok()
@@ -478,4 +489,90 @@ fn container_of(path: &Path) -> Result<Container, MediaError> {
         (Some(b"\x1a\x45\xdf\xa3"), ..) | (Some(b"RIFF"), _, Some(b"AVI ")) => Container::Indexed,
         _ => Container::Stream,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::capture::StatedProperties;
+    use super::*;
+
+    const SIZE: ImageSize = ImageSize::new(64, 36);
+
+    /// A video of which only the times matter.
+    struct Times {
+        times_s: Vec<f64>,
+        grabbed: usize,
+        stated: StatedProperties,
+    }
+
+    impl Capture for Times {
+        fn stated_properties(&self) -> &StatedProperties {
+            &self.stated
+        }
+
+        fn grab(&mut self) -> Result<bool, MediaError> {
+            let is_there = self.grabbed < self.times_s.len();
+            self.grabbed += usize::from(is_there);
+            Ok(is_there)
+        }
+
+        fn time_s(&self) -> Option<f64> {
+            self.times_s.get(self.grabbed.checked_sub(1)?).copied()
+        }
+
+        fn restart(&mut self) -> Result<(), MediaError> {
+            self.grabbed = 0;
+            Ok(())
+        }
+
+        fn jump_near(&mut self, time_s: f64) {
+            let at = self.times_s.iter().position(|at| *at > time_s - 1e-6);
+            self.grabbed = at.unwrap_or(self.times_s.len());
+        }
+
+        fn picture(&mut self, _: usize) -> Result<Picture, MediaError> {
+            Ok(Picture::with_colour(SIZE, [0; 4]))
+        }
+    }
+
+    #[test]
+    fn a_last_frame_whose_time_goes_back_is_not_counted_by_its_time() {
+        let info = VideoInfo {
+            path: Arc::from(Path::new("match.ts")),
+            size: SIZE,
+            rotation_deg: 0,
+            fps: 25.0,
+            stated_frames: 100,
+            decoded_frames: 32,
+            interlaced: false,
+            clock: FrameClock::Even {
+                first_s: 0.0,
+                fps: 25.0,
+            },
+            notices: Vec::new(),
+        };
+        for (last, expected) in [(60, Some(61)), (10, None)] {
+            let capture = Times {
+                times_s: (0..60)
+                    .chain([last])
+                    .map(|index| f64::from(index) / 25.0)
+                    .collect(),
+                grabbed: 0,
+                stated: StatedProperties {
+                    size: SIZE,
+                    rotation_deg: 0,
+                    fps: 25.0,
+                    frames: 100,
+                    pixel_aspect: 1.0,
+                },
+            };
+            let mut player = Player {
+                capture: Box::new(capture),
+                position: None,
+                preroll: 0,
+            };
+            let counted = count_to_the_end(&mut player, &info, &mut 0).unwrap();
+            assert_eq!(counted, expected, "the last frame has the time of {last}");
+        }
+    }
 }

@@ -36,6 +36,13 @@ pub enum ForestFileError {
     },
 }
 
+impl ForestFileError {
+    /// The error of a file that contradicts itself in this way.
+    pub(in crate::relocalize) const fn damaged(what: &'static str) -> Self {
+        Self::Damaged { what }
+    }
+}
+
 /// Minimum size of an item in bytes; a count is checked against the remaining bytes before memory
 /// is reserved.
 const NODE_BYTES: usize = 10;
@@ -47,7 +54,8 @@ const TREE_BYTES: usize = 16;
 pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
     write_u32(out, forest.trees.len() as u32);
     for tree in &forest.trees {
-        // Counts first, so that a reader can check the size before it reserves memory.
+        // Counts first, so that a reader can check the size before it reserves memory. They fit
+        // into 32 bits: training refuses more samples than a branch can index (`MAX_ITEMS`).
         write_u32(out, tree.root.0);
         write_u32(out, tree.nodes.len() as u32);
         write_u32(out, tree.leaf_ends.len() as u32);
@@ -94,9 +102,7 @@ impl<'a> Reader<'a> {
         let (taken, rest) = self
             .rest
             .split_at_checked(count)
-            .ok_or(ForestFileError::Damaged {
-                what: "it ends too early",
-            })?;
+            .ok_or(ForestFileError::damaged("it ends too early"))?;
         self.rest = rest;
         Ok(taken)
     }
@@ -121,9 +127,7 @@ impl<'a> Reader<'a> {
         if value.is_finite() {
             Ok(value)
         } else {
-            Err(ForestFileError::Damaged {
-                what: "a number is not finite",
-            })
+            Err(ForestFileError::damaged("a number is not finite"))
         }
     }
 
@@ -132,23 +136,18 @@ impl<'a> Reader<'a> {
         if value.is_finite() {
             Ok(value)
         } else {
-            Err(ForestFileError::Damaged {
-                what: "a ray is not finite",
-            })
+            Err(ForestFileError::damaged("a ray is not finite"))
         }
     }
 
-    /// Reads a number of items of at least `item_bytes` each, and checks that the rest can hold
-    /// them.
+    /// Reads a number of items of at least `item_bytes` each, and checks that so much data is left.
     pub(in crate::relocalize) fn count(
         &mut self,
         item_bytes: usize,
     ) -> Result<usize, ForestFileError> {
         let count = self.u32()? as usize;
         if count > self.rest.len() / item_bytes {
-            return Err(ForestFileError::Damaged {
-                what: "it ends too early",
-            });
+            return Err(ForestFileError::damaged("it ends too early"));
         }
         Ok(count)
     }
@@ -156,9 +155,8 @@ impl<'a> Reader<'a> {
     /// Reads text preceded by its length.
     pub(in crate::relocalize) fn text(&mut self) -> Result<&'a str, ForestFileError> {
         let length = self.count(1)?;
-        std::str::from_utf8(self.bytes(length)?).map_err(|_| ForestFileError::Damaged {
-            what: "text is not UTF-8",
-        })
+        std::str::from_utf8(self.bytes(length)?)
+            .map_err(|_| ForestFileError::damaged("text is not UTF-8"))
     }
 
     /// Checks that no bytes are left.
@@ -166,9 +164,7 @@ impl<'a> Reader<'a> {
         if self.rest.is_empty() {
             Ok(())
         } else {
-            Err(ForestFileError::Damaged {
-                what: "bytes are left over",
-            })
+            Err(ForestFileError::damaged("bytes are left over"))
         }
     }
 
@@ -176,9 +172,7 @@ impl<'a> Reader<'a> {
     pub(in crate::relocalize) fn forest(&mut self) -> Result<Forest, ForestFileError> {
         let count = self.count(TREE_BYTES)?;
         if count == 0 {
-            return Err(ForestFileError::Damaged {
-                what: "it has no trees",
-            });
+            return Err(ForestFileError::damaged("it has no trees"));
         }
         Ok(Forest {
             trees: (0..count).map(|_| self.tree()).collect::<Result<_, _>>()?,
@@ -202,9 +196,7 @@ impl<'a> Reader<'a> {
             sum.checked_add(count.checked_mul(*bytes)?)
         });
         if needed.is_none_or(|needed| needed > self.rest.len()) {
-            return Err(ForestFileError::Damaged {
-                what: "it ends too early",
-            });
+            return Err(ForestFileError::damaged("it ends too early"));
         }
         // Branches lead forward only, so that a damaged file cannot make a descent go round.
         check_branch(root, 0, nodes, leaves)?;
@@ -216,9 +208,9 @@ impl<'a> Reader<'a> {
                     check_branch(branch, index + 1, nodes, leaves)?;
                 }
                 if usize::from(dimension) >= DESCRIPTOR_BYTES {
-                    return Err(ForestFileError::Damaged {
-                        what: "a node tests a byte that is not there",
-                    });
+                    return Err(ForestFileError::damaged(
+                        "a node tests a byte that is not there",
+                    ));
                 }
                 Ok(Node {
                     dimension,
@@ -228,18 +220,18 @@ impl<'a> Reader<'a> {
             })
             .collect::<Result<_, ForestFileError>>()?;
         let leaf_ends: Vec<u32> = (0..leaves).map(|_| self.u32()).collect::<Result<_, _>>()?;
-        // Leaves must partition the means in order.
+        // Leaves must partition the means in order: `Tree::leaf_range` slices by these ends without
+        // a check. There is at least one leaf, else the root's branch would have led nowhere.
         if !leaf_ends.is_sorted() || leaf_ends.last().is_some_and(|&last| last as usize != means) {
-            return Err(ForestFileError::Damaged {
-                what: "a leaf ends before it begins",
-            });
+            return Err(ForestFileError::damaged("a leaf ends before it begins"));
         }
         let (descriptors, _) = self
             .bytes(means * DESCRIPTOR_BYTES)?
             .as_chunks::<DESCRIPTOR_BYTES>();
         let descriptors: Vec<Descriptor> =
             descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
-        // Sketches follow from the descriptors and are computed on reading.
+        // Sketches follow from the descriptors and are computed on reading, so that the two cannot
+        // disagree.
         let sketches = descriptors.iter().map(Sketch::from_descriptor).collect();
         let rays = (0..means)
             .map(|_| {
@@ -269,15 +261,13 @@ fn check_branch(
     nodes: usize,
     leaves: usize,
 ) -> Result<(), ForestFileError> {
-    let holds = match branch.child() {
-        Child::Node(index) => index >= first && index < nodes,
+    let leads_forward = match branch.child() {
+        Child::Node(index) => (first..nodes).contains(&index),
         Child::Leaf(index) => index < leaves,
     };
-    if holds {
+    if leads_forward {
         Ok(())
     } else {
-        Err(ForestFileError::Damaged {
-            what: "a branch leads nowhere",
-        })
+        Err(ForestFileError::damaged("a branch leads nowhere"))
     }
 }

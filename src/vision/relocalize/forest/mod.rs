@@ -1,6 +1,6 @@
 //! The pan-tilt forest: from a descriptor to its candidate rays (section 3.2 of the paper).
 //!
-//! A split tests one byte of the descriptor against a threshold. A leaf holds descriptors with
+//! A split tests one byte of the descriptor against a threshold. A leaf has descriptors with
 //! their rays; samples of one place of the stadium, seen from several references, are averaged. A
 //! query descends in all trees and is compared byte by byte with the content of the leaves reached,
 //! and then, best first, with that of the branches of smallest margin. A gate on the squared

@@ -66,11 +66,15 @@ impl Forest {
     ) {
         candidates.clear();
         for near in nearest {
+            // A mean over different places, as repeated boards are, has a ray between them that
+            // shows none of them.
             let mean = &self.trees[near.tree as usize].rays[near.number as usize];
             if f64::from(mean.spread) > options.max_spread.radians() {
                 continue;
             }
-            // The nearest come first, so that each place has the smallest of its distances.
+            // The nearest come first, so that each place has the smallest of its distances. Several
+            // trees usually name the same place. Pan is compared without the cosine of tilt: at the
+            // tilts of a camera on a stand the two differ by a few per cent.
             let (pan, tilt) = (mean.pan(), mean.tilt());
             let known = candidates.iter().any(|other| {
                 let (by_pan, by_tilt) = (

@@ -50,11 +50,7 @@ impl Samples {
 
     /// The samples of one frame.
     pub(super) fn frame_range(&self, frame: usize) -> std::ops::Range<u32> {
-        let start = if frame == 0 {
-            0
-        } else {
-            self.frame_ends[frame - 1]
-        };
+        let start = frame.checked_sub(1).map_or(0, |last| self.frame_ends[last]);
         start as u32..self.frame_ends[frame] as u32
     }
 

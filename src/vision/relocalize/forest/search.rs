@@ -50,7 +50,7 @@ pub(super) struct Near {
 #[derive(Clone, Copy, Debug)]
 struct Likely {
     /// The query, as an index into the group.
-    whose: u32,
+    query: u32,
     tree: u32,
     number: u32,
 }
@@ -131,8 +131,8 @@ impl pulp::WithSimd for Examination<'_> {
         // First leaves of all trees, then the extra leaves query by query.
         self.scan();
         self.compare();
-        for whose in 0..self.group.len() {
-            self.follow_missed(whose);
+        for query in 0..self.group.len() {
+            self.follow_missed(query);
         }
     }
 }
@@ -220,17 +220,17 @@ impl Examination<'_> {
             }
         }
         std::hint::black_box(touched);
-        // Now that the sketches are in the caches, compare them with their queries.
+        // The sketches are in the caches: compare them with their queries.
         for ((number, tree), leaves) in self
             .trees
             .iter()
             .enumerate()
             .zip(leaves.chunks(self.group.len()))
         {
-            for ((whose, sketch), &leaf) in sketches.iter().enumerate().zip(leaves) {
+            for ((query, sketch), &leaf) in sketches.iter().enumerate().zip(leaves) {
                 list_likely(
                     tree,
-                    (whose as u32, number as u32, leaf as usize),
+                    (query as u32, number as u32, leaf as usize),
                     sketch,
                     self.gate,
                     likely,
@@ -245,29 +245,34 @@ impl Examination<'_> {
         let Search {
             likely, nearest, ..
         } = &mut *self.search;
-        // Touch first and last byte of each descriptor, and its ray, before comparing any.
+        // Touch first and last byte of each descriptor, which spans two cache lines, and its ray,
+        // before comparing any. The sum has no meaning and wraps: a file may state any number of
+        // samples.
         let mut touched = 0u32;
         for at in &*likely {
             let (tree, number) = (&self.trees[at.tree as usize], at.number as usize);
             let [first, .., last] = tree.descriptors[number].0;
-            touched += u32::from(first) + u32::from(last) + tree.rays[number].samples;
+            touched = touched
+                .wrapping_add(u32::from(first) + u32::from(last))
+                .wrapping_add(tree.rays[number].samples);
         }
         std::hint::black_box(touched);
         for &Likely {
-            whose,
+            query,
             tree,
             number,
         } in &*likely
         {
-            // A full list only accepts what is nearer than its last entry.
-            let nearest = &mut nearest[whose as usize];
+            // A full list only accepts what is nearer than its last entry, or as near: `insert`
+            // decides by tree and number then.
+            let nearest = &mut nearest[query as usize];
             let limit = if nearest.len() < NEAREST {
                 self.gate
             } else {
                 nearest[NEAREST - 1].squared_distance
             };
             let known = &self.trees[tree as usize].descriptors[number as usize];
-            let squared_distance = self.group[whose as usize].squared_byte_distance(known);
+            let squared_distance = self.group[query as usize].squared_byte_distance(known);
             if squared_distance <= limit {
                 insert(
                     nearest,
@@ -285,20 +290,21 @@ impl Examination<'_> {
     /// spent or no margin is small enough (Beis and Lowe: "Shape indexing using approximate
     /// nearest-neighbour search in high-dimensional spaces", CVPR 1997).
     #[inline(always)]
-    fn follow_missed(&mut self, whose: usize) {
+    fn follow_missed(&mut self, query: usize) {
         for _ in 0..self.more {
-            let Some(Reverse((margin, number, branch))) = self.search.missed[whose].pop() else {
+            let Some(Reverse((margin, number, branch))) = self.search.missed[query].pop() else {
                 break;
             };
-            // The limit shrinks as better neighbours are found.
-            let best = self.search.nearest[whose]
+            // The limit shrinks as better neighbours are found. The heap pops ascending margins, so
+            // that the first one beyond the limit ends the search.
+            let best = self.search.nearest[query]
                 .first()
                 .map_or(self.gate, |near| near.squared_distance);
             let follow = most_missed(best);
             if margin > follow {
                 break;
             }
-            let (descriptor, tree) = (&self.group[whose], &self.trees[number as usize]);
+            let (descriptor, tree) = (&self.group[query], &self.trees[number as usize]);
             let Search {
                 sketches,
                 likely,
@@ -312,13 +318,13 @@ impl Examination<'_> {
                 tree,
                 (margin, number, Branch(branch)),
                 follow,
-                &mut missed[whose],
+                &mut missed[query],
             );
             likely.clear();
             list_likely(
                 tree,
-                (whose as u32, number, leaf),
-                &sketches[whose],
+                (query as u32, number, leaf),
+                &sketches[query],
                 self.gate,
                 likely,
             );
@@ -338,16 +344,16 @@ fn most_missed(best: u32) -> u32 {
 #[allow(clippy::inline_always, reason = "a part of the dispatched search")]
 fn list_likely(
     tree: &Tree,
-    (whose, number, leaf): (u32, u32, usize),
+    (query, number, leaf): (u32, u32, usize),
     sketch: &Sketch,
     gate: u32,
     likely: &mut Vec<Likely>,
 ) {
-    let held = tree.leaf_range(leaf);
-    for (place, known) in held.clone().zip(&tree.sketches[held]) {
+    let in_leaf = tree.leaf_range(leaf);
+    for (place, known) in in_leaf.clone().zip(&tree.sketches[in_leaf]) {
         if SKETCH_SHARE * sketch.squared_byte_distance(known) <= gate {
             likely.push(Likely {
-                whose,
+                query,
                 tree: number,
                 number: place as u32,
             });
@@ -372,7 +378,8 @@ fn descend(
                 let value = descriptor.0[usize::from(node.dimension)];
                 let above = value > node.threshold;
                 // The byte distance to the other side of the threshold: values equal to it go to
-                // the first branch, so from there the second begins one further.
+                // the first branch, so from there the second begins one further. Branches taken add
+                // nothing, hence the margin of the start stays that of the whole descent.
                 let by = u32::from(value.abs_diff(node.threshold)) + u32::from(!above);
                 let margin = margin + by * by;
                 if margin <= follow {
@@ -389,11 +396,12 @@ fn descend(
     }
 }
 
-/// Inserts into the sorted list of neighbours, which holds at most [`NEAREST`].
+/// Inserts into the sorted list of neighbours, which has at most [`NEAREST`] entries: a full one
+/// loses its last, or refuses what comes after that.
 fn insert(nearest: &mut Vec<Near>, near: Near) {
     let at = nearest.partition_point(|other| *other < near);
-    nearest.truncate(NEAREST - 1);
-    if at <= nearest.len() {
+    if at < NEAREST {
+        nearest.truncate(NEAREST - 1);
         nearest.insert(at, near);
     }
 }
@@ -417,5 +425,15 @@ mod tests {
         }
         let kept: Vec<u32> = nearest.iter().map(|near| near.squared_distance).collect();
         assert_eq!(kept, (0..12).collect::<Vec<u32>>());
+        // As near as the last of a full list, in another tree: it comes after that one.
+        let before = nearest.clone();
+        insert(
+            &mut nearest,
+            Near {
+                tree: 1,
+                ..before[NEAREST - 1]
+            },
+        );
+        assert_eq!(nearest, before, "a full list loses no entry to a later one");
     }
 }

@@ -57,6 +57,7 @@ fn widest_gap(
 ) -> Option<Split> {
     let bytes = most_varying(samples, at);
     let chosen = some(at, options.node_samples.max(2) as usize);
+    // A share above `least` counts as `least`: balance beyond that is worth less than a wide gap.
     let least = (LEAST_SHARE * chosen.len() as f64).ceil() as u32;
     let (mut best, mut tried) = (None::<(u32, u8, Split)>, 0);
     for _ in 0..options.dimensions.max(1) * DRAWS {

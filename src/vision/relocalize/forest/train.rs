@@ -82,7 +82,8 @@ pub fn train_without(
             frames: samples.frames(),
         });
     }
-    // Each tree draws its own frames; all trees grow in parallel.
+    // Each tree draws its own frames; all trees grow in parallel. They are drawn first, because the
+    // progress states the number of samples in total.
     let drawn: Vec<Vec<u32>> = (0..options.trees.max(1))
         .map(|tree| draw(samples, used.clone(), options, tree))
         .collect();
@@ -145,6 +146,7 @@ struct TrainWatch<'a> {
 impl TrainWatch<'_> {
     /// Counts samples that have reached a leaf, and reports every thousand.
     fn add_placed(&self, count: usize) {
+        // The count alone is shared, so that no other memory has to be ordered with it.
         let before = self.placed.fetch_add(count, Ordering::Relaxed);
         let placed = before + count;
         if before / 1000 != placed / 1000 || placed == self.total {
@@ -194,6 +196,7 @@ impl Grower<'_> {
                 self.options.merge_within,
             )));
         };
+        // In place: all nodes of a tree work on disjoint parts of one list of indices.
         let middle = partition(at, |sample| {
             self.samples.byte(sample, split.dimension) <= split.threshold
         });

@@ -86,12 +86,8 @@ impl Tree {
     /// The indices of a leaf's descriptors and rays.
     #[inline]
     pub(super) fn leaf_range(&self, leaf: usize) -> Range<usize> {
-        let start = if leaf == 0 {
-            0
-        } else {
-            self.leaf_ends[leaf - 1] as usize
-        };
-        start..self.leaf_ends[leaf] as usize
+        let start = leaf.checked_sub(1).map_or(0, |last| self.leaf_ends[last]);
+        start as usize..self.leaf_ends[leaf] as usize
     }
 
     /// Root mean square spread of the rays of all samples of a leaf, rad.
@@ -138,7 +134,7 @@ fn weighted_mean(rays: &[MeanRay], number: impl Fn(&MeanRay) -> f64) -> f64 {
         / weight.max(1.0)
 }
 
-/// A trained pan-tilt forest. It holds descriptors and rays, and nothing about where they came
+/// A trained pan-tilt forest. It contains descriptors and rays, and nothing about where they came
 /// from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forest {

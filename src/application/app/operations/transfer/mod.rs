@@ -288,6 +288,7 @@ impl App {
 
     fn stop_transfer(&mut self) {
         let transfer = &mut self.operations.transfer;
+        // Without short-circuit: both are to be cancelled.
         if transfer.look.cancel() | transfer.write.cancel() {
             self.session
                 .notify(Level::Info, "Stopped; nothing was written.");

@@ -65,6 +65,7 @@ pub fn in_dialog(text: &str) -> String {
 #[must_use]
 pub fn describe_bytes(bytes: u64) -> String {
     const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
+    // The next unit begins where rounding would give 1000 of this one.
     let mut value = bytes as f64 / 1000.0;
     let mut unit = 0;
     while value >= 999.5 && unit + 1 < UNITS.len() {

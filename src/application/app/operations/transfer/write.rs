@@ -127,6 +127,7 @@ impl Operation for TransferWrite {
                 .session
                 .notify(Level::Error, sentence(&failure.to_string())),
         }
+        // A look that was due while the write ran.
         let transfer = &app.operations.transfer;
         if transfer.found.is_none() && !transfer.is_looking() {
             app.look_again();

@@ -1,8 +1,7 @@
 //! The backend that the test controls: each piece of work waits until the test says how it ends.
 
 use crate::app::TrainerActivity;
-use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel};
-use crate::jobs::trainer::error::TrainerError;
+use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel, TrainerError};
 use crate::jobs::trainer::kept_forest::KeptForestError;
 use std::io;
 use std::ops::ControlFlow;

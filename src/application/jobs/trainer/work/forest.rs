@@ -55,6 +55,7 @@ impl<C: Backend> Work<C> {
 
     /// Drops the forest: no training sample is left.
     pub(super) fn forget(&mut self) {
+        // All its samples were withdrawn: answers of this and all earlier forests are unreliable.
         if self.forest.take().is_some() {
             self.answer_cache.trust_from(self.generation + 1);
         }
@@ -121,6 +122,8 @@ impl<C: Backend> Work<C> {
                 };
                 self.status.failed = failed.into();
                 self.status.trouble = None;
+                // As much time for proposals as the training took: training and proposals then get
+                // half the time each, however often references are added.
                 self.turn_until = Instant::now() + took.min(LONGEST_TURN);
                 self.take_forest(model, training_set, facts);
             }
@@ -189,6 +192,8 @@ impl<C: Backend> Work<C> {
                 self.status.trouble = Some(broke_down("measuring quality", panic.as_ref()));
             }
         }
+        // After `bound`, which begins a generation: the same trees need no second measurement. A
+        // measurement that panicked counts, too, as it would panic again.
         self.measured = self.generation;
     }
 
@@ -200,6 +205,7 @@ impl<C: Backend> Work<C> {
         let (Some(forest), Some(facts)) = (&self.forest, &self.status.forest) else {
             return;
         };
+        // Every answer that was stated as certain is right: nothing has to be lowered.
         if shown.right == shown.certain {
             return;
         }

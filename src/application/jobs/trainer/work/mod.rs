@@ -110,6 +110,8 @@ impl<C: Backend> Work<C> {
         while let Some(orders) = self.mailbox.take_orders() {
             self.take_in(orders);
             let step = self.next();
+            // Gather proposals while the trainer only proposes. Hand them over before any other
+            // step, which may take long or wait.
             if !matches!(step, Step::Propose(_))
                 || self.gathered_since.elapsed() >= self.options.gather
             {
@@ -145,7 +147,8 @@ impl<C: Backend> Work<C> {
         if orders.edition != self.orders.edition
             && let Some(document) = &orders.document
         {
-            // Rebuild what depends on the document.
+            // Rebuild what depends on the document. `windows` comes first: the copy of the document
+            // gets the forest's answers from it, and the caches look at that copy.
             self.windows.look_at(document, self.backend.folder());
             self.document = self.windows.with_answers(document.clone());
             self.given_answers.keep_fitting(&self.document);
@@ -170,6 +173,7 @@ impl<C: Backend> Work<C> {
             self.count();
         }
         self.note_shown(std::mem::take(&mut orders.shown));
+        // When the user looks at features again, they are reported again.
         if !orders.features {
             self.shown = None;
         }
@@ -244,6 +248,7 @@ impl<C: Backend> Work<C> {
             if let Some(window) = self.due_window() {
                 return Step::Carry(Box::new(window));
             }
+            // No window is due: a later one begins a new count of progress.
             self.tracked = 0;
             if let Some(frames) = self.take_from_queue(|queue| &mut queue.between) {
                 return Step::Propose(frames);

@@ -44,6 +44,8 @@ impl<C: Backend> Work<C> {
         &mut self,
         part: fn(&mut Queue) -> &mut VecDeque<usize>,
     ) -> Option<Vec<usize>> {
+        // Rebuild the queue if it is out of date. `wants` is checked again below, because answers
+        // may have arrived since the queue was made.
         self.has_to_ask();
         let (model, asking) = (Arc::clone(&self.forest.as_ref()?.model), self.asking());
         let mut taken = Vec::new();
@@ -127,6 +129,8 @@ impl<C: Backend> Work<C> {
             });
             backend.propose(document, frames, (&model, generation), snapping, &progress)
         }));
+        // After a panic each frame of the batch gets an answer that says so. Without one the batch
+        // would be the next again, without end.
         let proposals = proposed.unwrap_or_else(|panic| {
             self.status.trouble = Some(broke_down("proposing", panic.as_ref()));
             let message = panic_message(panic.as_ref());
@@ -211,12 +215,14 @@ impl<C: Backend> Work<C> {
             // Ended early: the window stays due.
             Ok(None) => return,
             Ok(Some(tracked)) => tracked,
+            // Entered below as a propagation without a result, so that it is not repeated.
             Err(panic) => {
                 self.status.trouble = Some(broke_down("tracking cameras", panic.as_ref()));
                 Vec::new()
             }
         };
         self.tracked += window.between.len();
+        // The user may have discarded cameras of this generation while the window was tracked.
         let tracked = tracked
             .into_iter()
             .filter(|tracked| {

@@ -19,6 +19,8 @@ const TEXT: f64 = 13.0;
 const SMALL_TEXT: f64 = 12.0;
 const INK: Rgb = [0, 0, 0];
 const GRID: Rgb = [225, 225, 225];
+/// Height of a row of the legend, width of the piece of line before a name, and the gap behind the
+/// name, px.
 const LEGEND_ROW: f64 = 16.0;
 const LEGEND_SAMPLE: f64 = 26.0;
 const LEGEND_GAP: f64 = 14.0;
@@ -31,7 +33,8 @@ impl Figure {
         let bars = self.series.iter().flat_map(bar_values);
         let x = Ruler::new(&self.x, points().map(|point| point[0]));
         let y = Ruler::new(&self.y, points().map(|point| point[1]).chain(bars));
-        // The widest number of the y axis determines the left margin.
+        // The widest number of the y axis determines the left margin. Before it stands the label of
+        // the axis, upright; behind it the tick mark.
         let widest = y
             .ticks
             .iter()
@@ -41,6 +44,8 @@ impl Figure {
         let mut shapes = Vec::new();
         let heading = self.add_title(&mut shapes, &typeface);
         let rows = self.add_legend(&mut shapes, [left, right], heading, &typeface);
+        // The plot's height does not depend on title and legend: figures beside each other have
+        // plots of one size, and those with more text are taller.
         let top = heading + LEGEND_ROW * rows as f64 + 9.0;
         let plot = Plot {
             left,
@@ -129,6 +134,8 @@ impl Figure {
         top: f64,
         typeface: &Typeface,
     ) -> usize {
+        // Entries are placed like words: from left to right, in a new row where one does not fit.
+        // One that is wider than a row stands alone in it.
         let (mut x, mut row) = (left, 0);
         let mut named = self
             .series

@@ -23,7 +23,8 @@ impl Plot {
     }
 
     /// The height of an end of an error bar, px, which may lie beyond the frame: infinitely far for
-    /// an infinite end, and below it for a number that a logarithmic axis cannot show. None for NaN.
+    /// an infinite end, and below it for a number that a logarithmic axis cannot show. None for
+    /// NaN.
     pub(super) fn bar_end(&self, value: f64) -> Option<f64> {
         if value.is_nan() {
             return None;
@@ -65,6 +66,9 @@ pub(super) fn within_frame(plot: &Plot, line: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>>
 
 /// Clips a segment to the plot (Liang, Barsky 1984).
 fn cut(plot: &Plot, from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    // The points are `from + share * along`. Each side of the rectangle limits the shares that lie
+    // inside: where the segment enters across a side (`slope < 0`) from below, where it leaves from
+    // above. A segment along a side (`slope == 0`) lies inside or outside as a whole.
     let along = [to[0] - from[0], to[1] - from[1]];
     let (mut start, mut end) = (0.0f64, 1.0f64);
     for (axis, low, high) in [(0, plot.left, plot.right), (1, plot.top, plot.bottom)] {

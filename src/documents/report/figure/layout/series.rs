@@ -11,9 +11,9 @@ const BAR_CAP: f64 = 3.0;
 
 /// The numbers that an axis has to show for the error bars of a series.
 ///
-/// A bar whose low end is not positive has no lower end on a logarithmic axis. Half of the number at
-/// its point is added for it, so that the axis goes on below the point and the bar can be seen. A
-/// linear axis shows that number anyway: it lies between the bar's low end and its point.
+/// A bar whose low end is not positive has no lower end on a logarithmic axis. Half of the number
+/// at its point is added for it, so that the axis goes on below the point and the bar can be seen.
+/// A linear axis shows that number anyway: it lies between the bar's low end and its point.
 pub(super) fn bar_values(series: &Series) -> impl Iterator<Item = f64> {
     let bars = series.points.iter().zip(&series.bars);
     bars.filter(|(_, bar)| bar.iter().all(|end| !end.is_nan()))
@@ -29,6 +29,7 @@ fn colour(series: &Series) -> Rgb {
 
 /// Adds a series: error bars, then the line, then the marks.
 pub(super) fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
+    // A bar is drawn even where its point is not, such as a mean above the frame.
     for ([x, _], bar) in series.points.iter().zip(&series.bars) {
         if let Some(share) = plot.x.share(*x) {
             let x = plot.left + share * (plot.right - plot.left);
@@ -41,6 +42,7 @@ pub(super) fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) 
         .points
         .iter()
         .map(|point| plot.at(*point))
+        // An end like any interruption, so that the last run is drawn, too.
         .chain([None])
     {
         if let Some(at) = point {
@@ -68,6 +70,7 @@ pub(super) fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) 
 /// logarithmic axis, that includes a low end that is not positive, as mean minus standard deviation
 /// often is. A bar with an end that is NaN, or without a part inside the frame, is not drawn.
 fn add_bar(shapes: &mut Vec<Shape>, colour: Rgb, x: f64, [low, high]: [f64; 2], plot: &Plot) {
+    // Positions grow downwards: the low end of a bar has the larger one.
     let (Some(low), Some(high)) = (plot.bar_end(low), plot.bar_end(high)) else {
         return;
     };

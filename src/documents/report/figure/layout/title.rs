@@ -16,15 +16,16 @@ pub(super) const TITLE_MARGIN: f64 = 12.0;
 impl Figure {
     /// Adds the title, centred at the top of the figure. Returns the height that it takes.
     ///
-    /// A title that is too wide is shrunk, at most to the size of the smallest text; one that is too
-    /// wide even then is broken at spaces. A word that is wider than the figure shrinks the title
-    /// further.
+    /// A title that is too wide is shrunk, at most to the size of the smallest text; one that is
+    /// too wide even then is broken at spaces. A word that is wider than the figure shrinks the
+    /// title further.
     pub(super) fn add_title(&self, shapes: &mut Vec<Shape>, typeface: &Typeface) -> f64 {
         let title = self.title.trim();
         if title.is_empty() {
             return 0.0;
         }
         let room = WIDTH - 2.0 * TITLE_MARGIN;
+        // Widths grow in proportion to the size, so one measurement gives the size that fits.
         let fitting = TITLE_TEXT * room / typeface.width(title, TITLE_TEXT);
         let (lines, size) = if fitting >= SMALL_TEXT {
             (vec![title.to_owned()], fitting.min(TITLE_TEXT))
@@ -34,6 +35,7 @@ impl Figure {
             let widest = widths.fold(room, f64::max);
             (lines, SMALL_TEXT * room / widest)
         };
+        // The title is not empty, so there is at least one line.
         let height = TITLE_ROW + TITLE_FURTHER_ROW * (lines.len() - 1) as f64;
         for (row, text) in lines.into_iter().enumerate() {
             shapes.push(Shape::Text {
