@@ -13,7 +13,7 @@
 //! | a field: landmarks and lines by name, for a venue's size | [`field::builtin`] |
 //! | a frame from two clicks and more | [`solve::solve_frame`] |
 //! | a camera's base, from many frames | [`solve::base::estimate_base`], [`calibrate::BaseProblem`] for documents |
-//! | the same without a click, from pictures alone; with two | [`autocalibrate::camera_without_clicks`], [`autocalibrate::camera_from_few_clicks`] |
+//! | the same without a click, from pictures alone; with the few that there are | [`autocalibrate::camera_without_clicks`], [`autocalibrate::find_camera`] |
 //! | a document: reading, solving, writing | [`store::read`], [`calibrate::solve_document`], [`store::write_document`] |
 //! | a forest, and frames without clicks | [`proposals::learn`], [`relocalize::relocalize()`] |
 //! | a clip: known cameras propagated to all frames | [`calibrate::track_clip`] |

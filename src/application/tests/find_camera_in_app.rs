@@ -233,6 +233,11 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     let wanted = WantedClicks {
         frame: 3,
         landmarks: 2,
+        named: Vec::new(),
+    };
+    let named = WantedClicks {
+        named: vec!["corner_far_left".into(), "centre_mark".into()],
+        ..wanted.clone()
     };
     for (why, clicks, says) in [
         (
@@ -268,8 +273,16 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
              picture). Wide views of both ends and of the middle are missing: add such frames, or click 2 landmarks far \
              from each other on frame 3 and look again.",
         ),
+        (
+            Abstention::NothingFits,
+            Some(named),
+            "No camera was found: no position of the camera explains the painted lines: check the sport. Check that the field's \
+             sport is the one in the pictures, or click “Corner, far left” and “Centre mark”, or two other landmarks far from each \
+             other, on frame 3 and look again.",
+        ),
     ] {
         bench.command(Command::FindCamera);
+        let wanted_frame = clicks.as_ref().map(|clicks| clicks.frame);
         report(&mut bench, AutocalibrationAnswer::Abstained { why, clicks });
         assert_eq!(bench.last_notice(), says);
         let SearchFollowUp::Abstained { why, frame, .. } = &bench.app.operations.camera_search.left
@@ -278,7 +291,7 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
         };
         assert_eq!(*why, says);
         let frames = &bench.app.open().unwrap().document.frames;
-        assert_eq!(*frame, clicks.map(|clicks| frames[clicks.frame].id.clone()));
+        assert_eq!(*frame, wanted_frame.map(|index| frames[index].id.clone()));
     }
     assert!(
         !has_base(&bench.app) && bench.app.open().unwrap().history.next_undo().is_none(),

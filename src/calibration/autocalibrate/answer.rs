@@ -31,12 +31,15 @@ pub enum AutocalibrationAnswer {
 }
 
 /// Clicks on landmarks of the ground that a search without an answer wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WantedClicks {
     /// Index of the frame in the document.
     pub frame: usize,
     /// The number of landmarks to click in it, as far apart as possible.
     pub landmarks: usize,
+    /// Landmarks that the frame shows by the best answer, far apart; empty where there is none, or
+    /// where more are wanted than these.
+    pub named: Vec<LandmarkId>,
 }
 
 /// A landmark that two answers project to points far apart: one click on it in one frame decides

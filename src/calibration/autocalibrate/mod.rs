@@ -72,6 +72,7 @@ mod camera;
 mod candidates;
 mod clicked;
 mod deciding_landmark;
+mod decision;
 mod doubt;
 mod error;
 mod evidence;
@@ -101,7 +102,7 @@ mod verdict;
 mod wanted_clicks;
 
 pub use answer::{AutocalibrationAnswer, DecidingLandmark, WantedClicks};
-pub use camera::{camera_from_few_clicks, camera_without_clicks};
+pub use camera::{camera_without_clicks, find_camera};
 pub use doubt::Doubt;
 pub use error::{Abstention, AutocalibrationError};
 pub use progress::AutocalibrationProgress;

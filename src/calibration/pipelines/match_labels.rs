@@ -1,6 +1,6 @@
 //! Labelling a match without clicks: from the pictures of its frames to a camera for each.
 //!
-//! 1. The camera is found from some frames, evenly spread over all ([`find_camera`]).
+//! 1. The camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
 //! 2. Frames that overlap with none of its frames belong to another camera, which is found in the
 //!    same way, and so on.
 //! 3. The frames that were not sampled follow. Those of a video are tracked from the others, and
@@ -15,7 +15,7 @@ use super::other_cameras::split_off;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
-    DecidingLandmark, PictureOfFrame, WantedClicks, camera_from_few_clicks, camera_without_clicks,
+    DecidingLandmark, WantedClicks, find_camera,
 };
 use crate::calibrate::{AutocalibratedCamera, clips, record_found};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
@@ -135,7 +135,7 @@ impl NoCamera {
                 deciding,
             } => describe_two(document, best, other, deciding.as_ref()),
             Self::Abstained { why, clicks } => {
-                format!("{why}{}", describe_clicks(document, *clicks))
+                format!("{why}{}", describe_clicks(document, clicks.as_ref()))
             }
         }
     }
@@ -174,14 +174,18 @@ fn format_position(found: &AutocalibratedCamera) -> String {
 }
 
 /// The clicks that would help after an abstention, as a part of a sentence.
-fn describe_clicks(document: &Document, clicks: Option<WantedClicks>) -> String {
+fn describe_clicks(document: &Document, clicks: Option<&WantedClicks>) -> String {
     clicks.map_or_else(String::new, |clicks| {
         let frame = document.frames[clicks.frame].name();
-        format!(
-            "; click {} landmarks far from each other on {frame} in the window, \
-             and search again with them",
-            clicks.landmarks
-        )
+        let landmarks = match clicks.named.as_slice() {
+            [one, other] => format!(
+                "{} and {}, or two other landmarks far from each other,",
+                one.as_str(),
+                other.as_str()
+            ),
+            _ => format!("{} landmarks far from each other", clicks.landmarks),
+        };
+        format!("; click {landmarks} on {frame} in the window, and search again with them")
     })
 }
 
@@ -209,28 +213,6 @@ pub enum LabelMatchError {
     /// No forest could be trained for the frames that were not sampled.
     #[error(transparent)]
     Learn(#[from] LearnForestError),
-}
-
-/// Finds a camera from the pictures of its frames. Two or more clicks on landmarks of the ground
-/// determine the initial poses and save the search; without them, or if they give no answer, the
-/// camera is found by the paint alone.
-///
-/// # Errors
-/// The field is not valid, features cannot be found, or `progress` cancelled it.
-pub fn find_camera(
-    at: DocumentAt<'_>,
-    camera: &CameraId,
-    sampled_frames: usize,
-    picture: PictureOfFrame<'_>,
-    progress: &Progress<'_, AutocalibrationProgress>,
-) -> Result<AutocalibrationAnswer, AutocalibrationError> {
-    // Two candidates are an answer as well, with the click that decides between them.
-    let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, progress)?;
-    if matches!(by_clicks, AutocalibrationAnswer::Abstained { .. }) {
-        camera_without_clicks(at, camera, sampled_frames, picture, progress)
-    } else {
-        Ok(by_clicks)
-    }
 }
 
 /// Labels the frames of a document that has no cameras yet: finds `camera`, to which they all are

@@ -4,7 +4,6 @@
 //! | job | function |
 //! |---|---|
 //! | a match, from its pictures to the cameras of all frames, without clicks | [`label_match`] |
-//! | the camera of some frames, from two clicks or none | [`find_camera`] |
 //! | frames labelled by a forest: train, propose, check, record | [`learn_forest`], [`learn_from_found`], [`propose_on_lines`], [`label_frames`] |
 //! | cameras of another program, one for each frame of a video, put on one camera and its paint | [`mend`] |
 //! | clips tracked from known frames, with base and field corrected where needed | [`track_clips`] |
@@ -20,8 +19,8 @@ pub use forest_labels::{
     learn_forest, propose_on_lines,
 };
 pub use match_labels::{
-    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, find_camera,
-    label_match, learn_from_found,
+    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, label_match,
+    learn_from_found,
 };
 pub use mend::{
     CameraSurvey, CommonError, GivenCamera, GivenFault, ImpossibleCamera, MendError, MendEvent,

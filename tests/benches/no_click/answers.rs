@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 use std::time::Instant;
 use touchline::autocalibrate::{
-    Abstention, AutocalibrationAnswer, camera_from_few_clicks, camera_without_clicks,
+    Abstention, AutocalibrationAnswer, camera_without_clicks, find_camera,
 };
 use touchline::calibrate::{AutocalibratedCamera, record_found};
 use touchline::camera::PtzCamera;
@@ -85,7 +85,7 @@ pub fn answer(document: &Document, folder: &Path, way: Way) -> (AutocalibrationA
             &mut picture,
             &progress,
         ),
-        Way::FewClicks => camera_from_few_clicks(
+        Way::FewClicks => find_camera(
             document.at(folder),
             camera,
             LOOK_AT,

@@ -12,12 +12,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
-    DecidingLandmark, Doubt, WantedClicks,
+    DecidingLandmark, Doubt, WantedClicks, find_camera,
 };
 use touchline_calibration::calibrate::{
     AutocalibratedCamera, BulkChange, FoundCamera, describe_size,
 };
-use touchline_calibration::pipelines::{MatchOptions, find_camera};
+use touchline_calibration::pipelines::MatchOptions;
 use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
@@ -146,7 +146,10 @@ impl Operation for CameraSearch {
                 app.ask_which_camera(two);
             }
             Ok(AutocalibrationAnswer::Abstained { why, clicks }) => {
-                let why = describe_abstention(&why, clicks);
+                let help = clicks_that_help(&why, clicks.as_ref(), |landmark| {
+                    app.label(&Target::Landmark(landmark.clone()))
+                });
+                let why = describe_abstention(&why, &help);
                 app.session.notify(Level::Warning, why.clone());
                 app.operations.camera_search.left = SearchFollowUp::Abstained {
                     camera: self.camera.clone(),
@@ -483,12 +486,9 @@ fn place(found: &AutocalibratedCamera) -> String {
 }
 
 /// The reason for an abstention and a remedy, as text.
-fn describe_abstention(why: &Abstention, clicks: Option<WantedClicks>) -> String {
-    let (missing, clicks) = (missing_view(why), clicks_that_help(why, clicks));
-    format!(
-        "No camera was found: {}. {missing}, or {clicks}.",
-        why_not(why)
-    )
+fn describe_abstention(why: &Abstention, clicks_that_help: &str) -> String {
+    let (why_not, missing) = (why_not(why), missing_view(why));
+    format!("No camera was found: {why_not}. {missing}, or {clicks_that_help}.")
 }
 
 /// The reason for an abstention, as a part of a sentence.
@@ -524,15 +524,27 @@ fn missing_view(why: &Abstention) -> String {
     }
 }
 
-/// The clicks that would replace the missing view.
-fn clicks_that_help(why: &Abstention, clicks: Option<WantedClicks>) -> String {
+/// The clicks that would replace the missing view. `label` returns the label of a landmark.
+fn clicks_that_help(
+    why: &Abstention,
+    clicks: Option<&WantedClicks>,
+    label: impl Fn(&LandmarkId) -> String,
+) -> String {
     match (why, clicks) {
         (Abstention::NotConnected { .. } | Abstention::NotTurning(_), _) => {
             "click 4 landmarks on 2 wide frames".to_owned()
         }
-        (_, Some(WantedClicks { frame, landmarks })) => format!(
-            "click {landmarks} landmarks far from each other on frame {frame} and look again"
-        ),
+        (_, Some(clicks)) => {
+            let landmarks = match clicks.named.as_slice() {
+                [one, other] => format!(
+                    "“{}” and “{}”, or two other landmarks far from each other,",
+                    label(one),
+                    label(other)
+                ),
+                _ => format!("{} landmarks far from each other", clicks.landmarks),
+            };
+            format!("click {landmarks} on frame {} and look again", clicks.frame)
+        }
         (_, None) => "click 2 landmarks far from each other and look again".to_owned(),
     }
 }
