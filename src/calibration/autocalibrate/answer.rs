@@ -1,6 +1,6 @@
 //! The answer of autocalibration.
 
-use super::Abstention;
+use crate::autocalibrate::Abstention;
 use crate::calibrate::AutocalibratedCamera;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;

@@ -2,24 +2,28 @@
 //! candidates for the base from clicks or from all places around the field, and decide between
 //! them.
 
-use super::candidates::{PosesFrom, adjust_panoramas, find_panoramas, sort_best_first};
-use super::clicked::GroundClick;
-use super::decision::Decision;
-use super::error::Stop;
-use super::field_prior::FieldPrior;
-use super::hypothesis::Hypothesis;
-use super::joint::FirstReach;
-use super::matched_frames::MatchedFrames;
-use super::neighbours::try_neighbouring_distances;
-use super::progress::report;
-use super::refine::SearchedCamera;
-use super::sampled_frames::{
+use crate::autocalibrate::adjustment::candidates::{
+    PosesFrom, adjust_panoramas, find_panoramas, sort_best_first,
+};
+use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
+use crate::autocalibrate::adjustment::joint::FirstReach;
+use crate::autocalibrate::adjustment::neighbours::try_neighbouring_distances;
+use crate::autocalibrate::adjustment::refine::SearchedCamera;
+use crate::autocalibrate::error::Stop;
+use crate::autocalibrate::field_prior::FieldPrior;
+use crate::autocalibrate::frames::matched_frames::MatchedFrames;
+use crate::autocalibrate::frames::sampled_frames::{
     MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly,
 };
-use super::search_places::SearchPlaces;
-use super::verdict::MIN_EXPLAINED_ELSEWHERE;
-use super::wanted_clicks::wanted_clicks;
-use super::{Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress};
+use crate::autocalibrate::progress::report;
+use crate::autocalibrate::search::clicked::GroundClick;
+use crate::autocalibrate::search::places::SearchPlaces;
+use crate::autocalibrate::verdict::checks::MIN_EXPLAINED_ELSEWHERE;
+use crate::autocalibrate::verdict::decision::Decision;
+use crate::autocalibrate::verdict::wanted_clicks::wanted_clicks;
+use crate::autocalibrate::{
+    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
+};
 use std::collections::BTreeSet;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};

@@ -1,6 +1,6 @@
 //! Errors of autocalibration, and reasons to give no answer.
 
-use super::Doubt;
+use crate::autocalibrate::Doubt;
 use crate::calibrate::AutocalibratedCamera;
 use thiserror::Error;
 use touchline_core::field::FieldError;

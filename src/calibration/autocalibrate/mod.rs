@@ -20,16 +20,16 @@
 //!
 //! | stage | file | robust against |
 //! |---|---|---|
-//! | 1. Features and marking pixels of each sampled frame | `sampled_frames.rs` | – |
-//! | 2. Pairwise matches; the largest connected group; relative rotations, zoom and lens | `matched_frames.rs`, [`touchline_vision::track`] | wrong matches (MAGSAC, loops of three frames), burnt-in graphics, frames of another camera |
-//! | 3. Persistent paint as directions | `matched_frames.rs`, [`touchline_vision::paint::persistent_paint`] | players, shadows, boards |
-//! | 4. Exhaustive search of 304,425 poses on one side for each field size, and where these give no answer of all other places around the field, repeated at other focal scales; the best are improved by pattern search and fitted | `focal_scales.rs`, `search.rs`, `search_places.rs`, `panorama.rs`, `pose_score.rs`, `pose.rs` | a focal scale that matches bias (scrolling boards: up to 29 %) |
-//! | 4′. With two clicked landmarks, poses from pairs of clicks in place of the search | `clicked.rs` | – |
-//! | 5. Fit of the panorama with focal scale, crown and field size | `panorama_fit/` | low cameras, from which size and distance trade off |
-//! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `candidates.rs`, `hypothesis.rs`, `joint.rs`, `paint_on_lines.rs` | wrong lines at first; frames that stray |
-//! | 7. Evidence: paint on lines × lines with paint; halves of the frames give one position | `evidence.rs` | fields of another sport or size |
-//! | 8. The best two are aligned to each frame's own picture and adjusted once more | `align.rs`, `refine.rs` | frames that went to other lines; a principal point that a few frames draw away |
-//! | 9. Verdict; lines too faint for any single picture are looked for in the mean of all | `verdict.rs`, `faint_lines.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much; poor pictures |
+//! | 1. Features and marking pixels of each sampled frame | `frames/sampled_frames.rs` | – |
+//! | 2. Pairwise matches; the largest connected group; relative rotations, zoom and lens | `frames/matched_frames.rs`, [`touchline_vision::track`] | wrong matches (MAGSAC, loops of three frames), burnt-in graphics, frames of another camera |
+//! | 3. Persistent paint as directions | `frames/matched_frames.rs`, [`touchline_vision::paint::persistent_paint`] | players, shadows, boards |
+//! | 4. Exhaustive search of 304,425 poses on one side for each field size, and where these give no answer of all other places around the field, repeated at other focal scales; the best are improved by pattern search and fitted | `search/`: `focal_scales.rs`, `exhaustive.rs`, `places.rs`, `pose_score.rs`, `pose.rs` | a focal scale that matches bias (scrolling boards: up to 29 %) |
+//! | 4′. With two clicked landmarks, poses from pairs of clicks in place of the search | `search/clicked.rs` | – |
+//! | 5. Fit of the panorama with focal scale, crown and field size | `search/panorama_fit/` | low cameras, from which size and distance trade off |
+//! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `adjustment/`: `candidates.rs`, `hypothesis.rs`, `joint.rs`, `paint_on_lines.rs` | wrong lines at first; frames that stray |
+//! | 7. Evidence: paint on lines × lines with paint; halves of the frames give one position | `adjustment/evidence.rs` | fields of another sport or size |
+//! | 8. The best two are aligned to each frame's own picture and adjusted once more | `adjustment/`: `align.rs`, `refine.rs` | frames that went to other lines; a principal point that a few frames draw away |
+//! | 9. Verdict; lines too faint for any single picture are looked for in the mean of all, and clicks that played no part confirm | `verdict/`: `decision.rs`, `checks.rs`, `faint_lines.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much; poor pictures |
 //!
 //! `camera.rs` runs the stages in this order. From stage 6 on a candidate is one `Hypothesis`,
 //! which each stage refines. If no answer is certain, stage 6 is repeated with a narrow first reach
@@ -66,44 +66,22 @@
 //! * B. Efron: "The Jackknife, the Bootstrap and Other Resampling Plans", 1982 (stage 7, for few
 //!   frames).
 
-mod align;
+mod adjustment;
 mod answer;
 mod camera;
-mod candidates;
-mod clicked;
-mod deciding_landmark;
-mod decision;
 mod doubt;
 mod error;
-mod evidence;
-mod faint_lines;
 mod field_prior;
-mod focal_scales;
-mod hypothesis;
-mod joint;
-mod matched_frames;
-mod neighbours;
-mod paint_on_lines;
-mod painted_curves;
-mod panorama;
-mod panorama_fit;
-mod pitch_map;
-mod pose;
-mod pose_score;
+mod frames;
 mod progress;
-mod refine;
 #[cfg(test)]
 mod rotating_camera;
-mod rotations_by_focal_scale;
-mod sampled_frames;
 mod search;
-mod search_places;
 mod verdict;
-mod wanted_clicks;
 
 pub use answer::{AutocalibrationAnswer, DecidingLandmark, WantedClicks};
 pub use camera::{camera_without_clicks, find_camera};
 pub use doubt::Doubt;
 pub use error::{Abstention, AutocalibrationError};
+pub use frames::sampled_frames::PictureOfFrame;
 pub use progress::AutocalibrationProgress;
-pub use sampled_frames::PictureOfFrame;

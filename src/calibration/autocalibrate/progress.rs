@@ -1,6 +1,6 @@
 //! Progress of autocalibration, in steps that a user understands.
 
-use super::AutocalibrationError;
+use crate::autocalibrate::AutocalibrationError;
 use std::fmt;
 use touchline_core::geometry::thousands;
 use touchline_core::progress::Progress;

@@ -1,12 +1,14 @@
 //! A known rotating camera for the tests of single stages: its frames with exact paint and exact
 //! matches, and drawn pictures where these are needed.
 
-use super::field_prior::FieldPrior;
-use super::hypothesis::Hypothesis;
-use super::joint::FirstReach;
-use super::matched_frames::{FramesAtScale, MatchedFrames, renumber_matches};
-use super::pitch_map::PitchMap;
-use super::sampled_frames::SampledFrame;
+use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
+use crate::autocalibrate::adjustment::joint::FirstReach;
+use crate::autocalibrate::field_prior::FieldPrior;
+use crate::autocalibrate::frames::matched_frames::{
+    FramesAtScale, MatchedFrames, renumber_matches,
+};
+use crate::autocalibrate::frames::sampled_frames::SampledFrame;
+use crate::autocalibrate::search::pitch_map::PitchMap;
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
 use rayon::prelude::*;
 use std::path::Path;

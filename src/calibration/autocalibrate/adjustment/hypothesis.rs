@@ -1,0 +1,237 @@
+//! A hypothesis: a base for the camera with the frames around it, from the joint adjustment to the
+//! answer.
+//!
+//! The search scores poses by the hundred thousand, so it keeps them light
+//! ([`crate::autocalibrate::search::pose_score::ScoredPose`]). The few that are adjusted with all frames become
+//! hypotheses. Each later stage takes a hypothesis and returns it refined: the size of the field
+//! (`candidates.rs`), the frames (`align.rs`), the base once more (`refine.rs`).
+
+use super::evidence::doubts_of;
+use super::evidence::measure_evidence;
+use super::joint::{FirstReach, FrameObservations, JointStart, adjust_jointly};
+use crate::autocalibrate::Doubt;
+use crate::autocalibrate::field_prior::FieldPrior;
+use crate::autocalibrate::frames::matched_frames::{FramesAtScale, MatchedFrames};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
+use std::sync::Arc;
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::Vec3;
+use touchline_vision::track::{PosePrior, fill_missing_cameras};
+
+/// An adjustment replaces another one if its score is this many times higher.
+pub const MIN_GAIN: f64 = 1.01;
+
+/// A base for the camera, and the frames around it. Frames are numbered as in [`MatchedFrames`].
+#[derive(Clone)]
+pub struct Hypothesis {
+    /// The camera as it would be answered, as far as it is refined.
+    pub camera: AutocalibratedCamera,
+    /// The camera of each frame from the joint adjustment; none for frames with too little paint.
+    pub ptz: Vec<Option<Ptz>>,
+    /// The pose prior of each frame from its own paint.
+    pub paint_priors: Vec<PosePrior>,
+    /// The frames at the focal scale where the search found the pose.
+    pub frames: Arc<FramesAtScale>,
+    /// The reach with which the joint adjustment began.
+    pub reach: FirstReach,
+}
+
+impl Hypothesis {
+    /// Adjusts the base and all frames jointly to the paint, and measures the evidence for the
+    /// result. None if too few frames show paint near the lines.
+    pub fn adjust(
+        start: &JointStart,
+        size_prior: Option<&FieldPrior>,
+        frames: &Arc<FramesAtScale>,
+        matched: &MatchedFrames,
+    ) -> Option<Self> {
+        let paint = &frames.paint;
+        let observed = FrameObservations {
+            paint,
+            matches: &matched.matches,
+            image_size: matched.image_size,
+        };
+        let joint = adjust_jointly(start, size_prior, &observed)?;
+        let evidence = measure_evidence(&joint, paint, &matched.marking_pixels);
+        let paint_priors = joint.paint_priors();
+        // Frames with too little paint have no camera yet; they get one in the alignment.
+        let placed = matched
+            .indices
+            .iter()
+            .zip(&joint.ptz)
+            .filter_map(|(&index, ptz)| {
+                Some(AutocalibratedFrame {
+                    index,
+                    ptz: (*ptz)?,
+                    uncertainty: None,
+                    snapped: None,
+                    unaligned_score: None,
+                })
+            });
+        let camera = AutocalibratedCamera {
+            base: joint.base,
+            field: joint.field,
+            sizes: joint.sizes,
+            frames: placed.collect(),
+            others: matched.others.clone(),
+            paint: Vec::new(),
+            evidence,
+        };
+        Some(Self {
+            camera,
+            ptz: joint.ptz,
+            paint_priors,
+            frames: Arc::clone(frames),
+            reach: start.reach,
+        })
+    }
+
+    /// Adjusts a base and its frames, and repeats that from the result while the score rises by
+    /// [`MIN_GAIN`].
+    ///
+    /// Paint is assigned to lines once per round, with the base of the moment. A frame that was
+    /// assigned to the wrong lines, or dropped because it lay near none, gets a second chance from
+    /// the better base and field size.
+    pub fn adjust_repeatedly(
+        start: &JointStart,
+        size_prior: Option<&FieldPrior>,
+        frames: &Arc<FramesAtScale>,
+        matched: &MatchedFrames,
+    ) -> Option<Self> {
+        const MAX_PASSES: usize = 4;
+        let mut best = Self::adjust(start, size_prior, frames, matched)?;
+        for _ in 1..MAX_PASSES {
+            let Some(start) = JointStart::from_hypothesis(&best, matched) else {
+                break;
+            };
+            let Some(next) = Self::adjust(&start, size_prior, frames, matched) else {
+                break;
+            };
+            if next.score() <= MIN_GAIN * best.score() {
+                break;
+            }
+            best = next;
+        }
+        Some(best)
+    }
+
+    /// The product of explained paint and visible lines, 0 to 1.
+    pub fn score(&self) -> f64 {
+        self.camera.evidence.score()
+    }
+
+    /// The median distance of paint from its line, px at 1920 px width.
+    pub const fn residual_px(&self) -> f64 {
+        self.camera.evidence.residual_px
+    }
+
+    /// The position of the camera in `world`, m.
+    pub const fn position_m(&self) -> Vec3 {
+        self.camera.base.position_m
+    }
+
+    /// The reasons to reject it, from its evidence.
+    pub fn doubts(&self) -> Vec<Doubt> {
+        doubts_of(&self.camera.evidence, &self.camera.base)
+    }
+
+    /// The cameras of all frames: those without paint of their own are placed by their matches with
+    /// the others. None if no frame has a camera.
+    pub fn all_ptz(&self, matched: &MatchedFrames) -> Option<Vec<Ptz>> {
+        fill_missing_cameras(&self.ptz, &self.frames.rotations.ptz, &matched.matches)
+    }
+}
+
+impl JointStart {
+    /// From the result of an adjustment. Frames that it dropped are placed by their matches with
+    /// the frames that it kept.
+    pub fn from_hypothesis(hypothesis: &Hypothesis, matched: &MatchedFrames) -> Option<Self> {
+        let ptz = hypothesis.all_ptz(matched)?.into_iter().map(Some).collect();
+        let camera = &hypothesis.camera;
+        Some(Self {
+            reach: hypothesis.reach,
+            field: camera.field.clone(),
+            base: camera.base,
+            ptz,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::autocalibrate::rotating_camera::{
+        base, frames_at_scale, hypothesis, matched_views, paint, ptz, soccer,
+    };
+
+    #[test]
+    fn base_and_frames_are_found_again_from_beside() {
+        let (field, matched) = (soccer().assumed, matched_views());
+        let mut start_base = base();
+        start_base.position_m += Vec3::new(0.3, -0.4, 0.1);
+        let start = |reach| JointStart {
+            reach,
+            field: field.clone(),
+            base: start_base,
+            ptz: ptz().into_iter().map(Some).collect(),
+        };
+        for reach in [FirstReach::Wide, FirstReach::Narrow] {
+            let found = Hypothesis::adjust(&start(reach), None, &frames_at_scale(&field), &matched)
+                .unwrap();
+            assert_eq!(found.reach, reach);
+            let off_m = (found.position_m() - base().position_m).norm();
+            assert!(off_m < 0.1, "{off_m:.3} m");
+            let indices: Vec<usize> = found
+                .camera
+                .frames
+                .iter()
+                .map(|frame| frame.index)
+                .collect();
+            assert_eq!(indices, matched.indices);
+            assert_eq!(found.paint_priors.len(), ptz().len());
+            assert!(
+                found.camera.evidence.residual_px < 0.5,
+                "{}",
+                found.camera.evidence.residual_px
+            );
+            assert!(
+                found.camera.evidence.explained > 0.95,
+                "{}",
+                found.camera.evidence.explained
+            );
+        }
+    }
+
+    #[test]
+    fn without_paint_there_is_no_hypothesis() {
+        let (field, matched) = (soccer().assumed, matched_views());
+        let mut bare = Arc::into_inner(frames_at_scale(&field)).unwrap();
+        bare.paint.iter_mut().for_each(Vec::clear);
+        let start = JointStart {
+            reach: FirstReach::Wide,
+            field,
+            base: base(),
+            ptz: ptz().into_iter().map(Some).collect(),
+        };
+        assert!(Hypothesis::adjust(&start, None, &Arc::new(bare), &matched).is_none());
+    }
+
+    #[test]
+    fn the_fixture_shows_lines_in_every_frame() {
+        let field = soccer().assumed;
+        assert!(ptz().into_iter().all(|ptz| paint(&field, ptz).len() > 40));
+    }
+
+    #[test]
+    fn all_frames_have_a_camera_if_one_has() {
+        let (matched, mut hypothesis) = (matched_views(), hypothesis(&soccer().assumed));
+        hypothesis.ptz[1..].fill(None);
+        let all = hypothesis.all_ptz(&matched).unwrap();
+        for (found, truth) in all.iter().zip(ptz()) {
+            assert!((found.pan - truth.pan).degrees().abs() < 1e-6, "{found:?}");
+            assert!((found.focal_px - truth.focal_px).abs() < 1e-6, "{found:?}");
+        }
+        hypothesis.ptz[0] = None;
+        assert!(hypothesis.all_ptz(&matched).is_none());
+    }
+}

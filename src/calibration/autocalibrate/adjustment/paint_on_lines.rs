@@ -1,0 +1,144 @@
+//! The paint of frames, assigned to the lines that their cameras see nearest to it: the
+//! observations of the joint adjustment.
+//!
+//! The assignment is made with the cameras of the moment and repeated as they get better. In
+//! between it can be moved to a field of another size or crown, measured, and summed up as one pose
+//! prior per frame.
+
+use crate::autocalibrate::frames::matched_frames::FramePaint;
+use crate::autocalibrate::search::pitch_map::{OnLine, PitchMap};
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImagePoint, subsample};
+use touchline_core::solve::base::FrameClicks;
+use touchline_core::solve::{BlockEquations, Loss, Observation};
+use touchline_vision::track::{PosePrior, PriorSource};
+
+/// 1-σ of a point on the centre of a stroke, px at 1920 px width. It includes the error that
+/// neighbouring points have in common.
+pub const SIGMA_PX: f64 = 1.5;
+
+/// Maximum number of paint points per line and frame: long lines would otherwise outweigh short
+/// ones.
+const OF_LINE: usize = 20;
+
+/// The robust loss of the paint in a pose prior: paint hardly counts beyond 2 σ.
+const PAINT_LOSS: Loss = Loss::Cauchy { c: 2.0 };
+
+/// The lines that paint is assigned to, and how far from them it may lie.
+pub struct LineAssignment<'a> {
+    pub field: &'a FieldModel,
+    pub map: &'a PitchMap,
+    /// Paint farther than this from every line is left out, px at 1920 px width.
+    pub reach_px: f64,
+    /// Pixels of the frames per pixel at 1920 px width.
+    pub scale: f64,
+}
+
+impl LineAssignment<'_> {
+    /// The paint of a frame that lies near lines; nothing for a frame without a camera.
+    pub fn clicks_of_frame(
+        &self,
+        paint: &FramePaint,
+        base: &CameraBase,
+        ptz: Option<Ptz>,
+    ) -> FrameClicks {
+        FrameClicks {
+            observations: ptz.map_or_else(Vec::new, |ptz| {
+                self.observations(paint, &PtzCamera::new(*base, ptz))
+            }),
+            start: None,
+        }
+    }
+
+    /// Assigns each point of paint to the line that the camera sees nearest to it, if within reach;
+    /// at most [`OF_LINE`] per line, evenly subsampled.
+    fn observations(&self, paint: &FramePaint, camera: &PtzCamera) -> Vec<Observation> {
+        let mut of_line: Vec<Vec<Observation>> = vec![Vec::new(); self.field.lines.len()];
+        let eye_m = camera.base().position_m;
+        for (place, image) in paint.iter().enumerate() {
+            let ground = self.map.ground(|z_m| camera.plane_from_image(*image, z_m));
+            let Some(near) = ground.and_then(|ground| self.map.nearest(ground, eye_m)) else {
+                continue;
+            };
+            // The nearest line is found by angle from the camera; the gate is in pixels, the unit
+            // of the adjustment.
+            let off_px = beside_px(camera, &near, *image).unwrap_or(f64::INFINITY);
+            if off_px > self.reach_px * self.scale {
+                continue;
+            }
+            of_line[near.line].extend(Observation::from_paint(
+                self.field,
+                near.line,
+                *image,
+                SIGMA_PX * self.scale,
+                place,
+            ));
+        }
+        of_line
+            .into_iter()
+            .flat_map(|places| subsample(places, OF_LINE))
+            .collect()
+    }
+}
+
+/// The distance of an image point from the projected line, px; none if the line is behind the
+/// camera. The direction of the line in the picture is a finite difference over 0.1 m.
+fn beside_px(camera: &PtzCamera, line: &OnLine, image: ImagePoint) -> Option<f64> {
+    const STEP_M: f64 = 0.1;
+    let at = camera.image_from_world(line.at).ok()?;
+    let further = camera
+        .image_from_world(line.at + STEP_M * line.tangent.normalize())
+        .ok()?;
+    let along = further.offset_from(at).try_normalize(0.0)?;
+    Some(image.offset_from(at).perp(&along).abs())
+}
+
+/// Moves the assigned paint to the same lines of a field with another crown or size.
+pub fn move_to_field(mut taken: Vec<FrameClicks>, field: &FieldModel) -> Vec<FrameClicks> {
+    for frame in &mut taken {
+        frame.observations = frame
+            .observations
+            .iter()
+            .filter_map(|seen| seen.with_element(field, seen.element?))
+            .collect();
+    }
+    taken
+}
+
+/// The distances of a frame's assigned paint from its lines, px; none without a camera.
+pub fn distances_px(taken: &FrameClicks, base: &CameraBase, ptz: Option<Ptz>) -> Vec<f64> {
+    let Some(ptz) = ptz else {
+        return Vec::new();
+    };
+    let camera = PtzCamera::new(*base, ptz);
+    taken
+        .observations
+        .iter()
+        .filter_map(|seen| seen.distance_px(&camera))
+        .collect()
+}
+
+/// The pose prior of each frame with a camera from its own assigned paint.
+pub fn paint_priors(
+    base: &CameraBase,
+    ptz: &[Option<Ptz>],
+    taken: &[FrameClicks],
+) -> Vec<PosePrior> {
+    ptz.iter()
+        .zip(taken)
+        .enumerate()
+        .filter_map(|(frame, (ptz, taken))| Some(paint_prior(frame, taken, base, (*ptz)?)))
+        .collect()
+}
+
+/// The pose prior of a frame from its assigned paint: the normal equations of (pan, tilt, log f) at
+/// its camera.
+fn paint_prior(frame: usize, taken: &FrameClicks, base: &CameraBase, ptz: Ptz) -> PosePrior {
+    let camera = PtzCamera::new(*base, ptz);
+    let mut equations = BlockEquations::<0, 3>::zero();
+    for seen in &taken.observations {
+        equations.add(seen, &camera, PAINT_LOSS);
+    }
+    PosePrior::new(frame, ptz, equations.own, PriorSource::Paint)
+}

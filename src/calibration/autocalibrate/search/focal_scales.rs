@@ -1,0 +1,250 @@
+//! The search over focal scales: the poses from the exhaustive search or from clicks, at one focal
+//! scale after the other.
+//!
+//! Matches leave the common scale of the focal lengths uncertain, and the pose depends on it. So
+//! poses are scored at a few scales first, then at the untried neighbours of the best scale until
+//! the best has been compared with both.
+
+use super::clicked::{GroundClick, poses_of_pairs};
+use super::exhaustive::{fit_coarse_pose, search};
+use super::pitch_map::PitchMap;
+use super::places::SearchPlaces;
+use super::pose::PanoramaPose;
+use super::pose_score::{ScoredPose, score_roughly, sort_by_score};
+use crate::autocalibrate::error::Stop;
+use crate::autocalibrate::frames::matched_frames::{FramesAtScale, MatchedFrames};
+use crate::autocalibrate::frames::panorama::Panorama;
+use crate::autocalibrate::frames::rotations_by_focal_scale::RotationsByFocalScale;
+use crate::autocalibrate::progress::report;
+use crate::autocalibrate::{Abstention, AutocalibrationProgress};
+use rayon::prelude::*;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+use touchline_core::field::FieldModel;
+use touchline_core::progress::Progress;
+use touchline_vision::track::RelativeRotations;
+
+/// The focal scales of the search, in per cent of the scale that fits the matches best. Rotations
+/// alone determine the scale badly, and scrolling boards bias all matches alike. Neighbouring
+/// values differ by about 6 %, as finely as the search needs.
+const FOCAL_PERCENT: [u32; 15] = [
+    67, 71, 75, 79, 83, 88, 94, 100, 106, 113, 120, 127, 135, 143, 150,
+];
+
+/// The scales that are tried first.
+const FIRST_FOCAL_PERCENT: [u32; 3] = [100, 88, 113];
+
+/// The scales that are tried first where clicks determine the poses. They lie closer together,
+/// because the scale decides how far away the clicked landmarks are.
+const FINE_FOCAL_PERCENT: [u32; 11] = [100, 97, 103, 94, 106, 91, 109, 88, 112, 115, 118];
+
+/// The usual number of scales that a search tries; for the progress display only.
+const USUAL_ROUNDS: usize = 5;
+
+/// Maximum number of poses from pairs of clicks, per field.
+const MAX_PAIRS: usize = 6;
+
+/// The number of poses of a pair, of different leans, that are fitted.
+const LEANS_FITTED: usize = 2;
+
+/// Maximum number of poses of one focal scale that are refined further.
+const MAX_PER_SCALE: usize = 3;
+
+/// A scored pose, with the frames at the focal scale where it was found.
+pub struct ScaledPose {
+    pub scored: ScoredPose,
+    pub frames: Arc<FramesAtScale>,
+}
+
+/// The poses that were found at several focal scales, and the rotations of the frames at each.
+pub struct PosesByFocalScale {
+    /// The most likely first.
+    pub poses: Vec<ScaledPose>,
+    pub rotations: RotationsByFocalScale,
+}
+
+/// Searches the poses of the panorama at some places around several fields, without clicks.
+pub fn search_poses(
+    matched: &MatchedFrames,
+    maps: &[PitchMap],
+    places: &SearchPlaces,
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<PosesByFocalScale, Stop> {
+    let num_places = places.len() * maps.len();
+    try_focal_scales(
+        matched,
+        &FIRST_FOCAL_PERCENT,
+        num_places,
+        progress,
+        |_, panorama| search(panorama, maps, places),
+    )
+}
+
+/// The poses that pairs of clicks determine, on several fields with their maps.
+pub fn poses_from_clicks(
+    matched: &MatchedFrames,
+    fields: &[FieldModel],
+    maps: &[PitchMap],
+    clicks: &[GroundClick],
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<PosesByFocalScale, Stop> {
+    try_focal_scales(
+        matched,
+        &FINE_FOCAL_PERCENT,
+        fields.len(),
+        progress,
+        |rotations, panorama| {
+            let mut found = Vec::new();
+            for (number, (field, map)) in fields.iter().zip(maps).enumerate() {
+                let pairs = poses_of_pairs(rotations, clicks, field);
+                for poses in pairs.into_iter().take(MAX_PAIRS) {
+                    found.extend(best_of_pair(&poses, panorama, (number, map)));
+                }
+            }
+            sort_by_score(&mut found);
+            found
+        },
+    )
+}
+
+/// The best of the poses that one pair of clicks gives for different leans of the pan axis, fitted.
+fn best_of_pair(
+    poses: &[PanoramaPose],
+    panorama: &Panorama,
+    (field, map): (usize, &PitchMap),
+) -> Vec<ScoredPose> {
+    let mut scored: Vec<ScoredPose> = poses
+        .par_iter()
+        .map(|pose| score_roughly(*pose, panorama, (field, map)))
+        .collect();
+    sort_by_score(&mut scored);
+    scored.truncate(LEANS_FITTED);
+    scored
+        .par_iter()
+        .map(|scored| fit_coarse_pose(scored.pose, panorama, (field, map)))
+        .collect()
+}
+
+/// The best poses at each of some focal scales, and at the neighbours of the scale that has the
+/// best pose of all. `poses_at` returns the poses at one scale, the best first.
+///
+/// # Errors
+/// The search was stopped, no scale could be evaluated, or the frames are not those of a rotating
+/// camera, which shows at the first scale.
+fn try_focal_scales(
+    matched: &MatchedFrames,
+    focal_percent: &[u32],
+    places: usize,
+    progress: &Progress<'_, AutocalibrationProgress>,
+    poses_at: impl Fn(&RelativeRotations, &Panorama) -> Vec<ScoredPose>,
+) -> Result<PosesByFocalScale, Stop> {
+    let (mut found, mut rotations) = (Vec::new(), Vec::new());
+    let mut percents = focal_percent.to_vec();
+    let mut best: Option<(f64, u32)> = None;
+    let mut refused = None;
+    let mut done = 0;
+    while let Some(&percent) = percents.get(done) {
+        let of = percents.len().max(USUAL_ROUNDS);
+        report(
+            progress,
+            AutocalibrationProgress::Trying { places, done, of },
+        )?;
+        done += 1;
+        match matched.at_scale(percent) {
+            Ok((frames, panorama)) => {
+                // Find the poses at this scale, and remember the scale with the best pose.
+                let poses = poses_at(&frames.rotations, &panorama);
+                let score = poses.first().map_or(0.0, ScoredPose::score);
+                if best.is_none_or(|(other, _)| score > other) {
+                    best = Some((score, percent));
+                }
+                rotations.push((percent, frames.rotations.clone()));
+                let frames = Arc::new(frames);
+                let poses = poses.into_iter().take(MAX_PER_SCALE);
+                found.extend(poses.map(|scored| ScaledPose {
+                    scored,
+                    frames: Arc::clone(&frames),
+                }));
+            }
+            Err(why @ Abstention::NotTurning(_)) if done == 1 => return Err(why.into()),
+            // One focal scale may gather little paint where another gathers enough.
+            Err(why) => refused = refused.or(Some(why)),
+        }
+        // All planned scales are done: add a neighbour of the best, until there is none.
+        if done == percents.len() {
+            percents.extend(best.and_then(|(_, percent)| next_scale_beside(percent, &percents)));
+        }
+    }
+    // Fail only if no scale worked, with the first reason.
+    if let Some(why) = refused.filter(|_| rotations.is_empty()) {
+        return Err(why.into());
+    }
+    // Poses of all scales compete; the sort is stable.
+    found.sort_by(|a, b| b.scored.score().total_cmp(&a.scored.score()));
+    Ok(PosesByFocalScale {
+        poses: found,
+        rotations: RotationsByFocalScale::new(rotations),
+    })
+}
+
+/// The next scale to try beside the best one, from [`FOCAL_PERCENT`]: a neighbour such that no
+/// tried scale lies between it and the best, or equals it. Scales beyond all tried ones come before
+/// those between two of them.
+fn next_scale_beside(percent: u32, tried: &[u32]) -> Option<u32> {
+    let above = FOCAL_PERCENT.into_iter().find(|share| *share > percent);
+    let below = FOCAL_PERCENT.into_iter().rfind(|share| *share < percent);
+    // A neighbour counts as tried if any scale between it and the best was tried: scales from the
+    // finer list may lie between two of the table.
+    let above = above.filter(|above| !is_any_within(tried, &(percent + 1..=*above)));
+    let below = below.filter(|below| !is_any_within(tried, &(*below..=percent - 1)));
+    // A scale beyond all tried ones sorts first: `false` comes before `true`.
+    above.into_iter().chain(below).min_by_key(|share| {
+        is_any_within(tried, &(0..=*share)) && is_any_within(tried, &(*share..=u32::MAX))
+    })
+}
+
+/// Whether any of some scales lies within a range, per cent.
+fn is_any_within(scales: &[u32], range: &RangeInclusive<u32>) -> bool {
+    scales.iter().any(|scale| range.contains(scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The scales that are tried if the best is always the one nearest to `best`.
+    fn tried(first: &[u32], best: u32) -> Vec<u32> {
+        let mut tried = first.to_vec();
+        let nearest = |tried: &[u32]| {
+            *tried
+                .iter()
+                .min_by_key(|share| share.abs_diff(best))
+                .unwrap()
+        };
+        while let Some(next) = next_scale_beside(nearest(&tried), &tried) {
+            tried.push(next);
+        }
+        tried
+    }
+
+    #[test]
+    fn both_neighbours_of_the_best_share_are_tried_and_few_others() {
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 100), [100, 88, 113, 106, 94]);
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 120), [100, 88, 113, 120, 127]);
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 113), [100, 88, 113, 120, 106]);
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 79), [100, 88, 113, 83, 79, 75]);
+        assert_eq!(
+            tried(&FIRST_FOCAL_PERCENT, 40),
+            [100, 88, 113, 83, 79, 75, 71, 67]
+        );
+        assert_eq!(
+            tried(&FIRST_FOCAL_PERCENT, 200),
+            [100, 88, 113, 120, 127, 135, 143, 150]
+        );
+        assert_eq!(tried(&FINE_FOCAL_PERCENT, 103), FINE_FOCAL_PERCENT);
+        assert_eq!(
+            tried(&FINE_FOCAL_PERCENT, 118)[FINE_FOCAL_PERCENT.len()..],
+            [120]
+        );
+    }
+}

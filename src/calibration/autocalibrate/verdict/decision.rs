@@ -1,0 +1,384 @@
+//! The decision between the candidates for a base: reject, align, refine, and give the verdict.
+//!
+//! The best candidate is compared with the next one in another position. Both are aligned to each
+//! frame's own picture, and adjusted once more where that does not tell them apart. What remains
+//! has to pass the checks of `checks.rs`.
+
+use super::checks::{
+    MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click,
+    few_aligned, is_confirmed_by_clicks, is_confirmed_in_mean, is_refuted, missing_in_frames,
+    open_size, uncertain, unusual_size,
+};
+use super::deciding_landmark::deciding_landmark;
+use super::faint_lines::{LinesInMean, find_lines_in_mean};
+use crate::autocalibrate::adjustment::align::align_frames;
+use crate::autocalibrate::adjustment::candidates::{RUNNER_UP_RATIO, SAME_POSITION_M, apart_m};
+use crate::autocalibrate::adjustment::evidence::labels;
+use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
+use crate::autocalibrate::adjustment::refine::{SearchedCamera, refine_base};
+use crate::autocalibrate::error::Stop;
+use crate::autocalibrate::field_prior::FieldPrior;
+use crate::autocalibrate::frames::matched_frames::MatchedFrames;
+use crate::autocalibrate::frames::sampled_frames::PictureOfFrame;
+use crate::autocalibrate::search::clicked::GroundClick;
+use crate::autocalibrate::{Abstention, AutocalibrationAnswer, AutocalibrationProgress, Doubt};
+use crate::calibrate::AutocalibratedCamera;
+use touchline_core::progress::Progress;
+use touchline_core::solve::base::BaseOptions;
+
+/// What a decision is made with.
+pub struct Decision<'a> {
+    pub searched: SearchedCamera<'a>,
+    pub field_prior: &'a FieldPrior,
+    pub matched: &'a MatchedFrames,
+    /// Clicks on landmarks of the ground, with frames by their index in the document. An answer
+    /// must not contradict them.
+    pub clicks: &'a [GroundClick],
+    /// Whether the clicks played no part in finding the candidates, so that they can confirm one.
+    pub is_found_without_clicks: bool,
+    pub picture: PictureOfFrame<'a>,
+    pub progress: &'a Progress<'a, AutocalibrationProgress>,
+}
+
+/// The best candidate, and one in another position that explains the paint nearly as well.
+struct Choice {
+    best: Hypothesis,
+    runner_up: Option<Hypothesis>,
+}
+
+impl Decision<'_> {
+    /// Rejects, aligns, refines and judges the best candidates.
+    ///
+    /// `candidates` come best first. Those that a click contradicts come after all others.
+    pub fn decide(
+        &mut self,
+        mut candidates: Vec<Hypothesis>,
+    ) -> Result<AutocalibrationAnswer, Stop> {
+        candidates.sort_by_key(|candidate| self.contradicting_click(&candidate.camera).is_some());
+        let Choice { best, runner_up } = choose(candidates)?;
+        let runner_up = runner_up.filter(|other| self.contradicting_click(&other.camera).is_none());
+        if let Some(doubt) = self.contradicting_click(&best.camera) {
+            return Err(uncertain(vec![doubt], best.camera));
+        }
+
+        // Reject the best candidate early, except for missing lines: these are checked again with
+        // the refined camera, because a line may lie just beside its paint until then.
+        let mut doubts = best.doubts();
+        if doubts
+            .iter()
+            .any(|doubt| !matches!(doubt, Doubt::LinesMissing { .. }))
+        {
+            // A pitch of an unusual size looks like this as well, until its size is stated.
+            doubts.extend(unusual_size(&best.camera, self.field_prior));
+            return Err(uncertain(doubts, best.camera));
+        }
+        let is_doubted = !doubts.is_empty();
+        let best = align_frames(best, self.matched, self.picture, self.progress)?;
+        match (
+            runner_up,
+            few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING),
+        ) {
+            (Some(runner_up), _) => self.decide_between(best, runner_up, is_doubted),
+            (None, Some(doubt)) => Err(uncertain(vec![doubt], best.camera)),
+            (None, None) => self.refine_and_judge(&best, MIN_ALIGNED),
+        }
+    }
+
+    /// Decides between two candidates that explain the paint about equally well. `best` is already
+    /// aligned; `is_doubted` says that some evidence contradicts it.
+    fn decide_between(
+        &mut self,
+        best: Hypothesis,
+        mut runner_up: Hypothesis,
+        is_doubted: bool,
+    ) -> Result<AutocalibrationAnswer, Stop> {
+        let is_doubted = is_doubted || !runner_up.doubts().is_empty();
+        runner_up.camera.evidence.rival = best.score();
+        let runner_up = align_frames(runner_up, self.matched, self.picture, self.progress)?;
+
+        // The frames' own pictures decide first. If too few of them agree with the best candidate,
+        // the two change places, unless some evidence contradicts either, or too few agree with the
+        // runner-up as well: then there is no answer.
+        let is_misaligned = |hypothesis: &Hypothesis| {
+            few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING).is_some()
+        };
+        let [best, runner_up] = match few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING) {
+            Some(doubt) if is_doubted || is_misaligned(&runner_up) => {
+                return Err(uncertain(vec![doubt], best.camera));
+            }
+            Some(_) => [runner_up, best],
+            None => [best, runner_up],
+        };
+        // A runner-up that the pictures refute is out; the best must then agree with more frames
+        // than without a runner-up.
+        if is_refuted(&runner_up.camera) {
+            return self.refine_and_judge(&best, MIN_ALIGNED_WITH_RUNNER_UP);
+        }
+
+        // Else refine both, from the same pictures.
+        let options = BaseOptions::default();
+        let refined = [
+            self.refine(&best, &options)?,
+            self.refine(&runner_up, &options)?,
+        ];
+        let [best, runner_up] = match refined {
+            // Candidates that converge to one position differed only in the size of the field.
+            [Some(best), Some(runner_up)]
+                if apart_m(
+                    best.position_m(),
+                    runner_up.position_m(),
+                    &best.camera.field,
+                ) < SAME_POSITION_M =>
+            {
+                let best = align_frames(best, self.matched, self.picture, self.progress)?;
+                return self.judge(best.camera, MIN_ALIGNED_WITH_RUNNER_UP);
+            }
+            [refined_best, refined_runner_up] => [
+                self.align_refined(refined_best, best)?.camera,
+                self.align_refined(refined_runner_up, runner_up)?.camera,
+            ],
+        };
+        self.leave_to_a_click(best, runner_up, is_doubted)
+    }
+
+    /// Returns both cameras for the user to choose from. Each has to agree with as many frames as a
+    /// candidate that refutes a runner-up.
+    fn leave_to_a_click(
+        &mut self,
+        best: AutocalibratedCamera,
+        other: AutocalibratedCamera,
+        is_doubted: bool,
+    ) -> Result<AutocalibrationAnswer, Stop> {
+        let doubt = |camera| {
+            few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP)
+                .or_else(|| open_size(camera))
+                .or_else(|| unusual_size(camera, self.field_prior))
+        };
+        let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
+        if is_doubted || !doubts.is_empty() {
+            doubts.insert(0, Doubt::Rival);
+            return Err(uncertain(doubts, best));
+        }
+        // Suggest the click that separates them best.
+        let deciding = deciding_landmark(&self.searched.document, &best, &other);
+        Ok(AutocalibrationAnswer::Two {
+            best: Box::new(best),
+            other: Box::new(other),
+            deciding,
+        })
+    }
+
+    /// Refines the only remaining candidate, aligns its frames with the refined base and gives the
+    /// verdict.
+    fn refine_and_judge(
+        &mut self,
+        hypothesis: &Hypothesis,
+        min_aligned: f64,
+    ) -> Result<AutocalibrationAnswer, Stop> {
+        let Some(refined) = self.refine(hypothesis, &BaseOptions::default())? else {
+            return Err(uncertain(vec![Doubt::NotHeld], hypothesis.camera.clone()));
+        };
+        let mut best = align_frames(refined, self.matched, self.picture, self.progress)?;
+        if few_aligned(&best.camera, min_aligned).is_some() {
+            // Few aligned frames can have moved the principal point away from where the others need
+            // it. Try again with the principal point in the centre and keep the result with more
+            // aligned frames.
+            let centred = BaseOptions {
+                placing_frames: usize::MAX,
+                ..BaseOptions::default()
+            };
+            if let Some(refined) = self.refine(hypothesis, &centred)? {
+                let other = align_frames(refined, self.matched, self.picture, self.progress)?;
+                if other.camera.aligned_frame_count() > best.camera.aligned_frame_count() {
+                    best = other;
+                }
+            }
+        }
+        self.judge(best.camera, min_aligned)
+    }
+
+    /// A refined hypothesis with its frames aligned; the unrefined one where refining failed.
+    fn align_refined(
+        &mut self,
+        refined: Option<Hypothesis>,
+        unrefined: Hypothesis,
+    ) -> Result<Hypothesis, Stop> {
+        match refined {
+            Some(refined) => align_frames(refined, self.matched, self.picture, self.progress),
+            None => Ok(unrefined),
+        }
+    }
+
+    /// Refines the base of a hypothesis; none if the paint does not determine one.
+    fn refine(
+        &mut self,
+        hypothesis: &Hypothesis,
+        options: &BaseOptions,
+    ) -> Result<Option<Hypothesis>, Stop> {
+        refine_base(
+            hypothesis,
+            options,
+            self.searched,
+            self.matched,
+            self.picture,
+            self.progress,
+        )
+    }
+
+    /// The reason to reject a camera that a click contradicts.
+    fn contradicting_click(&self, camera: &AutocalibratedCamera) -> Option<Doubt> {
+        contradicting_click(camera, self.clicks, &self.searched.document.frames)
+    }
+
+    /// Whether clicks that played no part in finding a camera confirm it.
+    fn is_confirmed_by_clicks(&self, camera: &AutocalibratedCamera) -> bool {
+        let frames = &self.searched.document.frames;
+        self.is_found_without_clicks && is_confirmed_by_clicks(camera, self.clicks, frames)
+    }
+
+    /// Returns the camera as the answer if enough frames agree with it, no line is missing and no
+    /// click contradicts it.
+    fn judge(
+        &mut self,
+        mut camera: AutocalibratedCamera,
+        min_aligned: f64,
+    ) -> Result<AutocalibrationAnswer, Stop> {
+        // What the frames do not show of the field is drawn as it is recorded.
+        if camera.sizes.iter().any(|size| size.is_open) {
+            let prior = self.field_prior;
+            camera.field = prior
+                .with_open_as_assumed(&camera.field, &camera.sizes)
+                .unwrap_or(camera.field);
+        }
+        // Three checks at full resolution and one of the field; the first that fails is reported.
+        // What single pictures do not confirm, the mean of all of them may, or clicks.
+        let few = few_aligned(&camera, min_aligned);
+        let mut missing = missing_in_frames(&camera, self.matched);
+        let in_mean = if few.is_some() || !missing.is_empty() {
+            find_lines_in_mean(&camera, self.matched, self.picture)
+        } else {
+            LinesInMean::default()
+        };
+        let few = few.filter(|_| {
+            !is_confirmed_in_mean(&camera, &in_mean) && !self.is_confirmed_by_clicks(&camera)
+        });
+        missing.retain(|line| !in_mean.seen.contains(line));
+        camera.evidence.missing = labels(&camera.field, &missing);
+        let lines = &camera.evidence.missing;
+        let missing = || {
+            (!lines.is_empty()).then(|| Doubt::LinesMissing {
+                lines: lines.clone(),
+            })
+        };
+        match few
+            .or_else(missing)
+            .or_else(|| unusual_size(&camera, self.field_prior))
+            .or_else(|| self.contradicting_click(&camera))
+        {
+            Some(doubt) => Err(uncertain(vec![doubt], camera)),
+            None => Ok(AutocalibrationAnswer::Found(Box::new(camera))),
+        }
+    }
+}
+
+/// Chooses the best candidate, and the next one in another position as the runner-up if it explains
+/// nearly as much. `candidates` come best first.
+fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
+    let mut candidates = candidates.into_iter();
+    let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
+    // Candidates in the position of the best are the same answer.
+    let is_elsewhere = |other: &Hypothesis| {
+        let apart_m = apart_m(other.position_m(), best.position_m(), &best.camera.field);
+        apart_m > SAME_POSITION_M && other.score() > 0.0
+    };
+    let elsewhere = candidates.find(is_elsewhere);
+    best.camera.evidence.rival = elsewhere.as_ref().map_or(0.0, Hypothesis::score);
+    // A candidate against which there is evidence cannot question one without.
+    let is_runner_up = |other: &Hypothesis| {
+        best.score() < RUNNER_UP_RATIO * other.score()
+            && (other.doubts().is_empty() || !best.doubts().is_empty())
+    };
+    let runner_up = elsewhere.filter(is_runner_up);
+    Ok(Choice { best, runner_up })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::autocalibrate::rotating_camera::{hypothesis, soccer};
+    use touchline_core::geometry::Vec3;
+
+    /// A hypothesis beside the right one, with evidence that passes all checks.
+    fn beside(x_m: f64, score: f64) -> Hypothesis {
+        let mut hypothesis = hypothesis(&soccer().assumed);
+        hypothesis.camera.base.position_m += Vec3::x() * x_m;
+        let evidence = &mut hypothesis.camera.evidence;
+        (evidence.explained, evidence.visible, evidence.frames) = (score, 1.0, 7);
+        evidence.lines = ["a", "b", "c", "d", "e"].map(str::to_owned).to_vec();
+        hypothesis
+    }
+
+    /// The recorded score of the next position, and the distance of the runner-up from the best, m.
+    fn chosen(candidates: Vec<Hypothesis>) -> (f64, Option<f64>) {
+        let Choice { best, runner_up } = choose(candidates).unwrap();
+        let apart_m = |other: Hypothesis| (other.position_m() - best.position_m()).norm();
+        (best.camera.evidence.rival, runner_up.map(apart_m))
+    }
+
+    #[test]
+    fn one_position_twice_has_no_runner_up() {
+        assert_eq!(
+            chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89)]),
+            (0.0, None)
+        );
+    }
+
+    /// From behind a goal, the position opposite is the same answer on a field that looks the same
+    /// after half a turn.
+    #[test]
+    fn the_position_opposite_is_no_runner_up() {
+        let opposite = |score: f64| {
+            let mut hypothesis = beside(0.0, score);
+            let at_m = &mut hypothesis.camera.base.position_m;
+            (at_m.x, at_m.y) = (-at_m.x, -at_m.y);
+            hypothesis
+        };
+        assert_eq!(chosen(vec![beside(0.0, 0.9), opposite(0.89)]), (0.0, None));
+    }
+
+    #[test]
+    fn the_runner_up_explains_nearly_as_much() {
+        assert_eq!(
+            chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89), beside(8.0, 0.8)]),
+            (0.8, Some(8.0))
+        );
+        let (score, runner_up) = chosen(vec![beside(0.0, 0.9), beside(8.0, 0.62)]);
+        assert_eq!(
+            (score, runner_up),
+            (0.62, None),
+            "its score is recorded nevertheless"
+        );
+    }
+
+    #[test]
+    fn a_doubtful_candidate_is_no_runner_up_to_one_without_doubts() {
+        let mut doubtful = beside(8.0, 0.85);
+        doubtful.camera.evidence.lines.clear();
+        assert_eq!(
+            chosen(vec![beside(0.0, 0.9), doubtful.clone()]),
+            (0.85, None)
+        );
+        let mut best = beside(0.0, 0.9);
+        best.camera.evidence.lines.clear();
+        assert_eq!(
+            chosen(vec![best, doubtful]),
+            (0.85, Some(8.0)),
+            "where the best has doubts too"
+        );
+    }
+
+    #[test]
+    fn without_candidates_nothing_fits() {
+        assert_eq!(choose(Vec::new()).err(), Some(Abstention::NothingFits));
+    }
+}
