@@ -250,10 +250,7 @@ fn first_cameras(
         .map(|index| document.frames.get(*index)?.ptz.as_ref().map(FramePtz::ptz))
         .collect();
     // Without a click the estimation has priors alone to go by, and must not replace a base.
-    if let Some(base) = problem
-        .previous
-        .filter(|_| problem.click_count() == 0)
-    {
+    if let Some(base) = problem.previous.filter(|_| problem.click_count() == 0) {
         return Ok(KnownCameras {
             base,
             crown_m: problem.field.crown_m,
@@ -325,12 +322,7 @@ mod tests {
         let at = document.at(Path::new(""));
         let problem = BaseProblem::with_solved(at, &"main".into()).unwrap();
         assert_eq!(problem.frames, [0]);
-        let first = first_cameras(
-            &problem,
-            at,
-            &BaseOptions::default(),
-            &Progress::default(),
-        );
+        let first = first_cameras(&problem, at, &BaseOptions::default(), &Progress::default());
         let first = first.unwrap();
         assert!(!first.by_clicks);
         assert_eq!(first.base.position_m, base.position_m);

@@ -392,7 +392,10 @@ mod tests {
         }
         let at = document.at(Path::new(""));
         let unseen = unseen_length(at, &document.cameras[0]).unwrap();
-        assert!(unseen.is_some(), "the certain frames do not show the length");
+        assert!(
+            unseen.is_some(),
+            "the certain frames do not show the length"
+        );
         assert_eq!(length_on_lines(at, &mut |_| None).unwrap(), None);
     }
 }

@@ -76,7 +76,7 @@ impl Decision<'_> {
         let best = align_frames(best, self.matched, self.picture, self.progress)?;
         match (
             runner_up,
-            few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING),
+            self.few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING),
         ) {
             (Some(runner_up), _) => self.decide_between(best, runner_up, is_doubted),
             (None, Some(doubt)) => Err(uncertain(vec![doubt], best.camera)),
@@ -100,9 +100,10 @@ impl Decision<'_> {
         // the two change places, unless some evidence contradicts either, or too few agree with the
         // runner-up as well: then there is no answer.
         let is_misaligned = |hypothesis: &Hypothesis| {
-            few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING).is_some()
+            self.few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING)
+                .is_some()
         };
-        let [best, runner_up] = match few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING) {
+        let [best, runner_up] = match self.few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING) {
             Some(doubt) if is_doubted || is_misaligned(&runner_up) => {
                 return Err(uncertain(vec![doubt], best.camera));
             }
@@ -230,10 +231,13 @@ impl Decision<'_> {
         contradicting_click(camera, self.clicks, &self.searched.document.frames)
     }
 
-    /// Whether clicks that played no part in finding a camera confirm it.
-    fn is_confirmed_by_clicks(&self, camera: &AutocalibratedCamera) -> bool {
+    /// The reason to reject a camera with which too small a share of its frames agrees. None if
+    /// clicks that played no part in finding the camera confirm it.
+    fn few_aligned(&self, camera: &AutocalibratedCamera, min_share: f64) -> Option<Doubt> {
         let frames = &self.searched.document.frames;
-        self.is_found_without_clicks && is_confirmed_by_clicks(camera, self.clicks, frames)
+        few_aligned(camera, min_share).filter(|_| {
+            !(self.is_found_without_clicks && is_confirmed_by_clicks(camera, self.clicks, frames))
+        })
     }
 
     /// Returns the camera as the answer if enough frames agree with it, no line is missing and no
@@ -251,17 +255,15 @@ impl Decision<'_> {
                 .unwrap_or(camera.field);
         }
         // Three checks at full resolution and one of the field; the first that fails is reported.
-        // What single pictures do not confirm, the mean of all of them may, or clicks.
-        let few = few_aligned(&camera, min_aligned);
+        // What single pictures do not confirm, clicks or the mean of all pictures may.
+        let few = self.few_aligned(&camera, min_aligned);
         let mut missing = missing_in_frames(&camera, self.matched);
         let in_mean = if few.is_some() || !missing.is_empty() {
             find_lines_in_mean(&camera, self.matched, self.picture)
         } else {
             LinesInMean::default()
         };
-        let few = few.filter(|_| {
-            !is_confirmed_in_mean(&camera, &in_mean) && !self.is_confirmed_by_clicks(&camera)
-        });
+        let few = few.filter(|_| !is_confirmed_in_mean(&camera, &in_mean));
         missing.retain(|line| !in_mean.seen.contains(line));
         camera.evidence.missing = labels(&camera.field, &missing);
         let lines = &camera.evidence.missing;

@@ -86,9 +86,7 @@ mod tests {
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{
-        Camera, Clip, FieldSpec, Frame, FramePtz, FrameStatus,
-    };
+    use touchline_documents::document::{Camera, Clip, FieldSpec, Frame, FramePtz, FrameStatus};
 
     const SIZE: ImageSize = ImageSize::new(480, 270);
 
