@@ -532,20 +532,21 @@ fn record_or_drop(frame: &mut Frame, solved: Result<&FrameSolution, &Calibration
 }
 
 /// The camera that a frame's own clicks determine without a known base, from four or more landmarks
-/// on the ground; none if they do not.
+/// on the ground, or else from lines and landmarks with as many equations; none if they do not.
 ///
 /// A homography gives position, rotation and focal length. They are refined with a pinhole lens and
-/// the field's crown: one frame does not determine a lens.
+/// the field's crown: one frame does not determine a lens. A camera from lines has the usual places
+/// of cameras as a prior instead of a known principal point and lens.
 #[must_use]
 pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> Option<PtzCamera> {
     let camera = document.camera_of(frame)?;
-    if frame.landmark_clicks() < LANDMARKS_ALONE {
-        return None;
-    }
     let frames = [FrameClicks {
         observations: observations(frame, field).ok()?,
         start: None,
     }];
+    if frame.landmark_clicks() < LANDMARKS_ALONE {
+        return cameras_from_lines(field, &frames, frame.image_size).pop();
+    }
     let (image_size, principal_point) = (frame.image_size, camera.principal_point);
     let clicks = CameraClicks {
         field,

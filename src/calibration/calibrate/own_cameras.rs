@@ -234,7 +234,7 @@ impl FreeNames {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::{BaseProblem, BaseReadiness};
+    use crate::calibrate::{BaseProblem, BaseReadiness, camera_alone};
     use std::ops::ControlFlow;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::field::builtin;
@@ -307,6 +307,19 @@ mod tests {
         // Nothing is left to do.
         let again = give_own_cameras(&mut document, folder, &Progress::default());
         assert_eq!(again.unwrap().unwrap().solved, Vec::<usize>::new());
+    }
+
+    #[test]
+    fn lines_without_a_base_give_the_camera_of_their_picture() {
+        let (document, cameras) = three_pictures();
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        for (frame, truth) in document.frames.iter().zip(&cameras) {
+            let camera = camera_alone(&document, frame, &field).unwrap();
+            let centre = truth.plane_from_image(SIZE.centre(), 0.0).unwrap();
+            let shown = camera.image_from_world(centre).unwrap();
+            assert!(shown.distance_px(SIZE.centre()) < 1.0, "{shown:?}");
+        }
+        assert_eq!(camera_alone(&document, &document.frames[2], &field), None);
     }
 
     #[test]
