@@ -12,16 +12,18 @@ fn main() -> ExitCode {
     }
 }
 
+/// Says why the program ends, in one line.
+fn refuse(why: &str) -> ExitCode {
+    eprintln!("touchline: {why}");
+    ExitCode::from(2)
+}
+
 #[cfg(feature = "gui")]
 fn window(document: Option<std::path::PathBuf>) -> ExitCode {
-    let refuse = |why: String| {
-        eprintln!("touchline: {why}");
-        ExitCode::from(2)
-    };
     if let Some(document) = &document
         && !document.exists()
     {
-        return refuse(format!(
+        return refuse(&format!(
             "{}: neither a file or folder nor a command; see touchline --help",
             document.display()
         ));
@@ -32,33 +34,33 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
     if cfg!(target_os = "linux") && !has_display {
         return refuse(
             "there is no display (DISPLAY and WAYLAND_DISPLAY are not set), so the window cannot open; the commands work \
-             without, see touchline --help"
-                .to_owned(),
+             without, see touchline --help",
         );
     }
+    // Before any library of the window system is loaded.
     cli::give_runtime_folder();
-    // Who started the program from a desktop sees no terminal.
-    let refuse = |why: String| {
-        if !std::io::stdin().is_terminal() && !std::io::stderr().is_terminal() {
-            touchline::ui::say_in_dialog(&why);
-        }
-        refuse(why)
-    };
-    match touchline::ui::run(document) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(touchline::ui::WindowError::BrokeDown(panicked)) => refuse(format!(
+    let why = match touchline::ui::run(document) {
+        Ok(()) => return ExitCode::SUCCESS,
+        Err(touchline::ui::WindowError::BrokeDown(panicked)) => format!(
             "the window broke down: {panicked}. Every edit was journalled as it was made and is there when the project is opened \
              again; if the display is still there, this is a fault of the program: please report it"
-        )),
-        Err(error) if is_about_display(&error.to_string()) => refuse(format!(
+        ),
+        // Both kinds of errors arrive as one type. Their texts tell a missing display from a
+        // missing driver, for which the user has to do different things.
+        Err(error) if is_about_display(&error.to_string()) => format!(
             "the window cannot open: {error}. The display cannot be reached: look at DISPLAY, WAYLAND_DISPLAY and XAUTHORITY; \
              the commands work without, see touchline --help"
-        )),
-        Err(error) => refuse(format!(
+        ),
+        Err(error) => format!(
             "the window cannot open, for neither a Vulkan nor an OpenGL driver can be used (Debian: \
              mesa-vulkan-drivers libegl1): {error}. The commands work without, see touchline --help"
-        )),
+        ),
+    };
+    // Who started the program from a desktop sees no terminal.
+    if !std::io::stdin().is_terminal() && !std::io::stderr().is_terminal() {
+        touchline::ui::say_in_dialog(&why);
     }
+    refuse(&why)
 }
 
 /// Whether the window system did not answer, which no graphics driver mends.
@@ -79,8 +81,5 @@ fn is_about_display(error: &str) -> bool {
 
 #[cfg(not(feature = "gui"))]
 fn window(_document: Option<std::path::PathBuf>) -> ExitCode {
-    eprintln!(
-        "touchline: this program was built without the window (feature \"gui\"); see touchline --help"
-    );
-    ExitCode::from(2)
+    refuse("this program was built without the window (feature \"gui\"); see touchline --help")
 }

@@ -1,5 +1,6 @@
 //! Labels of another program attached to the frames of a video, for the commands that read both.
 
+use super::document::Loaded;
 use super::messages::Messages;
 use anyhow::{bail, ensure};
 use std::num::NonZeroUsize;
@@ -7,11 +8,16 @@ use std::path::Path;
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
-use touchline_documents::exchange::{Format, Imported, join, recognize_format};
+use touchline_documents::exchange::{
+    Format, ImportOptions, Imported, import, join, recognize_format,
+};
 use touchline_vision::media::{FrameSource, VideoInfo};
 
-/// The format of files whose format was not given.
-pub fn recognize(path: &Path, messages: Messages) -> anyhow::Result<Format> {
+/// The format of files: the given one, else that which their endings and contents show.
+pub fn recognize(given: Option<Format>, path: &Path, messages: Messages) -> anyhow::Result<Format> {
+    if let Some(format) = given {
+        return Ok(format);
+    }
     let format = recognize_format(path)?;
     note_format(format, messages);
     Ok(format)
@@ -22,6 +28,29 @@ pub fn note_format(format: Format, messages: Messages) {
     messages.note(&format!("the format is {format}: {}", format.title()));
 }
 
+/// Reads the labels of another program.
+///
+/// # Errors
+/// The files cannot be read or are damaged.
+pub fn read_labels(
+    path: &Path,
+    format: Format,
+    options: &ImportOptions,
+    messages: Messages,
+) -> anyhow::Result<Imported> {
+    if format != Format::Json {
+        return Ok(import(path, format, options)?);
+    }
+    // The last edits of a document of this program are in the journal beside it, not in its file.
+    let Loaded { location, document } = Loaded::read(path, messages)?;
+    Ok(Imported {
+        document,
+        folder: location.folder().to_path_buf(),
+        format,
+        notes: Vec::new(),
+    })
+}
+
 /// A video whose frames cameras are attached to.
 pub fn open_video(path: &Path, messages: Messages) -> anyhow::Result<VideoInfo> {
     let FrameSource::Video(info) = FrameSource::open(path)? else {
@@ -30,9 +59,7 @@ pub fn open_video(path: &Path, messages: Messages) -> anyhow::Result<VideoInfo> 
             path.display()
         );
     };
-    for notice in &info.notices {
-        messages.note(&notice.to_string());
-    }
+    messages.notes(&info.notices);
     Ok(info)
 }
 
@@ -57,6 +84,9 @@ pub fn attach_to_video(
 ) -> anyhow::Result<AttachedLabels> {
     let name = video.path.display().to_string();
     let source = FrameSource::Video(video);
+    // The video's frames become a document without labels first. The labels are then joined with it
+    // by the rules of an import into an open project: they are attached to the frames of its only
+    // video in the most plausible way.
     let every = NonZeroUsize::MIN;
     let made = document_from_frames(
         &source,
@@ -67,6 +97,7 @@ pub fn attach_to_video(
     );
     let open = made.document.at(&imported.folder);
     let mut joined = join(open, imported);
+    // Without a plan the labels name their pictures themselves, so that no shift is possible.
     let shifts = joined.attachment?.map_or(vec![0], |plan| plan.shifts());
     if joined.other_size > 0 {
         joined.notes.push(format!(
@@ -75,6 +106,8 @@ pub fn attach_to_video(
         ));
     }
     ensure!(
+        // A document without a single label would pass for a success. The last note says why none
+        // fits.
         joined.matched > 0,
         "{name} gets no label from {}{}",
         pluralise(imported.document.frames.len(), "frame"),

@@ -5,10 +5,9 @@ use super::document::{Loaded, is_document};
 use super::match_report::MatchReport;
 use super::messages::Messages;
 use super::new::{parameter, read_field};
-use super::output::{refuse_existing, write_file};
+use super::output::{encode_png, refuse_existing, refuse_file, refuse_other_than_png, write_file};
 use anyhow::{Context as _, bail, ensure};
-use image::DynamicImage;
-use std::io::Cursor;
+use image::{DynamicImage, RgbaImage};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -17,8 +16,7 @@ use touchline_calibration::calibrate::AutocalibratedCamera;
 use touchline_calibration::pipelines::{LabelledMatch, MatchLabels, MatchOptions, label_match};
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
-use touchline_documents::store;
-use touchline_documents::store::Location;
+use touchline_documents::store::{Location, refuse_open, write_document};
 use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 
 /// Makes a project from a folder of images or a video and finds its camera without a click: where
@@ -70,21 +68,10 @@ pub struct CalibrateArgs {
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     // Check the output paths and the field before the long work begins.
     refuse_existing(&args.output, args.force)?;
-    store::refuse_open(&args.output)?;
-    ensure!(
-        args.output.is_dir() || !args.output.exists(),
-        "{} is a file; give a folder for the project",
-        args.output.display()
-    );
+    refuse_open(&args.output)?;
+    refuse_file(&args.output, "the project")?;
     if let Some(panorama) = &args.panorama {
-        let is_png = panorama
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-        ensure!(
-            is_png,
-            "--panorama {}: a PNG is written, so its name must end with .png",
-            panorama.display()
-        );
+        refuse_other_than_png("--panorama", panorama)?;
         refuse_existing(panorama, args.force)?;
     }
     // The document names its frames relative to the project's folder, which therefore must exist.
@@ -96,6 +83,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         document_of_frames(args, &folder, messages)?
     };
     messages.name_video_backend(&document);
+    // All frames are of one camera: a new document has one, and `read_document` refuses others.
     let first = document.frames.first();
     let camera = first.context("not one image can be read")?.camera.clone();
     let options = MatchOptions {
@@ -116,18 +104,20 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         &options,
         &progress,
     );
+    // The report removes its bars when it is dropped, before messages are written below.
     drop(progress);
     drop(report);
     let labelled = match labels? {
         MatchLabels::Labelled(labelled) => labelled,
         MatchLabels::NoCamera(why) => {
+            // Dropping `new_folder` removes the folder, if this run made it.
             return Ok(say_no_answer(args, &why.describe(&document), messages));
         }
     };
     // Write the project and the panoramas.
     let all = &labelled.cameras;
     let location = Location::for_new_document(&folder.join(""))?;
-    touchline_documents::store::write_document(&location, &document, args.force)?;
+    write_document(&location, &document, args.force)?;
     new_folder.keep();
     messages.note(&format!(
         "{}: {} frames, {} with a suggested camera, {} of them aligned to the painted lines",
@@ -157,12 +147,9 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
             )?;
         }
     }
+    // With --found-only the other frames are left out on purpose, which is no failure.
     let is_whole = args.found_only || unanswered == 0;
-    Ok(if are_all_read && is_whole {
-        Outcome::Done
-    } else {
-        Outcome::SomeFailed
-    })
+    Ok(Outcome::from_failure(!(are_all_read && is_whole)))
 }
 
 /// A document that a person clicked in, with its paths as seen from the new project's folder.
@@ -181,6 +168,7 @@ fn read_document(
         .cameras
         .iter()
         .find(|camera| camera.base().is_some());
+    // This command begins without a base. One that is known is a better start.
     if let Some(camera) = with_base {
         bail!(
             "{}: camera {} has a base already; refine-base --markings improves it",
@@ -210,9 +198,7 @@ fn document_of_frames(
     );
     let field = read_field(template, &args.set)?;
     let source = FrameSource::open(&args.frames)?;
-    for notice in source.notices() {
-        messages.note(&notice.to_string());
-    }
+    messages.notes(source.notices());
     ensure!(
         !source.is_empty(),
         "{} holds no image",
@@ -264,13 +250,9 @@ fn panorama_png(document: &Document, found: &AutocalibratedCamera) -> anyhow::Re
         PaintMapFrame::from_scene(&scene).and_then(|frame| paint_map_picture(&scene, &frame));
     let picture = picture.context("there is no frame for a panorama")?;
     let size = picture.size();
-    let image = image::RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec());
-    let mut png = Cursor::new(Vec::new());
-    let image = DynamicImage::from(image.context("a panorama without pixels")?).to_rgb8();
-    image
-        .write_to(&mut png, image::ImageFormat::Png)
-        .context("cannot encode the PNG")?;
-    Ok(png.into_inner())
+    let image = RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec());
+    let image = image.context("a panorama without pixels")?;
+    encode_png(DynamicImage::from(image).into_rgb8())
 }
 
 /// The project's folder, which must exist while frames are read because they are named relative to

@@ -27,25 +27,21 @@ pub struct CheckArgs {
 pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, document } = args.document.load(messages)?;
     let bar = messages.progress(document.frames.len(), "Checking pictures");
-    let mut problems = check_values(document.at(location.folder()));
-    problems.extend(check_cameras(document.at(location.folder())));
-    problems.extend(check_solutions(document.at(location.folder())));
-    problems.extend(check_pictures(
-        document.at(location.folder()),
-        &count_steps(&bar),
-    ));
-    problems.extend(check_still_runs(document.at(location.folder())));
+    let at = document.at(location.folder());
+    let mut problems = check_values(at);
+    problems.extend(check_cameras(at));
+    problems.extend(check_solutions(at));
+    problems.extend(check_pictures(at, &count_steps(&bar)));
+    problems.extend(check_still_runs(at));
+    // Problems of the whole document come first, then those of each frame. The sort is stable, so
+    // that those of one frame stay in the order of the checks.
     problems.sort_by_key(|problem| problem.frame.map_or(0, |frame| frame + 1));
     bar.finish_and_clear();
     print(&match messages {
         Messages::Text => text(&document, &problems),
         Messages::Json => format!("{:#}\n", report(&document, &problems)),
     })?;
-    Ok(if problems.is_empty() {
-        Outcome::Done
-    } else {
-        Outcome::SomeFailed
-    })
+    Ok(Outcome::from_failure(!problems.is_empty()))
 }
 
 fn text(document: &Document, problems: &[Problem]) -> String {

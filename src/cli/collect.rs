@@ -69,9 +69,12 @@ pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome
         &options,
         &progress,
     );
+    // It borrows the bar.
     drop(progress);
     bar.finish_and_clear();
     let collected = match collected {
+        // Ctrl-C is no error: the message says what was written, and the next run goes on from
+        // there.
         Err(CollectError::Stopped) => {
             messages.note(&CollectError::Stopped.to_string());
             return Ok(Outcome::Stopped);
@@ -87,9 +90,7 @@ pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome
         pluralise(collected.queued, "frame"),
         pluralise(collected.gaps, "shard"),
     ));
-    Ok(if collected.gaps + collected.left_alone > 0 {
-        Outcome::SomeFailed
-    } else {
-        Outcome::Done
-    })
+    Ok(Outcome::from_failure(
+        collected.gaps + collected.left_alone > 0,
+    ))
 }

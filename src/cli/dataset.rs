@@ -78,9 +78,12 @@ fn parse_shares(text: &str) -> Result<[u32; 3], String> {
 
 impl DatasetArgs {
     fn options(&self, mut frames: FrameChoice, undistorted: bool) -> DatasetOptions {
+        // A dataset has what people accepted, unless --status names other frames.
         if frames.statuses.is_empty() {
             frames.statuses.push(FrameStatus::Reference);
         }
+        // Here and for the pictures the parser has accepted known names only: the default is never
+        // taken.
         let by = SplitBy::ALL
             .into_iter()
             .find(|by| by.name() == self.split_by)
@@ -126,9 +129,7 @@ pub fn write_dataset(
     };
     let options = args.options(frames, undistorted);
     let plan = plan_dataset(at, &options)?;
-    for note in &plan.notes {
-        messages.note(note);
-    }
+    messages.notes(&plan.notes);
     let interrupt = Interrupt::listen();
     let bar = messages.progress(plan.pictures(), "pictures");
     let progress = Progress::new(|pictures: Share| {
@@ -146,6 +147,7 @@ pub fn write_dataset(
     );
     bar.finish_and_clear();
     let done = match done {
+        // Nothing was written: a half dataset would pass for a small one.
         Err(stopped @ ExchangeError::Stopped) => {
             messages.note(&stopped.to_string());
             return Ok(Outcome::Stopped);
@@ -170,9 +172,5 @@ pub fn write_dataset(
         pluralise(done.pictures, "picture"),
         folder.display()
     ));
-    Ok(if done.left_out.is_empty() {
-        Outcome::Done
-    } else {
-        Outcome::SomeFailed
-    })
+    Ok(Outcome::from_failure(!done.left_out.is_empty()))
 }

@@ -1,12 +1,11 @@
 //! Reading and writing documents for all commands.
 
 use super::messages::Messages;
-use super::output::{is_pipe_or_device, print, refuse_existing, write_file};
+use super::output::{ending, is_pipe_or_device, print, refuse_existing, write_file};
 use anyhow::bail;
 use std::path::{Path, PathBuf};
-use touchline_documents::document::Document;
-use touchline_documents::store;
-use touchline_documents::store::{Location, refuse_open};
+use touchline_documents::document::{Document, document_to_string};
+use touchline_documents::store::{self, Location, refuse_open, write_document};
 
 /// The document that a command reads.
 #[derive(clap::Args, Debug)]
@@ -61,10 +60,7 @@ impl Loaded {
 
 /// Whether a path is a project folder or a JSON file.
 pub fn is_document(path: &Path) -> bool {
-    path.join(store::PROJECT_FILE).is_file()
-        || path
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("json"))
+    path.join(store::PROJECT_FILE).is_file() || ending(path) == "json"
 }
 
 /// Refuses a document that would have to contain a path that is not UTF-8.
@@ -103,6 +99,8 @@ impl DocumentOutput {
     /// # Errors
     /// The output exists, or cannot be written. Nothing has been changed then.
     pub fn write(&self, document: Document, folder: &Path) -> anyhow::Result<()> {
+        // A pipe or a device gets the text alone. It has no folder, so that paths start from the
+        // working folder, and there is nothing to lock or to keep as a backup.
         let file = self
             .output
             .as_deref()
@@ -111,18 +109,19 @@ impl DocumentOutput {
             let here = std::env::current_dir()?;
             let document = document.relocate(folder, &here);
             refuse_unwritable(&document, &here)?;
-            let text = touchline_documents::document::document_to_string(&document)?;
+            let text = document_to_string(&document)?;
             return match &self.output {
                 Some(pipe) => write_file(pipe, text.as_bytes(), self.force),
                 None => print(&text),
             };
         };
         refuse_existing(path, self.force)?;
+        // The check before the work is repeated above, for the file may have been made since. The
+        // paths can be checked only here: which folders they name depends on the place of the
+        // document.
         let location = Location::for_new_document(path)?;
         let document = document.relocate(folder, location.folder());
         refuse_unwritable(&document, location.folder())?;
-        Ok(touchline_documents::store::write_document(
-            &location, &document, self.force,
-        )?)
+        Ok(write_document(&location, &document, self.force)?)
     }
 }

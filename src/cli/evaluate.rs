@@ -3,10 +3,10 @@
 use super::Outcome;
 use super::document::Loaded;
 use super::messages::Messages;
-use super::output::{print, refuse_existing, write_file, write_report};
+use super::output::{ending, print, refuse_existing, write_file, write_report};
 use serde_json::{Map, Value, json};
 use std::io::IsTerminal as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use touchline_calibration::evaluate::{
     Agreement, Evaluation, FrameGroup, GroundComparison, agreement, agreement_json,
     agreement_tables, compare_on_ground, evaluate as evaluated, evaluation_report,
@@ -72,12 +72,6 @@ fn parse_report_path(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-fn ending(path: &Path) -> String {
-    path.extension()
-        .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-        .unwrap_or_default()
-}
-
 /// Maximum number of frames without truth that a message names.
 const NAMED: usize = 5;
 
@@ -105,12 +99,16 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     );
     let points = args.points.as_deref();
     let points = points.map(read_picture_points).transpose()?;
+    // The clicks that the estimate was not made from, and the frames' partners, are found here. The
+    // ground is compared apart, because it may be given its own points.
     let evaluation = evaluated(truth_at, estimate_at)?;
     let ground = compare_on_ground(truth_at, estimate_at, points.as_ref())?;
     let groups = evaluation.groups(args.seed);
     // If both documents have their own clicks on the same frames, compare the annotators, too.
     let agreed = agreement(truth_at, estimate_at)?;
     let agreed = agreed.says_something().then_some(agreed);
+    // A frame without a score is named and decides the exit code; a frame of the estimate without
+    // truth is no failure of the estimate, and is only noted.
     for frame in &evaluation.frames {
         if let Err(reason) = &frame.scores {
             messages.frame_failed(&frame.name, &reason.to_string());
@@ -155,24 +153,13 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
         None => print(&as_json())?,
     }
     let all_scored = evaluation.frames.iter().all(|frame| frame.scores.is_ok());
-    Ok(if all_scored {
-        Outcome::Done
-    } else {
-        Outcome::SomeFailed
-    })
+    Ok(Outcome::from_failure(!all_scored))
 }
 
 /// A message about frames of the estimate without truth; `None` if there are none.
 fn without_truth(names: &[String]) -> Option<String> {
-    let (count, shown) = (
-        names.len(),
-        names
-            .iter()
-            .take(NAMED)
-            .cloned()
-            .collect::<Vec<_>>()
-            .join(", "),
-    );
+    let count = names.len();
+    let shown = names[..count.min(NAMED)].join(", ");
     let more = if count > NAMED {
         format!(" and {} more", count - NAMED)
     } else {
@@ -191,6 +178,7 @@ fn report(
     ground: &GroundComparison,
 ) -> Value {
     let mut report = json!({
+        // The first group is that of all frames.
         "summary": groups.first().map(group_json),
         "groups": groups.iter().skip(1).map(group_json).collect::<Vec<_>>(),
         "frames": frame_scores(evaluation).to_json(),

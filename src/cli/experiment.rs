@@ -3,10 +3,9 @@
 use super::Outcome;
 use super::document::Loaded;
 use super::messages::Messages;
-use super::output::{refuse_existing, write_file, write_report};
+use super::output::{refuse_existing, refuse_file, write_file, write_report};
 use anyhow::{Context as _, ensure};
 use std::fmt::Write as _;
-
 use std::path::{Path, PathBuf};
 use touchline_documents::report::{Provenance, Report};
 use touchline_experiments::{
@@ -92,11 +91,7 @@ const CLAIMS_FILE: &str = "claims.csv";
 pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     let folder = &args.output;
-    ensure!(
-        folder.is_dir() || !folder.exists(),
-        "{} is a file; give a folder for the results",
-        folder.display()
-    );
+    refuse_file(folder, "the results")?;
     if let Some(data) = &args.data {
         ensure!(
             data.is_dir(),
@@ -111,6 +106,7 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
         seed: args.seed,
         seeds: args.seeds,
     };
+    // Sets of frames, and the forests' answers to them, are computed once for all experiments.
     let inputs = SharedInputs::new(options, own, args.data.as_deref());
     let (chosen, left_out) = chosen(args, &inputs, has_own)?;
     let mut reports = Vec::new();
@@ -161,11 +157,15 @@ fn chosen(
     inputs: &SharedInputs,
     has_own: bool,
 ) -> anyhow::Result<(Vec<Experiment>, Vec<Experiment>)> {
+    // With a single experiment, what it cannot use is an error. With `all`, what cannot run is left
+    // out, and the report names it.
     if let [one] = args.experiments.0[..] {
         ensure!(
             !has_own || one.takes_frames(),
             "this experiment does not use frames of your own; omit --train and --test"
         );
+        // Data that were given and have nothing for this experiment are an error: the frames that
+        // would be drawn in their place might be taken for the given ones.
         if one.needs_data() || (args.data.is_some() && !has_own) {
             inputs.data_folder(one)?;
         }
@@ -237,6 +237,8 @@ fn provenance(
     if let Some(seeds) = args.seeds {
         let _ = write!(command, " --seeds {seeds}");
     }
+    // Only the last part of each path is written: the same data in another folder give the same
+    // report.
     let given = args.train.iter().map(|path| ("--train", path));
     let given = given.chain(args.test.iter().map(|path| ("--test", path)));
     for (flag, path) in given.chain(args.data.iter().map(|path| ("--data", path))) {
@@ -250,6 +252,8 @@ fn provenance(
         program: format!("touchline {}", env!("CARGO_PKG_VERSION")),
         commit: option_env!("TOUCHLINE_COMMIT").map(str::to_owned),
         command,
+        // Frames that were given are not drawn again with other seeds. One seed remains, that of
+        // the forests.
         seeds: if takes_seeds && args.train.is_empty() {
             options.seeds()
         } else {

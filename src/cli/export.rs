@@ -5,6 +5,7 @@ use super::dataset::{DatasetArgs, write_dataset};
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use super::output::{print, refuse_existing};
+use super::relocalize::probability;
 use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;
@@ -47,7 +48,7 @@ pub struct ExportArgs {
     #[arg(long, value_delimiter = ',')]
     camera: Vec<String>,
     /// Only frames with at least this confidence, or with none stated.
-    #[arg(long)]
+    #[arg(long, value_parser = probability)]
     min_confidence: Option<f64>,
     /// Cameras rescaled to pictures of this size, such as 960x540.
     #[arg(long, value_parser = parse_size)]
@@ -83,7 +84,7 @@ pub struct ExportArgs {
     #[arg(long, value_parser = parse_rate)]
     fps: Option<Rate>,
     /// The width of the camera's sensor, mm, where the document does not know it.
-    #[arg(long)]
+    #[arg(long, value_parser = parse_width)]
     sensor_mm: Option<f64>,
     /// The match's id in the other files about it (cdf).
     #[arg(long)]
@@ -103,7 +104,7 @@ pub struct ExportArgs {
     stage_origin: Option<Vec3>,
     /// Where the stage's y axis looks, seen from above: 0 is across the field, positive to the
     /// right, degrees.
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = parse_heading, allow_hyphen_values = true)]
     stage_heading: Option<f64>,
     /// Of which frames fifa gets rotation and translation; without those of the others it is what
     /// the tasks hand out.
@@ -125,9 +126,8 @@ fn parse_start(text: &str) -> Result<String, String> {
 impl ExportArgs {
     /// The stage that the arguments describe; `None` if they name neither origin nor heading.
     fn stage(&self) -> Option<Stage> {
-        let heading = self.stage_heading.filter(|degrees| degrees.is_finite());
-        (self.stage_origin.is_some() || heading.is_some()).then(|| Stage {
-            heading_deg: heading.unwrap_or(0.0),
+        (self.stage_origin.is_some() || self.stage_heading.is_some()).then(|| Stage {
+            heading_deg: self.stage_heading.unwrap_or(0.0),
             ..Stage::at(self.stage_origin.unwrap_or_default())
         })
     }
@@ -146,6 +146,7 @@ impl ExportArgs {
 pub(super) fn format_parser(
     goes: fn(Format) -> bool,
 ) -> impl clap::builder::TypedValueParser<Value = Format> {
+    // The same list is the parser, the help and the completion.
     let formats = Format::ALL.into_iter().filter(move |format| goes(*format));
     let values: Vec<PossibleValue> = formats
         .map(|format| PossibleValue::new(format.name()).help(describe_format(format)))
@@ -199,6 +200,24 @@ fn parse_point(text: &str) -> Result<Vec3, String> {
     point.ok_or_else(|| format!("{text} is no point such as 0,-20,0"))
 }
 
+/// Parses the direction of a stage, degrees.
+fn parse_heading(text: &str) -> Result<f64, String> {
+    let degrees = text
+        .parse()
+        .ok()
+        .filter(|degrees: &f64| degrees.is_finite());
+    degrees.ok_or_else(|| format!("{text} is no number of degrees"))
+}
+
+/// Parses the width of a sensor, mm.
+pub(super) fn parse_width(text: &str) -> Result<f64, String> {
+    let mm = text
+        .parse()
+        .ok()
+        .filter(|mm: &f64| mm.is_finite() && *mm > 0.0);
+    mm.ok_or_else(|| format!("{text} is no width above 0, such as 9.6"))
+}
+
 /// How a zoom value encodes the focal length: by name, or a table from a file.
 pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
     let file = match name {
@@ -212,6 +231,9 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
         .lines()
         .map(str::trim)
         .filter(|line| !line.is_empty() && !line.starts_with('#'));
+    // A row that is no pair of numbers refuses the whole table: a zoom value between its neighbours
+    // would otherwise get a wrong focal length without a word. Values are interpolated, which takes
+    // two rows.
     let rows = rows.map(|line| {
         let (raw, focal) = line.split_once([',', ' ', '\t'])?;
         Some((
@@ -308,14 +330,8 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     };
     // Export, read the result again, and report what the format cannot represent.
     let exported = export_document(document.at(location.folder()), format, &options)?;
-    for note in exported
-        .loss
-        .iter()
-        .map(ToString::to_string)
-        .chain(exported.notes.iter().cloned())
-    {
-        messages.note(&note);
-    }
+    messages.notes(&exported.loss);
+    messages.notes(&exported.notes);
     for (frame, why) in &exported.left_out {
         messages.frame_failed(frame, why);
     }
@@ -338,6 +354,8 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
             )?;
         }
     }
+    // The largest distance of a landmark or click between the document and the file as it was read
+    // again. A sheet without cameras has nothing to compare, and a document is compared as text.
     let proof = if exported.format.is_proved() {
         format!(
             "; read again, landmarks are within {:.1e} px",
@@ -351,9 +369,21 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         pluralise(exported.frames, "frame"),
         exported.format
     ));
-    Ok(if exported.left_out.is_empty() {
-        Outcome::Done
-    } else {
-        Outcome::SomeFailed
-    })
+    Ok(Outcome::from_failure(!exported.left_out.is_empty()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{parse_heading, parse_width};
+
+    #[test]
+    fn numbers_that_mean_nothing_are_refused_and_not_ignored() {
+        assert_eq!(parse_heading("-12.5"), Ok(-12.5));
+        assert_eq!(parse_width("9.6"), Ok(9.6));
+        for wrong in ["NaN", "inf", "1e999", "wide"] {
+            assert!(parse_heading(wrong).is_err(), "{wrong}");
+            assert!(parse_width(wrong).is_err(), "{wrong}");
+        }
+        assert!(parse_width("0").is_err() && parse_width("-9.6").is_err());
+    }
 }

@@ -3,12 +3,11 @@
 use super::Outcome;
 use super::messages::Messages;
 use super::new::parameter;
-use super::output::{print, refuse_existing, write_file};
-use anyhow::{Context as _, bail};
+use super::output::{encode_png, ending, print, refuse_existing, write_file};
+use anyhow::bail;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_application::render::{Layer, Offscreen, View};
@@ -68,12 +67,11 @@ pub fn fields(args: &FieldsArgs, messages: Messages) -> anyhow::Result<Outcome> 
         return Ok(Outcome::Done);
     };
     let template = template_named(name, Path::new("."))?;
+    // Without a crown: that belongs to a venue, not to a template.
     let field = template.model(&params, 0.0)?;
-    if let Some(path) = &args.render {
-        render(&field, path, args.force)?;
-    }
-    if args.render.is_none() {
-        list(&[(&template, field)], messages)?;
+    match &args.render {
+        Some(path) => render(&field, path, args.force)?,
+        None => list(&[(&template, field)], messages)?,
     }
     Ok(Outcome::Done)
 }
@@ -242,12 +240,7 @@ fn triple(point: Vec3) -> [f64; 3] {
 
 fn render(field: &FieldModel, path: &Path, force: bool) -> anyhow::Result<()> {
     refuse_existing(path, force)?;
-    let extension = path
-        .extension()
-        .and_then(|extension| extension.to_str())
-        .unwrap_or_default()
-        .to_ascii_lowercase();
-    match extension.as_str() {
+    match ending(path).as_str() {
         "svg" => write_file(path, svg(field).as_bytes(), force),
         "png" => write_file(path, &png(field)?, force),
         _ => bail!(
@@ -259,10 +252,13 @@ fn render(field: &FieldModel, path: &Path, force: bool) -> anyhow::Result<()> {
 
 /// The field map as the app draws it, as PNG.
 fn png(field: &FieldModel) -> anyhow::Result<Vec<u8>> {
+    // The longer side of the field, with its margins, gets the width in px.
     let px_per_m = MAP_WIDTH_PX / (field.length_m.max(field.width_m) + 2.0 * MAP_MARGIN_M);
     let map = FieldMap::new(field, MAP_MARGIN_M, px_per_m);
     let size = map.size_px();
     let style = OverlayStyle::default();
+    // The window's own drawing, in its two layers: the ground, and what lies over it. Here no
+    // picture of a frame lies between them.
     let drawing = field_map(&OverlayScene::new(field, size, &style), &map);
     let layers = [
         Layer::Drawing(Arc::new(drawing.ground)),
@@ -273,9 +269,5 @@ fn png(field: &FieldModel) -> anyhow::Result<Vec<u8>> {
         SURROUND,
         &layers,
     )?;
-    let mut png = Cursor::new(Vec::new());
-    drawn
-        .write_to(&mut png, image::ImageFormat::Png)
-        .context("cannot encode the PNG")?;
-    Ok(png.into_inner())
+    encode_png(drawn)
 }

@@ -1,9 +1,9 @@
 //! `touchline import`: converts files of another program to a document, on request of a video.
 
 use super::Outcome;
-use super::attached_labels::{attach_to_video, open_video, recognize};
-use super::document::{DocumentOutput, Loaded};
-use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, zoom_of};
+use super::attached_labels::{attach_to_video, open_video, read_labels, recognize};
+use super::document::DocumentOutput;
+use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, parse_width, zoom_of};
 use super::messages::{Messages, count_steps};
 use super::new::{parameter, read_field};
 use anyhow::Context as _;
@@ -12,9 +12,7 @@ use touchline_calibration::calibrate::give_own_cameras;
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_documents::document::Document;
-use touchline_documents::exchange::{
-    Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document,
-};
+use touchline_documents::exchange::{Format, ImportOptions, LabelMap, Pixels};
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
@@ -60,7 +58,7 @@ pub struct ImportArgs {
     #[arg(long)]
     zoom: Option<String>,
     /// The width of the camera's sensor, mm.
-    #[arg(long)]
+    #[arg(long, value_parser = parse_width)]
     sensor_mm: Option<f64>,
     /// Each picture is of a camera of its own: position, rotation, lens and focal length are found
     /// from its lines.
@@ -79,6 +77,7 @@ fn find_own_cameras(
     messages: Messages,
 ) -> anyhow::Result<usize> {
     let bar = messages.progress(document.frames.len(), "Solving");
+    // None would mean that the progress cancelled it, and this one never does.
     let found = give_own_cameras(document, folder, &count_steps(&bar))?.unwrap_or_default();
     bar.finish_and_clear();
     for (index, error) in found.failed.iter().take(MOST_NAMED) {
@@ -122,16 +121,15 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
 /// The files cannot be read or are damaged, or the document cannot be written.
 pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
-    let format = match args.format {
-        Some(format) => format,
-        None => recognize(&args.path, messages)?,
-    };
+    let format = recognize(args.format, &args.path, messages)?;
     let video = args.video.as_deref();
     let video = video.map(|video| open_video(video, messages)).transpose()?;
     let options = ImportOptions {
         field: read_field(&args.field, &args.set)?,
         images: args.images.clone(),
         size: args.size,
+        // The video is opened before the files are read: some formats state no size of their
+        // pictures.
         video_size: video.as_ref().map(|video| video.size),
         pixels: args.pixels.as_deref().map(|pixels| {
             if pixels == "centre" {
@@ -146,19 +144,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         sensor_width_mm: args.sensor_mm,
         zoom: args.zoom.as_deref().map(zoom_of).transpose()?,
     };
-    let imported = match format {
-        // A document is read together with its journal.
-        Format::Json => {
-            let Loaded { location, document } = Loaded::read(&args.path, messages)?;
-            Imported {
-                document,
-                folder: location.folder().to_path_buf(),
-                format,
-                notes: Vec::new(),
-            }
-        }
-        format => import_document(&args.path, format, &options)?,
-    };
+    let imported = read_labels(&args.path, format, &options, messages)?;
     let (mut document, notes) = match video {
         Some(video) => {
             let attached = attach_to_video(video, &imported, options.field)?;
@@ -166,9 +152,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         }
         None => (imported.document, imported.notes),
     };
-    for note in &notes {
-        messages.note(note);
-    }
+    messages.notes(&notes);
     let failed = if args.each_own_camera {
         find_own_cameras(&mut document, &imported.folder, messages)?
     } else {
@@ -181,9 +165,5 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         pluralise(frames, "frame"),
         pluralise(cameras, "camera")
     ));
-    Ok(if failed > 0 {
-        Outcome::SomeFailed
-    } else {
-        Outcome::Done
-    })
+    Ok(Outcome::from_failure(failed > 0))
 }

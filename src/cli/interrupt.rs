@@ -43,6 +43,7 @@ impl Interrupt {
 
     /// Whether a signal has arrived.
     pub fn is_pressed(&self) -> bool {
+        // The flag guards no other data, so that no order of memory accesses matters.
         self.0.load(Ordering::Relaxed)
     }
 }

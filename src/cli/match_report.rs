@@ -1,8 +1,7 @@
 //! Reports progress and results while a match is labelled: a bar for each step, and messages.
 
-use super::messages::Messages;
+use super::messages::{Messages, StepBar};
 use super::track::TrackingReport;
-use indicatif::ProgressBar;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent};
@@ -18,8 +17,7 @@ pub struct MatchReport {
 
 /// What the terminal shows.
 struct TerminalDisplay {
-    /// The bar of the current step, with the text that it began with.
-    bar: Option<(&'static str, ProgressBar)>,
+    bar: StepBar,
     tracking: TrackingReport,
 }
 
@@ -29,7 +27,7 @@ impl MatchReport {
         Self {
             messages,
             shown: Mutex::new(TerminalDisplay {
-                bar: None,
+                bar: StepBar::new(messages),
                 tracking: TrackingReport::new(messages),
             }),
         }
@@ -38,10 +36,11 @@ impl MatchReport {
     /// Reports one event.
     pub fn hear(&self, event: MatchEvent) {
         let messages = self.messages;
+        // A panic in another thread leaves at worst a stale bar, which is no reason to panic here.
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         match event {
             MatchEvent::Searching(progress) => {
-                let bar = shown.bar_of(messages, "Finding the camera", PARTS);
+                let bar = shown.bar.of("Finding the camera", PARTS);
                 bar.set_message(progress.to_string());
                 bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
             }
@@ -53,7 +52,8 @@ impl MatchReport {
                 found,
                 separate_frames,
             } => {
-                shown.clear();
+                // A message that is written while a bar is shown would run into its line.
+                shown.bar.clear();
                 if let Some(count) = separate_frames {
                     messages.note(&format!("{count} frames are of another camera, {camera}:"));
                 }
@@ -65,53 +65,28 @@ impl MatchReport {
                 why,
                 separate_frames,
             } => {
-                shown.clear();
+                shown.bar.clear();
                 let why = why.describe(&document);
                 messages.note(&format!(
                     "{separate_frames} frames are of another camera, {camera}: {why}"
                 ));
             }
             MatchEvent::Learning(LearningProgress::Features { done, of }) => {
-                shown
-                    .bar_of(messages, "Learning from the frames found", of)
-                    .set_position(done as u64);
+                let bar = shown.bar.of("Learning from the frames found", of);
+                bar.set_position(done as u64);
             }
+            // The bar of the features, which is full by then, stays while the forest is trained on
+            // them.
             MatchEvent::Learning(LearningProgress::Training(_)) => {}
             MatchEvent::Asking { done, of } => {
-                shown
-                    .bar_of(messages, "Solving the other frames", of)
-                    .set_position(done as u64);
+                let bar = shown.bar.of("Solving the other frames", of);
+                bar.set_position(done as u64);
             }
             MatchEvent::Tracking(event) => {
-                shown.clear();
+                shown.bar.clear();
                 shown.tracking.hear(event);
             }
         }
-    }
-}
-
-impl TerminalDisplay {
-    /// The bar of a step. Removes the bar of the step before.
-    fn bar_of(&mut self, messages: Messages, what: &'static str, count: usize) -> &ProgressBar {
-        if self.bar.as_ref().is_some_and(|(shown, _)| *shown != what) {
-            self.clear();
-        }
-        &self
-            .bar
-            .get_or_insert_with(|| (what, messages.progress(count, what)))
-            .1
-    }
-
-    fn clear(&mut self) {
-        if let Some((_, bar)) = self.bar.take() {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-impl Drop for TerminalDisplay {
-    fn drop(&mut self) {
-        self.clear();
     }
 }
 

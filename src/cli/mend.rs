@@ -1,15 +1,17 @@
 //! `touchline mend`: puts the cameras of another program on one camera and its painted lines.
 
 use super::Outcome;
-use super::attached_labels::{AttachedLabels, attach_to_video, note_format, open_video, recognize};
+use super::attached_labels::{
+    AttachedLabels, attach_to_video, note_format, open_video, read_labels, recognize,
+};
 use super::document::{DocumentOutput, Loaded};
 use super::export::{format_parser, parse_size};
 use super::interrupt::Interrupt;
-use super::messages::Messages;
+use super::messages::{Messages, StepBar};
 use super::new::{parameter, read_field};
+use super::output::print;
 use super::track::TrackingReport;
 use anyhow::ensure;
-use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::pipelines::{
@@ -82,6 +84,7 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         None => read_document(&args.video, messages)?,
     };
     messages.name_video_backend(&document);
+    // What differs from it at the end counts as edited.
     let before = document.clone();
     let interrupt = Interrupt::listen();
     let report = Mutex::new(MendReport::new(messages));
@@ -100,25 +103,19 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         }
         Err(error) => return Err(error.into()),
     };
+    // The report removes its bars when it is dropped, before messages are written below.
     drop(progress);
     drop(report);
     document.count_edits_since(&before);
-    for error in &mended.common {
-        messages.note(&error.to_string());
-    }
-    for camera in &mended.not_aligned {
-        messages.note(&camera.to_string());
-    }
+    messages.notes(&mended.common);
+    messages.notes(&mended.not_aligned);
     let left = report_left(&document, &mended, messages);
     args.output.write(document, &folder)?;
+    // Without -o the document itself goes to standard output, where a table would damage it.
     if args.output.output.is_some() {
-        super::output::print(&tally_table(&mended).to_text())?;
+        print(&tally_table(&mended).to_text())?;
     }
-    Ok(if left > 0 {
-        Outcome::SomeFailed
-    } else {
-        Outcome::Done
-    })
+    Ok(Outcome::from_failure(left > 0))
 }
 
 /// The format of the cameras, where neither a video nor a document is given with them.
@@ -126,12 +123,16 @@ fn format_of_cameras_alone(args: &MendArgs) -> anyhow::Result<Option<Format>> {
     if args.cameras.is_some() {
         return Ok(None);
     }
+    // A video without cameras is an easy mistake. Reading it as a document would fail with a
+    // message about documents.
     let is_video = args.video.is_file() && FrameSource::open(&args.video).is_ok();
     ensure!(
         !is_video,
         "{}: give the cameras of this video as the second argument",
         args.video.display()
     );
+    // What has no known format may still be a document. If it is none, reading it says why, so that
+    // the error here is dropped. A document of this program is mended with its pictures.
     let format = args.format.or_else(|| recognize_format(&args.video).ok());
     Ok(format.filter(|format| *format != Format::Json))
 }
@@ -149,9 +150,7 @@ fn mend_cameras_alone(
         ..ImportOptions::default()
     };
     let imported = import(&args.video, format, &options)?;
-    for note in &imported.notes {
-        messages.note(note);
-    }
+    messages.notes(&imported.notes);
     let (mut document, folder) = (imported.document, imported.folder);
     let before = document.clone();
     let mended = mend_numbers(&mut document, &folder)?;
@@ -166,14 +165,11 @@ fn mend_cameras_alone(
         }
     }
     args.output.write(document, &folder)?;
+    // As above: standard output may have the document.
     if args.output.output.is_some() {
-        super::output::print(&numbers_table(&mended).to_text())?;
+        print(&numbers_table(&mended).to_text())?;
     }
-    Ok(if mended.left.is_empty() {
-        Outcome::Done
-    } else {
-        Outcome::SomeFailed
-    })
+    Ok(Outcome::from_failure(!mended.left.is_empty()))
 }
 
 /// The frames of the video with the cameras of another program.
@@ -182,10 +178,7 @@ fn read_cameras(
     cameras: &Path,
     messages: Messages,
 ) -> anyhow::Result<CamerasToMend> {
-    let format = match args.format {
-        Some(format) => format,
-        None => recognize(cameras, messages)?,
-    };
+    let format = recognize(args.format, cameras, messages)?;
     let video = open_video(&args.video, messages)?;
     let field = read_field(&args.field, &args.set)?;
     let options = ImportOptions {
@@ -193,15 +186,13 @@ fn read_cameras(
         field: field.clone(),
         ..ImportOptions::default()
     };
-    let imported = import(cameras, format, &options)?;
+    let imported = read_labels(cameras, format, &options, messages)?;
     let AttachedLabels {
         document,
         notes,
         shifts,
     } = attach_to_video(video, &imported, field)?;
-    for note in &notes {
-        messages.note(note);
-    }
+    messages.notes(&notes);
     Ok(CamerasToMend {
         document,
         folder: imported.folder,
@@ -223,7 +214,7 @@ fn read_document(path: &Path, messages: Messages) -> anyhow::Result<CamerasToMen
 struct MendReport {
     messages: Messages,
     tracking: TrackingReport,
-    bar: Option<(&'static str, ProgressBar)>,
+    bar: StepBar,
 }
 
 impl MendReport {
@@ -231,7 +222,7 @@ impl MendReport {
         Self {
             messages,
             tracking: TrackingReport::new(messages),
-            bar: None,
+            bar: StepBar::new(messages),
         }
     }
 
@@ -242,11 +233,11 @@ impl MendReport {
             MendEvent::Checking(share) => self.show("Check", share),
             MendEvent::Aligning(_, share) => self.show("Painted lines", share),
             MendEvent::Places(places) => {
-                self.clear();
+                self.bar.clear();
                 self.messages.note(&describe_places(&places));
             }
             MendEvent::Tracking(event) => {
-                self.clear();
+                self.bar.clear();
                 self.tracking.hear(event);
             }
         }
@@ -254,25 +245,8 @@ impl MendReport {
 
     /// Shows how far a step has come.
     fn show(&mut self, step: &'static str, share: Share) {
-        if self.bar.as_ref().is_none_or(|(shown, _)| *shown != step) {
-            self.clear();
-            self.bar = Some((step, self.messages.progress(share.of, step)));
-        }
-        if let Some((_, bar)) = &self.bar {
-            bar.set_position(share.done as u64);
-        }
-    }
-
-    fn clear(&mut self) {
-        if let Some((_, bar)) = self.bar.take() {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-impl Drop for MendReport {
-    fn drop(&mut self) {
-        self.clear();
+        let bar = self.bar.of(step, share.of);
+        bar.set_position(share.done as u64);
     }
 }
 
@@ -286,6 +260,7 @@ fn describe_places(places: &[SharedPlace]) -> String {
 /// Names the frames that are left for a person, and returns their number.
 fn report_left(document: &Document, mended: &Mended, messages: Messages) -> usize {
     let mut left = 0;
+    // The outcomes are in the order of the document's frames.
     for (frame, mended) in document.frames.iter().zip(&mended.frames) {
         if let Some(why) = mended.outcome.why_left() {
             messages.frame_failed(&frame.name(), why);

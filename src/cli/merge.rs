@@ -141,6 +141,8 @@ impl ConflictingVersions {
             .iter()
             .filter(|frame| conflicts.contains(&frame.name()))
             .cloned();
+        // Field and cameras are those of the first version that conflicts. Frames of later versions
+        // are added to them.
         let document = self.document.get_or_insert_with(|| Document {
             frames: Frames::new(),
             ..version.clone()

@@ -1,6 +1,7 @@
 //! The messages of a command on standard error: lines of text, or one JSON object per line.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use touchline_core::files::plain;
@@ -21,6 +22,13 @@ impl Messages {
     /// Reports something that the user should know, although nothing failed.
     pub fn note(self, message: &str) {
         self.write("note", None, message);
+    }
+
+    /// Reports several such things, one after the other.
+    pub fn notes(self, messages: impl IntoIterator<Item = impl Display>) {
+        for message in messages {
+            self.note(&message.to_string());
+        }
     }
 
     /// Reports a frame for which the command failed.
@@ -54,6 +62,7 @@ impl Messages {
             ProgressDrawTarget::hidden()
         };
         let bar = ProgressBar::with_draw_target(Some(count as u64), target).with_message(what);
+        // The template is constant and valid. If it were not, the bar would only be a plain one.
         match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
             Ok(style) => bar.with_style(style),
             Err(_) => bar,
@@ -68,6 +77,8 @@ impl Messages {
 
     /// One message as a line without control characters.
     pub(super) fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
+        // Text goes to a terminal, which obeys control characters, so that `plain` makes them
+        // visible. JSON escapes those below U+0020 by itself.
         let (frame, message) = (frame.map(shorten_message), &shorten_message(message));
         match (self, frame) {
             (Self::Text, None) => plain(&one_line(&format!("touchline: {message}"))),
@@ -93,6 +104,59 @@ pub fn count_steps(bar: &ProgressBar) -> Progress<'_, ()> {
     })
 }
 
+/// The bar of the step that a command of several steps is at.
+pub struct StepBar {
+    messages: Messages,
+    /// The bar, with the name of its step.
+    shown: Option<(&'static str, ProgressBar)>,
+}
+
+impl StepBar {
+    /// A bar that is not shown yet.
+    pub const fn new(messages: Messages) -> Self {
+        Self {
+            messages,
+            shown: None,
+        }
+    }
+
+    /// The bar of a step of `count` parts. Removes the bar of another step.
+    pub fn of(&mut self, step: &'static str, count: usize) -> &ProgressBar {
+        if self.current_step().is_some_and(|shown| shown != step) {
+            self.clear();
+        }
+        let messages = self.messages;
+        let (_, bar) = self
+            .shown
+            .get_or_insert_with(|| (step, messages.progress(count, step)));
+        // A step may begin again with another number of parts, such as for the next camera.
+        bar.set_length(count as u64);
+        bar
+    }
+
+    /// The bar that is shown.
+    pub fn current(&self) -> Option<&ProgressBar> {
+        self.shown.as_ref().map(|(_, bar)| bar)
+    }
+
+    fn current_step(&self) -> Option<&'static str> {
+        self.shown.as_ref().map(|(step, _)| *step)
+    }
+
+    /// Removes the bar, so that messages do not run into it.
+    pub fn clear(&mut self) {
+        if let Some((_, bar)) = self.shown.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for StepBar {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
 /// Maximum length of a message, characters. Documents and file names may contain texts of any
 /// length.
 const LONGEST: usize = 1000;
@@ -105,6 +169,7 @@ fn shorten_message(message: &str) -> String {
         return message.to_owned();
     }
     let (first, last) = (LONGEST * 2 / 3, LONGEST / 4);
+    // Cut by characters: a cut by bytes within one of them would panic.
     let begin: String = message.chars().take(first).collect();
     let end: String = message.chars().skip(length - last).collect();
     format!("{begin} … {} characters … {end}", length - first - last)
@@ -120,7 +185,15 @@ fn one_line(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::Messages;
+    use super::{Messages, StepBar};
+
+    #[test]
+    fn a_step_that_begins_again_has_the_length_of_its_new_parts() {
+        let mut bar = StepBar::new(Messages::Json);
+        bar.of("Check", 40).set_position(40);
+        assert_eq!(bar.of("Check", 90).length(), Some(90));
+        assert_eq!(bar.of("Sample", 5).position(), 0);
+    }
 
     #[test]
     fn a_message_is_one_line_for_people_and_an_object_for_machines() {

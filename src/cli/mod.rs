@@ -36,7 +36,6 @@ mod plan;
 mod refine_base;
 mod relocalize;
 mod render;
-mod runtime_folder;
 mod shard;
 mod snap;
 mod solve;
@@ -47,7 +46,6 @@ mod train;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use messages::Messages;
-pub use runtime_folder::give_runtime_folder;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -103,6 +101,17 @@ pub enum Outcome {
     Stopped,
 }
 
+impl Outcome {
+    /// [`Self::SomeFailed`] if anything failed, else [`Self::Done`].
+    const fn from_failure(has_failed: bool) -> Self {
+        if has_failed {
+            Self::SomeFailed
+        } else {
+            Self::Done
+        }
+    }
+}
+
 /// What the program does after it has read its arguments.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
@@ -124,6 +133,8 @@ pub fn run() -> Next {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => return Next::Exit(wrong_usage(&error)),
+        // Help and version are errors only by clap's types: they go to standard output, with code
+        // 0.
         Err(help) => help.exit(),
     };
     let messages = if cli.json {
@@ -134,6 +145,7 @@ pub fn run() -> Next {
     let Some(command) = cli.command else {
         return Next::Window(cli.document);
     };
+    // The parser accepts `touchline DOC COMMAND`, for the window alone takes a document there.
     if let Some(document) = cli.document {
         messages.error(&format!(
             "{} comes before the command; put it after the command",
@@ -169,6 +181,28 @@ pub fn run() -> Next {
         Command::Train(args) => train::train(&args, messages),
     };
     Next::Exit(exit_code(result, messages))
+}
+
+/// Starts the program again with a runtime folder if its session names none. Without one the
+/// libraries of Wayland and Vulkan write an error each time they look for a display, although X11
+/// and drawing off screen need none; and a process cannot set a variable of its own once it may
+/// have threads. On other systems than Linux nothing happens.
+pub fn give_runtime_folder() {
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::process::CommandExt as _;
+        const VARIABLE: &str = "XDG_RUNTIME_DIR";
+        if std::env::var_os(VARIABLE).is_some() {
+            return;
+        }
+        if let Ok(program) = std::env::current_exe() {
+            // It returns only if it failed: then the program goes on as it is.
+            let _ = std::process::Command::new(program)
+                .args(std::env::args_os().skip(1))
+                .env(VARIABLE, std::env::temp_dir())
+                .exec();
+        }
+    }
 }
 
 /// The error and its causes in one text. A cause that the text already contains is not repeated.
@@ -209,6 +243,8 @@ fn wrong_usage(error: &clap::Error) -> ExitCode {
 /// One line about wrong arguments, without clap's usage text.
 fn usage_line(error: &clap::Error) -> String {
     let text = error.to_string();
+    // What is wrong may take several lines, such as a list of possible values. They are joined up
+    // to the usage, for a script reads one line for each message.
     let what = text
         .lines()
         .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))

@@ -3,13 +3,12 @@
 use super::Outcome;
 use super::document::refuse_unwritable;
 use super::messages::{Messages, count_steps};
-use super::output::refuse_existing;
+use super::output::{refuse_existing, refuse_file};
 use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{FieldSpec, document_from_frames};
-use touchline_documents::store;
-use touchline_documents::store::Location;
+use touchline_documents::store::{Location, write_document};
 use touchline_vision::media::FrameSource;
 
 /// Makes a project from a folder of images or a video. The frames stay where they are.
@@ -55,21 +54,16 @@ pub(super) fn parameter(text: &str) -> Result<(String, f64), String> {
 /// The project's folder exists, the field is invalid, or no frame can be read.
 pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.folder, args.force)?;
-    ensure!(
-        args.folder.is_dir() || !args.folder.exists(),
-        "{} is a file; give a folder for the project",
-        args.folder.display()
-    );
+    refuse_file(&args.folder, "the project")?;
     let field = read_field(&args.field, &args.set)?;
     let source = FrameSource::open(&args.frames)?;
-    for notice in source.notices() {
-        messages.note(&notice.to_string());
-    }
+    messages.notes(source.notices());
     ensure!(
         !source.is_empty(),
         "{} holds no PNG, JPEG, TIFF, BMP or WebP image; give the folder that holds the frames",
         args.frames.display()
     );
+    // The document names its frames relative to this folder, which need not exist yet.
     let folder = std::path::absolute(&args.folder)?;
     let bar = messages.progress(source.len().div_ceil(args.every.get()), "Reading frames");
     let made = document_from_frames(&source, &folder, field, args.every, &count_steps(&bar));
@@ -83,19 +77,17 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
         "{}: none of the images can be read",
         args.frames.display()
     );
+    // Refused before the folder is made. The final separator of the joined path says that a folder
+    // is meant, although there is none yet.
     refuse_unwritable(&made.document, &folder)?;
     let location = Location::for_new_document(&folder.join(""))?;
-    store::write_document(&location, &made.document, args.force)?;
+    write_document(&location, &made.document, args.force)?;
     messages.note(&format!(
         "{}: {}",
         location.file().display(),
         pluralise(made.document.frames.len(), "frame")
     ));
-    Ok(if made.left_out.is_empty() {
-        Outcome::Done
-    } else {
-        Outcome::SomeFailed
-    })
+    Ok(Outcome::from_failure(!made.left_out.is_empty()))
 }
 
 /// The field that the arguments describe. The path of a template file, given relative to the
@@ -111,6 +103,7 @@ pub(super) fn read_field(template: &str, params: &[(String, f64)]) -> anyhow::Re
             .context("the template's path is not UTF-8; rename it")?
             .clone_into(&mut field.template);
     }
+    // Built only to find mistakes before any frame is read.
     field.model(Path::new(""))?;
     Ok(field)
 }

@@ -1,8 +1,9 @@
 //! Writes results to files: completely or not at all, and without `--force` never over an existing
 //! file. Links, pipes and devices are written through.
 
-use anyhow::{Context as _, anyhow, bail};
-use std::io::Write as _;
+use anyhow::{Context as _, anyhow, bail, ensure};
+use image::{DynamicImage, ImageFormat};
+use std::io::{Cursor, Write as _};
 use std::path::Path;
 use touchline_core::files::{
     refuse_part_of_project, remove_stray_files, temporary_file_in, way_out,
@@ -31,11 +32,59 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
     let Some(folder) = path.ancestors().skip(1).find(|folder| folder.exists()) else {
         return Ok(());
     };
+    // Runs that were killed leave temporary files, which would fill the folder. Then a file is made
+    // for a trial: permissions alone say nothing of a full or read-only disk.
     remove_stray_files(folder);
     temporary_file_in(folder).map(drop).map_err(|error| {
         let (path, folder, way_out) = (path.display(), folder.display(), way_out(&error));
         anyhow!("cannot write {path}: nothing can be made in {folder}: {error}{way_out}")
     })
+}
+
+/// Refuses a file where a folder for something is to be written.
+///
+/// # Errors
+/// The path is a file.
+pub fn refuse_file(path: &Path, what_for: &str) -> anyhow::Result<()> {
+    ensure!(
+        path.is_dir() || !path.exists(),
+        "{} is a file; give a folder for {what_for}",
+        path.display()
+    );
+    Ok(())
+}
+
+/// Refuses a name that promises another format than PNG; `option` is the argument that gives it.
+///
+/// # Errors
+/// The name does not end with `.png`.
+pub fn refuse_other_than_png(option: &str, path: &Path) -> anyhow::Result<()> {
+    ensure!(
+        ending(path) == "png",
+        "{option} {}: a PNG is written, so its name must end with .png",
+        path.display()
+    );
+    Ok(())
+}
+
+/// The extension of a path in small letters; empty if there is none.
+pub fn ending(path: &Path) -> String {
+    path.extension()
+        .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+        .unwrap_or_default()
+}
+
+/// A picture as the bytes of a PNG.
+///
+/// # Errors
+/// It has no pixels.
+pub fn encode_png(picture: impl Into<DynamicImage>) -> anyhow::Result<Vec<u8>> {
+    let mut png = Cursor::new(Vec::new());
+    picture
+        .into()
+        .write_to(&mut png, ImageFormat::Png)
+        .context("cannot encode the PNG")?;
+    Ok(png.into_inner())
 }
 
 /// Whether a path is a pipe or a device such as `/dev/stdout`, so that writing replaces nothing.
@@ -68,6 +117,8 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> {
     refuse_existing(path, force)?;
     refuse_part_of_project(path)?;
+    // A link to a missing file exists for `symlink_metadata`, and is written through. A new file is
+    // not replaced if another program makes it after this check: `write_new` refuses it.
     let is_new = !force && std::fs::symlink_metadata(path).is_err();
     let written = if is_new {
         write_new(path, bytes)

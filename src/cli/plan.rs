@@ -4,10 +4,11 @@ use super::Outcome;
 use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
+use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
-use touchline_season::plan::{MakePlanError, Plan, make_plan};
+use touchline_season::plan::{MakePlanError, make_plan};
 use touchline_season::processor::{ANY, processor_class};
 use touchline_season::season_file::Season;
 
@@ -47,12 +48,14 @@ pub struct PlanArgs {
 /// The season file has a mistake, something that it names cannot be read, or a file exists or
 /// cannot be written.
 pub fn plan(args: &PlanArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    for path in [Some(&args.output), args.commands.as_ref()]
-        .into_iter()
-        .flatten()
-    {
+    for path in std::iter::once(&args.output).chain(&args.commands) {
         refuse_existing(path, args.force)?;
     }
+    // The videos are hashed first, which takes long: what the lines cannot name is refused here.
+    let commands = match &args.commands {
+        Some(file) => Some((file, quote(&args.output)?, quote(&args.parts)?)),
+        None => None,
+    };
     let season = Season::read(&args.season)?;
     let processor = if args.any_processor {
         ANY.to_owned()
@@ -75,9 +78,11 @@ pub fn plan(args: &PlanArgs, messages: Messages) -> anyhow::Result<Outcome> {
         plan => plan?,
     };
     write_file(&args.output, plan.to_text()?.as_bytes(), args.force)?;
-    if let Some(commands) = &args.commands {
-        let text = commands_of(&plan, &args.output, &args.parts);
-        write_file(commands, text.as_bytes(), args.force)?;
+    if let Some((file, path, parts)) = commands {
+        let lines = plan
+            .shard_ids()
+            .map(|id| format!("touchline shard {path} {id} -o {parts}\n"));
+        write_file(file, lines.collect::<String>().as_bytes(), args.force)?;
     }
     let finds = plan.matches.len();
     let labels = plan.shard_ids().count() - finds;
@@ -90,23 +95,24 @@ pub fn plan(args: &PlanArgs, messages: Messages) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// One shell line for each shard.
-fn commands_of(plan: &Plan, path: &Path, parts: &Path) -> String {
-    let [path, parts] = [path, parts].map(quote);
-    let line = |id: &str| format!("touchline shard {path} {id} -o {parts}\n");
-    plan.shard_ids().map(line).collect()
-}
-
 /// A path as one word of a shell, which `xargs` reads in the same way.
-fn quote(path: &Path) -> String {
-    let text = path.to_string_lossy();
+///
+/// # Errors
+/// The path is not UTF-8, so that a line of text would name another one.
+fn quote(path: &Path) -> anyhow::Result<String> {
+    let text = path.to_str().with_context(|| {
+        format!(
+            "{}: --commands cannot name it, for it is not UTF-8; rename it",
+            path.display()
+        )
+    })?;
     let is_plain = text
         .chars()
         .all(|character| character.is_ascii_alphanumeric() || "/._-+,:@%".contains(character));
     if !text.is_empty() && is_plain {
-        return text.into_owned();
+        return Ok(text.to_owned());
     }
-    format!("'{}'", text.replace('\'', "'\\''"))
+    Ok(format!("'{}'", text.replace('\'', "'\\''")))
 }
 
 #[cfg(test)]
@@ -122,7 +128,16 @@ mod tests {
             ("it's", r"'it'\''s'"),
             ("$HOME", "'$HOME'"),
         ] {
-            assert_eq!(quote(Path::new(path)), quoted);
+            assert_eq!(quote(Path::new(path)).unwrap(), quoted);
         }
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_path_that_is_no_text_is_refused() {
+        use std::os::unix::ffi::OsStrExt as _;
+        let path = Path::new(std::ffi::OsStr::from_bytes(b"plan\xff.json"));
+        let error = quote(path).unwrap_err().to_string();
+        assert!(error.ends_with("it is not UTF-8; rename it"), "{error}");
     }
 }

@@ -91,12 +91,15 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         mut document,
     } = args.document.load(messages)?;
     messages.name_video_backend(&document);
+    // Compared with the result at the end, for the count of edits. `before`, below, has the tracked
+    // cameras too, and shows which proposals were made with the old bases.
     let original = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
     }
     let options = BaseOptions {
         lens: match args.distortion {
+            // None compares the models by cross-validation.
             Distortion::Auto => None,
             Distortion::None => Some(LensModel::Pinhole),
             Distortion::K1 => Some(LensModel::K1),
@@ -110,11 +113,8 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         principal_point: args.principal_point,
         ..BaseOptions::default()
     };
-    let cameras: Vec<CameraId> = document
-        .cameras
-        .iter()
-        .map(|camera| camera.id.clone())
-        .collect();
+    let cameras = document.cameras.iter().map(|camera| camera.id.clone());
+    let cameras: Vec<CameraId> = cameras.collect();
     // With few known frames, track their clips first: more frames show more lines.
     if args.markings {
         carry_few(
@@ -133,6 +133,8 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     let mut pictures = Pictures::new(location.folder(), messages);
     for camera in &cameras {
         let document = document.at(location.folder());
+        // The estimate from paint is needed twice: for the base, as from clicks alone, and later
+        // for the frames that are aligned with it.
         let estimated = if args.markings {
             let found = pictures.estimate(document, camera, &options, args.field_size);
             found.map(|found| {
@@ -155,9 +157,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             errors.join("; ")
         });
     }
-    for error in &errors {
-        messages.note(error);
-    }
+    messages.notes(&errors);
     // Write the bases and solve all frames with them.
     for estimate in &estimates {
         report(estimate, &document, messages);
@@ -166,11 +166,15 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     let bar = messages.progress(document.frames.len(), "Solving");
     let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
     bar.finish_and_clear();
-    let mut failed = errors.len();
+    let (mut solved, mut failed) = (0, errors.len());
     for (frame, outcome) in document.frames.iter().zip(&outcomes) {
-        if let SolveOutcome::Failed(error) = outcome {
-            messages.frame_failed(&frame.name(), &error.to_string());
-            failed += 1;
+        match outcome {
+            SolveOutcome::Solved => solved += 1,
+            SolveOutcome::Failed(error) => {
+                failed += 1;
+                messages.frame_failed(&frame.name(), &error.to_string());
+            }
+            _ => {}
         }
     }
     // Align the frames to their painted lines, with the new base.
@@ -189,6 +193,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         ));
     }
     // Proposals that were made with the old base are no longer valid.
+    // The angles of a proposal are those in one base. Under another base they point elsewhere.
     let withdrawn = follow_all_bases(&mut document, &before);
     if withdrawn > 0 {
         messages.note(&format!(
@@ -197,24 +202,17 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     }
     failed += pictures.unreadable.len();
     for estimate in &estimates {
+        // After the frames are solved, for solving writes their warnings again.
         estimate.mark_disputes(&mut document);
     }
     document.count_edits_since(&original);
     args.output.write(document, location.folder())?;
-    let solved = outcomes
-        .iter()
-        .filter(|outcome| matches!(outcome, SolveOutcome::Solved))
-        .count();
     messages.note(&format!(
         "{} estimated, {} solved",
         pluralise(estimates.len(), "camera"),
         pluralise(solved, "frame")
     ));
-    Ok(if failed > 0 {
-        Outcome::SomeFailed
-    } else {
-        Outcome::Done
-    })
+    Ok(Outcome::from_failure(failed > 0))
 }
 
 /// Propagates cameras through videos in which fewer than [`FRAMES_FOR_PAINT`] frames are known,
@@ -243,6 +241,7 @@ fn carry_few(
         if known == 0 || known >= FRAMES_FOR_PAINT || !is_clip {
             continue;
         }
+        // The estimate that follows says why the clicks give no base.
         if give_first_base(document, folder, camera, options).is_err() {
             continue;
         }
@@ -394,6 +393,7 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     let before = found
         .previous_median_px
         .map_or_else(String::new, |before| format!(", {before:.2} px before"));
+    // A base from paint alone has no error at clicks.
     let clicks = if found.median_px.is_finite() {
         format!(
             "all clicks {:.2} px, 90 % {:.2} px{before}; ",

@@ -98,6 +98,8 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         folder,
         skipped,
     } = read_input(args, taught.clone(), messages)?;
+    // The forest's rays are pan and tilt in the base of its training. A document without a base
+    // takes that one; under another one its answers would be wrong, which is an error.
     adopt_bases(&mut document, &taught, &model)?;
     messages.name_video_backend(&document);
     let before = document.clone();
@@ -157,6 +159,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     tell_refusal(&store, messages);
     let proposals = proposals?;
     // Count the answers. A frame without an answer keeps a camera that it has from another source.
+    // Ctrl-C leaves fewer proposals than frames.
     let looked_at = proposals.len();
     let (mut answered, mut kept) = (0, 0);
     for proposal in &proposals {
@@ -191,7 +194,10 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         ));
         return Ok(Outcome::Stopped);
     }
+    // Not after Ctrl-C: the answers to the other frames may change the advice.
     tell_where_to_label(document.at(&folder), messages);
+    // Every queried frame has a proposal here, with a camera or a reason, so that this is the
+    // number of reasons without a camera of another source, and of unreadable images.
     let failed = queried.len() - answered - kept + skipped;
     let passed = document.frames.len() - queried.len() + kept;
     let why_passed = if args.key_frames {
@@ -209,11 +215,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         "{} answered, {failed} not, {passed} left unchanged ({why_passed})",
         pluralise(answered, "frame")
     ));
-    Ok(if failed > 0 {
-        Outcome::SomeFailed
-    } else {
-        Outcome::Done
-    })
+    Ok(Outcome::from_failure(failed > 0))
 }
 
 /// Whether an earlier run has answered a frame.
@@ -276,6 +278,7 @@ fn read_input(
     let mut input = Input {
         document: taught,
         file: None,
+        // `add_image` names images by their canonical paths relative to this folder.
         folder: folder.canonicalize().unwrap_or(folder),
         skipped: 0,
     };
@@ -314,6 +317,7 @@ fn images_of(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// Appends a frame for an image, with the camera that has pictures of its size.
 fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
     let size = image_size(path)?;
+    // An image says nothing of its camera but its size. The first camera with that size is taken.
     let camera = input
         .document
         .cameras

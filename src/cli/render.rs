@@ -3,10 +3,9 @@
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
-use super::output::{refuse_existing, write_file};
+use super::output::{encode_png, refuse_existing, refuse_other_than_png, write_file};
 use anyhow::{Context as _, bail};
 use image::RgbaImage;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_application::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
@@ -56,22 +55,14 @@ pub struct RenderArgs {
 /// The document, the frame or its picture cannot be read, there is no graphics adapter, or the PNG
 /// cannot be written.
 pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    if !args
-        .output
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
-    {
-        bail!(
-            "-o {}: a PNG is written, so its name must end with .png",
-            args.output.display()
-        );
-    }
+    refuse_other_than_png("-o", &args.output)?;
     refuse_existing(&args.output, args.force)?;
     let Loaded { location, document } = args.document.load(messages)?;
     let frame = find_frame(&document, &args.frame)
         .with_context(|| format!("{}: --frame {}", location.file().display(), args.frame))?;
     let field = document.field_of(frame).model(location.folder())?;
     let picture = read_picture(&mut FrameReader::new(), frame, location.folder())?;
+    // A frame without a camera is drawn all the same: its picture and clicks show what is missing.
     let camera = document.ptz_camera(frame);
     let style = OverlayStyle::default();
     let mut offscreen = Offscreen::new()?;
@@ -95,11 +86,7 @@ pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> 
     } else {
         render_frame(&mut offscreen, &scene, picture)?
     };
-    let mut png = Cursor::new(Vec::new());
-    drawn
-        .write_to(&mut png, image::ImageFormat::Png)
-        .context("cannot encode the PNG")?;
-    write_file(&args.output, png.get_ref(), args.force)?;
+    write_file(&args.output, &encode_png(drawn)?, args.force)?;
     messages.note(&format!(
         "{}: rendered with {}",
         args.output.display(),
@@ -178,6 +165,7 @@ fn pixels_per_point(width: u32) -> f32 {
 
 fn layer(pixels: media::Picture, brightness: f32) -> Layer {
     Layer::Picture(PictureLayer {
+        // The key tells pictures of one renderer apart. Here each picture is drawn once.
         key: PictureKey(0),
         pixels,
         look: PictureLook::from_brightness(brightness),
@@ -188,6 +176,8 @@ fn layer(pixels: media::Picture, brightness: f32) -> Layer {
 /// by its index.
 fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Frame> {
     let frames = || document.frames.iter().map(|frame| &**frame);
+    // A whole path is unique, a file name need not be, and a number may be the name of an image. So
+    // they are tried in this order.
     if let Some(frame) =
         frames().find(|frame| frame.image.as_deref() == Some(wanted) || frame.name() == wanted)
     {

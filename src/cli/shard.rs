@@ -34,6 +34,7 @@ pub struct ShardArgs {
 /// The plan has no such shard or is for other machines, its frames changed, a file in place of the
 /// part is another one, or it cannot be written.
 pub fn shard(args: &ShardArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    // Before any work: an engine that was killed cannot stop what it started.
     die_with_parent();
     let interrupt = Interrupt::listen();
     let plan = Plan::read(&args.plan)?;
@@ -51,6 +52,7 @@ pub fn shard(args: &ShardArgs, messages: Messages) -> anyhow::Result<Outcome> {
         interrupt.check()
     });
     let done = do_shard(&args.plan, &plan, &args.id, &args.output, &progress);
+    // The bars are removed before the message below.
     drop(progress);
     drop(report);
     let what = plan.shard(&args.id).map(|shard| shard.describe());
@@ -68,6 +70,7 @@ pub fn shard(args: &ShardArgs, messages: Messages) -> anyhow::Result<Outcome> {
                 pluralise(frames, "frame")
             ));
         }
+        // No part is written then; the shard may be started again.
         Err(ShardError::Stopped) => {
             messages.note(&ShardError::Stopped.to_string());
             return Ok(Outcome::Stopped);

@@ -48,6 +48,8 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     } = args.document.load(messages)?;
     let before = document.clone();
     let fields = Fields::from_document(document.at(location.folder()))?;
+    // With --from-nothing the lines are searched first, and the camera that is found is aligned by
+    // the same options as a known one.
     let snap = SnapOptions {
         reach_px: args.reach,
         own_k1: args.k1,
@@ -92,6 +94,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
             (&options, !is_solved),
             &Progress::default(),
         );
+        // The reason of a failure is recorded in the frame, too.
         record_on_paint(&mut document.frames[index], &found, !is_solved);
         match found {
             Ok(_) if is_solved => counts.snapped += 1,
@@ -119,11 +122,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     messages.note(&format!(
         "{snapped} frames snapped, {found}{failed} not, {passed} left unchanged (without a camera, or rejected)"
     ));
-    Ok(if failed > 0 {
-        Outcome::SomeFailed
-    } else {
-        Outcome::Done
-    })
+    Ok(Outcome::from_failure(failed > 0))
 }
 
 /// Numbers of frames by outcome.

@@ -42,17 +42,15 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let bar = messages.progress(document.frames.len(), "Solving");
     let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
     bar.finish_and_clear();
-    let solved = outcomes
-        .iter()
-        .filter(|outcome| matches!(outcome, SolveOutcome::Solved))
-        .count();
-    let passed = outcomes
-        .iter()
-        .filter(|outcome| matches!(outcome, SolveOutcome::TooFewClicks))
-        .count();
+    let (mut solved, mut failed, mut passed) = (0, 0, 0);
     for (frame, outcome) in document.frames.iter().zip(&outcomes) {
-        if let SolveOutcome::Failed(error) = outcome {
-            messages.frame_failed(&frame.name(), &error.to_string());
+        match outcome {
+            SolveOutcome::Solved => solved += 1,
+            SolveOutcome::Failed(error) => {
+                failed += 1;
+                messages.frame_failed(&frame.name(), &error.to_string());
+            }
+            _ => passed += 1,
         }
     }
     if args.line_check {
@@ -62,16 +60,11 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     document.count_edits_since(&before);
     drop(before);
     args.output.write(document, location.folder())?;
-    let failed = outcomes.len() - solved - passed;
     messages.note(&format!(
         "{} solved, {failed} failed, {passed} with too few clicks",
         pluralise(solved, "frame")
     ));
-    Ok(if failed > 0 {
-        Outcome::SomeFailed
-    } else {
-        Outcome::Done
-    })
+    Ok(Outcome::from_failure(failed > 0))
 }
 
 /// Compares every solved frame with the painted lines in its picture and records the result in it.
@@ -79,6 +72,8 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
 fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> anyhow::Result<()> {
     let fields = Fields::from_document(document.at(folder))?;
     let bar = messages.progress(document.frames.len(), "Checking the lines");
+    // Pictures are read by a copy, because results are written while they are read. It shares its
+    // frames with the document.
     let solved = document.clone();
     let checked = (0..solved.frames.len()).filter(|&index| {
         let frame = &solved.frames[index];
@@ -98,6 +93,7 @@ fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> an
                     record_line_check(&mut document.frames[index], &check);
                 }
             }
+            // The frame is solved. Only the check is missing, which is no failure of the command.
             Err(error) => messages.note(&format!(
                 "{}: its lines were not checked: {error}",
                 frame.name()

@@ -2,8 +2,8 @@
 
 use super::Outcome;
 use super::messages::Messages;
-use super::output::{refuse_existing, write_file};
-use anyhow::{Context as _, bail, ensure};
+use super::output::{refuse_existing, refuse_file, write_file};
+use anyhow::{Context as _, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
 use touchline_application::jobs::{DrawnPicture, MatchOrder, draw_match};
@@ -14,6 +14,7 @@ use touchline_vision::synthetic::{Graphics, Preset, ShootOptions};
 
 /// The file beside the project with the exact cameras.
 const TRUTH_FILE: &str = "truth.json";
+
 /// Draws a match: images, a project without calibrations, and the exact truth beside it.
 ///
 /// DIR gets images/0001.jpg and so on, project.json (the camera's base is known, no frame is
@@ -110,6 +111,7 @@ fn order_of(args: &SynthArgs) -> MatchOrder {
         (args.frames as usize, args.seed, args.size, args.masks);
     let shows =
         |graphic| args.graphics.contains(&graphic) && !args.graphics.contains(&Graphic::None);
+    // The list has a default, so that an empty one cannot be written: `none` takes its place.
     let graphics = Graphics {
         score_bug: shows(Graphic::ScoreBug),
         lower_third: shows(Graphic::LowerThird),
@@ -135,11 +137,7 @@ fn order_of(args: &SynthArgs) -> MatchOrder {
 pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Scene::Stadium = args.scene;
     refuse_existing(&args.output, args.force)?;
-    ensure!(
-        args.output.is_dir() || !args.output.exists(),
-        "{} is a file; give a folder for the match",
-        args.output.display()
-    );
+    refuse_file(&args.output, "the match")?;
     refuse_other_project(&args.output)?;
     let order = order_of(args);
     fs::create_dir_all(args.output.join("images"))
@@ -161,6 +159,7 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
         document_to_string(&drawn.truth)?.as_bytes(),
         args.force,
     )?;
+    // The truth is written first. It marks the folder as one that this command may draw over.
     let location = Location::for_new_document(&args.output.join(""))?;
     write_document(&location, &drawn.project, args.force)?;
     messages.note(&format!(

@@ -3,14 +3,13 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::interrupt::Interrupt;
-use super::messages::Messages;
+use super::messages::{Messages, StepBar};
 use indicatif::ProgressBar;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{
-    BasePaintEvidence, ClipProgress, ClipSpan, LengthOnLines, OnPaintErrors, TrackClipOptions,
-    TrackedClip, clips,
+    BasePaintEvidence, ClipProgress, ClipSpan, LengthOnLines, TrackClipOptions, TrackedClip, clips,
 };
 use touchline_calibration::pipelines::{
     TrackedFrames, TrackingEvent, TrackingOptions, track_clips,
@@ -63,6 +62,7 @@ fn range(text: &str) -> Result<RangeInclusive<usize>, String> {
 }
 
 fn frame_number(text: &str) -> Option<usize> {
+    // `A..=B` means the same: both numbers are included either way.
     text.trim_start_matches('=').parse().ok()
 }
 
@@ -99,6 +99,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         Some(&interrupt),
         messages,
     )?;
+    // Nothing was changed, so that nothing is written.
     if found.is_stopped && found.tracked == 0 {
         messages.note("stopped; no clip was finished, nothing was written");
         return Ok(Outcome::Stopped);
@@ -118,11 +119,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         pluralise(found.tracked, "frame"),
         found.missed
     ));
-    Ok(if found.missed > 0 {
-        Outcome::SomeFailed
-    } else {
-        Outcome::Done
-    })
+    Ok(Outcome::from_failure(found.missed > 0))
 }
 
 /// Tracks the clips of a document and reports progress and results. `interrupt` ends the clip in
@@ -139,6 +136,7 @@ pub fn track_and_report(
     messages: Messages,
 ) -> anyhow::Result<TrackedFrames> {
     let clips = clips(document.at(folder), within);
+    // Events may come from any thread. Ctrl-C is noticed at the next one.
     let report = Mutex::new(TrackingReport::new(messages));
     let progress = Progress::new(|event| {
         report
@@ -162,7 +160,7 @@ pub fn track_and_report(
 /// Reports the events of tracking: a bar for each step, and messages.
 pub struct TrackingReport {
     messages: Messages,
-    bar: Option<ProgressBar>,
+    bar: StepBar,
 }
 
 impl TrackingReport {
@@ -170,7 +168,7 @@ impl TrackingReport {
     pub const fn new(messages: Messages) -> Self {
         Self {
             messages,
-            bar: None,
+            bar: StepBar::new(messages),
         }
     }
 
@@ -178,15 +176,15 @@ impl TrackingReport {
     pub fn hear(&mut self, event: TrackingEvent) {
         let messages = self.messages;
         if !matches!(event, TrackingEvent::Progress(_)) {
-            self.clear();
+            self.bar.clear();
         }
         match event {
             TrackingEvent::Begun(clip) => {
-                self.bar = Some(messages.progress(2 * clip.num_pictures, "Tracking"));
+                self.bar.of("Tracking", 2 * clip.num_pictures);
             }
-            TrackingEvent::Progress(progress) => show_progress(self.bar.as_ref(), progress),
+            TrackingEvent::Progress(progress) => show_progress(self.bar.current(), progress),
             TrackingEvent::Refining(_) => {
-                self.bar = Some(messages.progress(1, "Refining the base on painted lines"));
+                self.bar.of("Refining the base on painted lines", 1);
             }
             TrackingEvent::Tracked(clip, tracked) => report_tracked(&clip, &tracked, messages),
             TrackingEvent::Failed(clip, error) => {
@@ -204,24 +202,14 @@ impl TrackingReport {
             }
         }
     }
-
-    fn clear(&mut self) {
-        if let Some(bar) = self.bar.take() {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-impl Drop for TrackingReport {
-    fn drop(&mut self) {
-        self.clear();
-    }
 }
 
 /// Shows the progress of a clip: following points fills the first half of the bar, reading the
 /// painted lines the second.
 fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
     let Some(bar) = bar else { return };
+    // The bar counts two steps for each picture. Fewer pictures are read for their paint than are
+    // followed, so that the share of these fills the second half; of none it is 0 of 1.
     let half = bar.length().unwrap_or(0) / 2;
     match progress {
         ClipProgress::Following(done, _) => bar.set_position(done as u64),
@@ -309,13 +297,16 @@ fn describe_length(found: &LengthOnLines) -> String {
 }
 
 fn describe_refined(camera: &CameraId, seen: &BasePaintEvidence) -> String {
-    let median_px = |errors: &OnPaintErrors| errors.paint.map_or(0.0, |paint| paint.median_px);
+    // Where no paint was held out there is no error, which is another thing than an error of 0.
+    let errors = seen.before.paint.zip(seen.after.paint);
+    let change = errors.map_or_else(String::new, |(before, after)| {
+        format!(
+            ", from {:.2} to {:.2} px off paint held out",
+            before.median_px, after.median_px
+        )
+    });
     format!(
-        "{camera}: the base is refined on {} lines in {} frames, from {:.2} to {:.2} px off \
-         paint held out: tracking again",
-        seen.lines,
-        seen.frames,
-        median_px(&seen.before),
-        median_px(&seen.after)
+        "{camera}: the base is refined on {} lines in {} frames{change}: tracking again",
+        seen.lines, seen.frames
     )
 }

@@ -113,6 +113,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         &count_steps(&bar),
     );
     bar.finish_and_clear();
+    // None would mean that the progress cancelled it, and this one never does.
     let studied = studied.unwrap_or_default();
     tell_refusal(&store, messages);
     for (index, error) in &studied.failed {
@@ -152,6 +153,8 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         &asking,
     );
     bar.finish_and_clear();
+    // None where no group of references can be left out. The stated probabilities then stay as they
+    // are.
     if let Some(quality) = &quality {
         quality.bound(&document, &mut model);
         messages.note(&format!(
@@ -161,6 +164,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
             quality.wrong().count()
         ));
     }
+    // Written last, for the measurement changes the probabilities that the file states.
     write_file(&args.output, &model.to_bytes(), args.force)?;
     let cameras = model.cameras.iter();
     let references: usize = cameras
@@ -182,15 +186,12 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
             training_frames.withheld
         ));
     }
-    Ok(if studied.failed.is_empty() {
-        Outcome::Done
-    } else {
-        Outcome::SomeFailed
-    })
+    Ok(Outcome::from_failure(!studied.failed.is_empty()))
 }
 
 impl TrainArgs {
     fn options(&self) -> LearnOptions {
+        // The paper's settings are those of the trees alone; features have options of their own.
         let usual = if self.published {
             TrainOptions::from_paper()
         } else {

@@ -3,9 +3,8 @@
 use super::coverage::{ViewBin, is_covered};
 use super::paper::{FAILURE_IOU, ROTATION};
 use super::sets::FrameSet;
-use super::statistics::{interval_of_mean, mean_sd};
+use super::statistics::{interval_of_mean, mean_sd, median_of};
 use touchline_core::camera::PtzCamera;
-use touchline_core::geometry::quantile;
 use touchline_core::score::{
     CameraError, Summary, camera_error, horizontal_view, iou_part, iou_whole,
 };
@@ -51,6 +50,7 @@ impl FoundCamera {
         let known = &set.frames[frame];
         Self {
             camera: *estimate,
+            // Both measures, because the paper does not say which one it states.
             iou: iou_part(
                 &known.field,
                 &known.truth,
@@ -83,6 +83,8 @@ impl FrameAnswer {
 
     /// The result with a camera that was found, and whether it passes the method's test.
     pub fn with_camera(self, set: &FrameSet, camera: &PtzCamera, passes: bool) -> Self {
+        // The errors are measured whether the camera passes or not: the comparison with `CalibMe`,
+        // which never tests its answer, uses all cameras.
         let untested = FoundCamera::measure(set, self.frame, camera);
         Self {
             found: passes.then_some(untested),
@@ -101,6 +103,8 @@ impl FrameAnswer {
 
     /// `IoU_part`, 0 without an answer; none if the picture shows nothing of the field.
     pub fn iou(&self) -> Option<f64> {
+        // A refusal counts as 0, so that refusing raises no mean; a frame in which nothing of the
+        // field is visible counts not at all.
         self.found.map_or(Some(0.0), |found| found.iou)
     }
 
@@ -113,6 +117,7 @@ impl FrameAnswer {
     pub fn outcome(&self) -> Outcome {
         match self.found {
             None => Outcome::Refused,
+            // By the rotation, for which the paper states a limit.
             Some(found) if found.error.rotation.degrees() <= ROTATION.0 => Outcome::Right,
             Some(_) => Outcome::Wrong,
         }
@@ -204,10 +209,10 @@ impl Tally {
                 .count()
         };
         let median = |of: fn(&FoundCamera) -> f64| {
+            // Medians of errors are over the answers. A refusal has no error; the counts beside say
+            // how many there are.
             let found = all.iter().filter_map(|answer| answer.found.as_ref());
-            let mut values: Vec<f64> = found.map(of).collect();
-            values.sort_by(f64::total_cmp);
-            quantile(&values, 0.5)
+            median_of(found.map(of).collect())
         };
         let ious: Vec<f64> = all.iter().filter_map(|answer| answer.iou()).collect();
         let wholes: Vec<f64> = all.iter().map(|answer| answer.iou_whole()).collect();
@@ -227,6 +232,7 @@ impl Tally {
     }
 
     fn cells(&self) -> Vec<Cell> {
+        // Without an answer a median is NaN, which a file would not show as a number.
         let fixed = |value: f64, decimals: usize| {
             if value.is_finite() {
                 Cell::Fixed(value, decimals)
@@ -264,6 +270,7 @@ impl Tally {
 /// only the seeds are independent: the interval is that of the seeds' means, cut at 0 and 1. With a
 /// single seed, it is a bootstrap interval over the frames.
 fn interval_of_iou(all: &[&FrameAnswer]) -> [f64; 2] {
+    // The numbers of each seed, by the index of its set.
     let mut seeds: Vec<Vec<f64>> = Vec::new();
     for answer in all {
         if seeds.len() <= answer.repeat {
@@ -272,6 +279,8 @@ fn interval_of_iou(all: &[&FrameAnswer]) -> [f64; 2] {
         seeds[answer.repeat].extend(answer.iou());
     }
     seeds.retain(|ious| !ious.is_empty());
+    // The bootstrap takes frames as independent, which they are not: the interval is too narrow,
+    // but the only one that a single seed gives.
     if let [one] = &seeds[..] {
         return Summary::from_values(one, 0).map_or([f64::NAN; 2], |summary| summary.mean_interval);
     }
@@ -309,6 +318,7 @@ pub fn by_name<'a>(
         .into_iter()
         .map(|name| (name, of(name)))
         .collect();
+    // Last, where `sequences` expects it.
     parts.push(("all", answers.iter().collect()));
     parts
 }

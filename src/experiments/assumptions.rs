@@ -18,8 +18,6 @@ use touchline_documents::report::{Cell, Report, Table};
 const STRIDE: usize = 3;
 /// A quick run draws every other frame, and varies all assumptions together only.
 const QUICK_STRIDE: usize = 2;
-/// The forests, in the order of the table.
-const FORESTS: [ForestKind; 2] = [ForestKind::Published, ForestKind::Default];
 
 /// An assumption, with a value that makes frames more alike than the default does, and one that
 /// makes them less alike.
@@ -79,11 +77,11 @@ struct Variation {
     scenery: Scenery,
 }
 
-/// A variation with the answers of the forests, in the order of [`FORESTS`].
+/// A variation with the answers of the forests, in the order of [`ForestKind::PAPER_FIRST`].
 struct VariationResult {
     variation: Variation,
-    answers: [Vec<FrameAnswer>; FORESTS.len()],
-    tallies: [Tally; FORESTS.len()],
+    answers: [Vec<FrameAnswer>; ForestKind::PAPER_FIRST.len()],
+    tallies: [Tally; ForestKind::PAPER_FIRST.len()],
 }
 
 /// Runs the experiment. It draws its frames, whatever frames or data were given.
@@ -94,14 +92,17 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let options = &inputs.options;
     let stride = options.full_or_quick(STRIDE, QUICK_STRIDE);
     let variations = variations(options.quick);
+    // Every sequence begins with its first frame, so that the number is rounded up.
     let frames = TABLE_2.len() * frames_a_sequence(options).div_ceil(stride);
     let step = step_counter(variations.len() * frames, progress);
     let (mut sets, mut measured) = (Vec::new(), Vec::new());
     for variation in variations {
+        // The same seed for all variations: places, times and noise are the same, and a difference
+        // is that of the assumption.
         let set = highlights_in(options, &variation.scenery, stride, options.seed, &step)?;
         // Each variation is a set of its own, to which its answers refer by index.
         let repeat = sets.len();
-        let answers = FORESTS.map(|kind| {
+        let answers = ForestKind::PAPER_FIRST.map(|kind| {
             Trained::train(&set, repeat, &kind.training(set.seed))
                 .ask_plainly(&kind.asking(set.seed))
         });
@@ -129,7 +130,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         ),
     );
     report.text(&explain());
-    for (place, kind) in FORESTS.into_iter().enumerate() {
+    for (place, kind) in ForestKind::PAPER_FIRST.into_iter().enumerate() {
         report.text(&summarize(&measured, place, kind));
     }
     report.table(
@@ -141,7 +142,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         summary_table(&measured),
     );
     let ways = measured.iter().flat_map(|measured| {
-        let ways = FORESTS.into_iter().zip(&measured.answers);
+        let ways = ForestKind::PAPER_FIRST.into_iter().zip(&measured.answers);
         ways.map(move |(kind, answers)| {
             let way = format!("{} {}", measured.variation.name, kind.key());
             (way, answers.as_slice())
@@ -165,6 +166,7 @@ fn variations(quick: bool) -> Vec<Variation> {
     }];
     if !quick {
         for assumption in &ASSUMPTIONS {
+            // Each variation starts from the default, so that exactly one assumption differs.
             for change in [assumption.milden, assumption.harshen] {
                 let mut scenery = Scenery::default();
                 change(&mut scenery);
@@ -219,6 +221,8 @@ fn explain() -> String {
 
 /// Says in numbers how far a forest's results move.
 fn summarize(measured: &[VariationResult], place: usize, kind: ForestKind) -> String {
+    // The order of `variations`: as assumed first, all milder and all harsher last. A quick run has
+    // no single ones.
     let [assumed, singles @ .., milder, harsher] = measured else {
         return String::new();
     };
@@ -250,6 +254,7 @@ fn summarize(measured: &[VariationResult], place: usize, kind: ForestKind) -> St
     });
     // The frames are in the same order in all variations.
     let frames = assumed.answers[place].len();
+    // Whether the same frames are right in all variations tells a few hard frames from chance.
     let times_right = |frame: usize| {
         measured
             .iter()
@@ -264,6 +269,7 @@ fn summarize(measured: &[VariationResult], place: usize, kind: ForestKind) -> St
         "{together}{alone} One frame more or less moves a mean by up to {:.3}. Of {frames} \
          frames, {always} are right in every row of the table and {never} in no row. Wrong \
          answers in a row: {least} to {most}.",
+        // The smallest change that one frame can make, for comparison with the differences above.
         1.0 / frames as f64
     )
 }

@@ -11,6 +11,7 @@ use super::baselines::methods::{Matched, Reference};
 use super::forests::{ForestKind, train_forest, without_test};
 use super::progress::{Progress, step_counter};
 use super::sets::{FrameSet, Split};
+use super::statistics::range_of;
 use rayon::prelude::*;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{Angle, AngleRange};
@@ -42,6 +43,7 @@ pub fn measure(sets: &[FrameSet], progress: Progress) -> Vec<Chosen> {
         })
         .collect();
     for (repeat, set) in sets.iter().enumerate() {
+        // Split by split, because all methods of a split share its references.
         for number in 0..set.splits.len() {
             for (way, answers) in ways.iter_mut().zip(answer_split(set, repeat, number)) {
                 way.answers.extend(answers);
@@ -72,11 +74,14 @@ fn answer_split(set: &FrameSet, repeat: usize, number: usize) -> Vec<Vec<FrameAn
     });
     let one = |&frame: &usize| -> Vec<FrameAnswer> {
         let known = &set.frames[frame];
+        // Matched once; smaller numbers use the first references, which the farthest-point rule
+        // chose first.
         let matched = Matched::to(known, &references, set.seed.wrapping_add(frame as u64));
         let by_homography = COUNTS.map(|count| {
             let count = count.min(references.len());
             matched.by_homography(&references[..count])
         });
+        // The true base of the frame, as in all other experiments.
         let by_forest = forests.iter().map(|(trained, asking)| {
             let (forest, seen) = trained.as_ref()?;
             let base = known.truth.base();
@@ -85,6 +90,7 @@ fn answer_split(set: &FrameSet, repeat: usize, number: usize) -> Vec<Vec<FrameAn
         });
         let blank = FrameAnswer::blank(set, repeat, number, frame);
         let answer = |camera: Option<PtzCamera>| {
+            // Every camera passes: no answer is tested here.
             camera.map_or(blank, |camera| blank.with_camera(set, &camera, true))
         };
         by_homography
@@ -104,24 +110,24 @@ fn answer_split(set: &FrameSet, repeat: usize, number: usize) -> Vec<Vec<FrameAn
 /// length, each divided by its range.
 fn farthest_points(set: &FrameSet, split: &Split, count: usize) -> Vec<usize> {
     let ptz = |frame: usize| set.frames[frame].truth.ptz();
+    // Pan is measured from the start of the smallest arc that has all of them, so that it does not
+    // jump at ±180°.
     let pans = AngleRange::smallest(split.training_frames.iter().map(|&frame| ptz(frame).pan));
     let start = pans.map_or(Angle::ZERO, |range| range.start());
     let raw = |frame: usize| {
         [
             ptz(frame).pan.turn_from(start).radians(),
+            // Zoom is a ratio: twice the focal length is as far at the short end as at the long
+            // one.
             ptz(frame).focal_px.ln(),
         ]
     };
-    let ends = |axis: usize| {
-        let values = split.training_frames.iter().map(|&frame| raw(frame)[axis]);
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-            [low.min(value), high.max(value)]
-        })
-    };
-    let ends = [ends(0), ends(1)];
+    let ends = [0, 1]
+        .map(|axis: usize| range_of(split.training_frames.iter().map(|&frame| raw(frame)[axis])));
     let place = |frame: usize| -> [f64; 2] {
         std::array::from_fn(|axis| {
             let [low, high] = ends[axis];
+            // A range of one value would divide by 0; all frames are then at 0.
             (raw(frame)[axis] - low) / (high - low).max(f64::EPSILON)
         })
     };
@@ -139,6 +145,8 @@ fn farthest_points(set: &FrameSet, split: &Split, count: usize) -> Vec<usize> {
                 .map(|&other| apart(place(frame), place(other)));
             each.fold(f64::INFINITY, f64::min)
         };
+        // Quadratic in the number of frames for each reference, which is nothing for a hundred
+        // frames.
         let rest = frames.iter().filter(|frame| !chosen.contains(frame));
         let Some(&next) = rest.max_by(|a, b| nearest(**a).total_cmp(&nearest(**b))) else {
             break;

@@ -68,11 +68,13 @@ impl Contrast {
     /// Measures it in a report's table. NaN if the report has no such table, or no row for a term.
     fn measure(&self, report: &Report, on: &str, comparisons: usize) -> ClaimMeasurement {
         let file = format!("{}-{}", report.name, self.table);
+        // The table is found by the name of its file, the same that the claim states as its source.
         let values = report
             .table_of_file(&file)
             .map_or_else(Vec::new, |table| self.by_repeat(table));
         let sums: Vec<f64> = values.iter().map(|(sum, _)| *sum).collect();
         let value = mean_sd(&sums)[0];
+        // An exact number has no interval.
         let interval = if self.repeats_by.is_empty() {
             [value; 2]
         } else {
@@ -95,6 +97,8 @@ impl Contrast {
             let column = table.column(self.repeats_by);
             column.map_or_else(String::new, |column| row[column].exact())
         };
+        // Repetitions are compared as texts, as they are written in the file. In order of
+        // appearance, which does not depend on a hash.
         let mut repeats: Vec<String> = Vec::new();
         for row in &table.rows {
             let repeat = repeat_of(row);
@@ -108,10 +112,14 @@ impl Contrast {
                 .iter()
                 .filter(|row| repeat_of(row) == *repeat)
                 .collect();
+            // Empty cells are no numbers and are left out of a mean. A repetition that lacks one
+            // term says nothing about the sum.
             let means = self.terms.iter().map(|term| {
                 let values = term.values(table, &rows, self.column);
                 (!values.is_empty()).then(|| (term.weight * mean_sd(&values)[0], values.len()))
             });
+            // The sum is taken within each repetition, before the mean over them: what a seed makes
+            // easier for both sides then cancels.
             let parts: Vec<(f64, usize)> = means.collect::<Option<_>>()?;
             Some((
                 parts.iter().map(|(part, _)| part).sum(),
@@ -122,6 +130,7 @@ impl Contrast {
     }
 
     fn source(&self, table: String) -> Source {
+        // The form that `tests/experiments/recompute.py` parses.
         let terms = self.terms.iter().map(|term| {
             let cells = term.cells.iter().map(|(key, text)| format!("{key}={text}"));
             format!("{}: {}", cells.collect::<Vec<_>>().join(" & "), term.weight)
@@ -141,6 +150,8 @@ impl Term {
         let is_selected = |row: &&&Vec<Cell>| {
             self.cells.iter().all(|(key, text)| {
                 let column = table.column(key);
+                // All digits, not those that a reader is shown: two noises must not become one by
+                // rounding.
                 column.is_some_and(|column| row[column].exact() == *text)
             })
         };

@@ -52,6 +52,7 @@ pub fn is_covered(set: &FrameSet, answer: &FrameAnswer) -> bool {
     let references = &set.splits[answer.split].training_frames;
     references.iter().any(|&reference| {
         let known = &set.frames[reference];
+        // The difference of angles, which does not jump at ±180°.
         let away = pan.turn_from(known.truth.ptz().pan);
         away.radians().abs() <= 0.5 * view(known).radians()
     })

@@ -80,7 +80,7 @@ fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
         Experiment::Worldcup => {
             "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup"
         }
-        Experiment::Synthetic | Experiment::Ransac => {
+        Experiment::Synthetic | Experiment::Ransac | Experiment::Assumptions => {
             return format!("{experiment} needs no data; omit --data");
         }
         _ => "MATLAB files such as seq1_anno.mat, in it or in a folder named highlights",
@@ -88,5 +88,24 @@ fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
     match folder {
         Some(folder) => format!("{experiment} needs {wanted}; {} has none", folder.display()),
         None => format!("{experiment} needs data: give --data DIR, a folder with {wanted}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_experiment_that_draws_its_frames_needs_no_data() {
+        for experiment in [
+            Experiment::Synthetic,
+            Experiment::Ransac,
+            Experiment::Assumptions,
+        ] {
+            assert_eq!(
+                not_given(experiment, Some(Path::new("data"))),
+                format!("{experiment} needs no data; omit --data")
+            );
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
 use super::paper::ROTATION;
 use super::progress::Progress;
-use super::sequences::{introduce_again, on_both};
+use super::sequences::{introduce_again, on_both, sets_of_one_kind};
 use super::sets::SetKind;
 use super::{ExperimentError, SharedInputs};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
@@ -22,16 +22,9 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         "errors",
         &one[0].heading("Errors: cumulative distributions"),
     );
-    let mut chosen = vec![("highlights", Sets::Highlights)];
-    match one[0].kind {
-        SetKind::Own => chosen[0].0 = "own frames",
-        // Published and drawn frames share no diagram.
-        kind if inputs.worldcup(progress)?[0].kind == kind => {
-            chosen.push(("World Cup", Sets::WorldCup));
-        }
-        _ => {}
-    }
+    let chosen = sets_of_one_kind(inputs, progress)?;
     for (name, which) in &chosen {
+        // The experiment that describes the frames.
         let experiment = if *which == Sets::WorldCup {
             "worldcup"
         } else {
@@ -46,7 +39,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     }
     let mut by_set: Vec<(String, &[FrameAnswer])> = Vec::new();
     for (name, sets) in &chosen {
-        for kind in [ForestKind::Published, ForestKind::Default] {
+        for kind in ForestKind::PAPER_FIRST {
             let answers = inputs.answers(*sets, kind, Masks::AsTheyAre, progress)?;
             by_set.push((format!("{name}, {}", kind.key()), answers));
         }
@@ -69,9 +62,11 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         for (number, (name, answers)) in by_set.iter().enumerate() {
             let values: Vec<f64> = answers
                 .iter()
+                // The curve is a share of all frames, so that refused ones lower its end.
                 .filter_map(|answer| answer.found.as_ref())
                 .map(of)
                 .collect();
+            // Published and default forests alternate in `by_set`.
             let line = if number % 2 == 0 {
                 Line::Solid
             } else {
@@ -105,6 +100,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     );
     let mut every = Table::default();
     for (name, which) in &chosen {
+        // Rows of one set refer to its frames by index. No name of a set begins with another one.
         let ways = by_set.iter().filter(|(way, _)| way.starts_with(name));
         let ways = ways.map(|(way, answers)| (way, *answers));
         let table = frame_table(inputs.sets(*which, progress)?, ways);

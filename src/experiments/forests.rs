@@ -27,6 +27,8 @@ pub enum ForestKind {
 
 impl ForestKind {
     pub const BOTH: [Self; 2] = [Self::Default, Self::Published];
+    /// Both, in the order of reports.
+    pub const PAPER_FIRST: [Self; 2] = [Self::Published, Self::Default];
 
     /// Its name in files.
     pub const fn key(self) -> &'static str {
@@ -63,6 +65,7 @@ impl ForestKind {
         if self == Self::Published {
             options.predict = PredictOptions {
                 leaves_per_tree: PUBLISHED_LEAVES,
+                // No limit on the spread of a leaf's rays, as in the paper's program.
                 max_spread: Angle::from_degrees(180.0),
                 ..options.predict
             };
@@ -118,6 +121,8 @@ impl<'a> Trained<'a> {
         asking: &RelocalizeOptions,
         base_of: &(dyn Fn(&PtzCamera) -> CameraBase + Sync),
     ) -> Vec<FrameAnswer> {
+        // All cameras are computed without the test, which is then applied to the stated
+        // confidence: one run gives both answers.
         let untested = without_test(asking);
         let of_split = |(number, split): (usize, &Split)| -> Vec<FrameAnswer> {
             let one = |&frame: &usize| {
@@ -126,6 +131,8 @@ impl<'a> Trained<'a> {
                 let Some((forest, seen)) = &self.forests[number] else {
                     return tested;
                 };
+                // The base is that of the frame's true camera, or a changed one in the experiment
+                // on distortion.
                 let base = base_of(&known.truth);
                 let answer = relocalize(&known.features, forest, seen, &base, &untested);
                 tested.predict_ms = answer.predict_time.as_secs_f64() * 1e3;
@@ -137,6 +144,7 @@ impl<'a> Trained<'a> {
                 }
                 tested
             };
+            // In parallel within a split, in the order of the frames.
             split.test_frames.par_iter().map(one).collect()
         };
         self.set
@@ -168,6 +176,7 @@ impl<'a> Trained<'a> {
                 };
                 for feature in 0..matches.len() {
                     let rays = matches.rays(feature);
+                    // A feature beyond the fold of the lens has no true ray to compare with.
                     let Ok(truth) = known.truth.ray_from_image(matches.point(feature)) else {
                         continue;
                     };
@@ -175,6 +184,7 @@ impl<'a> Trained<'a> {
                         PanTilt::from_direction(*ray).angle_to(truth).degrees() < INLIER_DEG
                     };
                     count.with_ray += usize::from(!rays.is_empty());
+                    // The first ray is that of the nearest leaf.
                     count.nearest_right += usize::from(rays.first().is_some_and(is_right));
                     count.rays += rays.len();
                     count.right += rays.iter().filter(|ray| is_right(ray)).count();
@@ -218,9 +228,11 @@ pub fn train_forest<'a>(
             .iter()
             .map(|keypoint| known.truth.ray_from_image(keypoint.point));
         let pairs = rays.zip(&known.features.descriptors);
+        // One frame at a time, because a tree may draw whole frames (30 in the paper's settings).
         samples.add_frame(pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))));
         looked.push(known.truth.ptz());
     }
+    // None without frames. Without samples training fails, which is the same to the caller.
     let seen = SeenRange::from_cameras(&looked)?;
     let forest = train(&samples, training, &Progress::default()).ok()?;
     Some((forest, seen))

@@ -4,10 +4,10 @@ use super::answers::{FrameAnswer, Tally, frame_table, tally_table};
 use super::contrast::{Contrast, Statement};
 use super::coverage::{ViewBin, is_covered};
 use super::forests::ForestKind;
-use super::inputs::{Masks, Sets};
+use super::inputs::Masks;
 use super::paper::{FAILURE_IOU, FAILURES_BELOW_DEG, NO_FAILURE_ABOVE_DEG};
 use super::progress::Progress;
-use super::sequences::{introduce_again, on_both};
+use super::sequences::{introduce_again, on_both, sets_of_one_kind};
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs, lost_iou};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
@@ -26,15 +26,11 @@ struct TestFrames<'a> {
 /// The frames cannot be drawn or read.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
+    // All sets of an experiment are of one kind.
     let kind = sets[0].kind;
     let mut report = Report::new("fov", &sets[0].heading("Field of view: where it fails"));
     introduce_again(&mut report, sets, "highlights", "");
-    let mut chosen = vec![("highlights", Sets::Highlights)];
-    if kind == SetKind::Own {
-        chosen[0].0 = "own frames";
-    } else if inputs.worldcup(progress)?[0].kind == kind {
-        chosen.push(("World Cup", Sets::WorldCup));
-    }
+    let chosen = sets_of_one_kind(inputs, progress)?;
     report.text(&format!(
         "A failure is a frame that was refused, or whose IoU is below {FAILURE_IOU}. A frame is \
          *covered* if its middle lies within the picture of one of its references, by pan: a \
@@ -57,7 +53,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     }
     report.figure("distribution", "How wide the test frames look.", views);
     let (mut rows, mut every) = (Vec::new(), Table::default());
-    for forest in [ForestKind::Published, ForestKind::Default] {
+    for forest in ForestKind::PAPER_FIRST {
         for (name, which) in &chosen {
             let test_frames = TestFrames {
                 name,
@@ -82,6 +78,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             every.append(table);
         }
     }
+    // Failures are a column of this table alone.
     let failed: Vec<Cell> = rows.iter().map(|(_, tally)| tally.failed.into()).collect();
     report.table(
         "views",
@@ -107,6 +104,8 @@ impl TestFrames<'_> {
             .into_iter()
             .flat_map(|covered| ViewBin::ALL.map(|bin| (covered, bin)));
         let row = |(covered, bin): (bool, ViewBin)| {
+            // Field of view and coverage apart: a narrow view and a view without a reference fail
+            // for different reasons.
             let within: Vec<&FrameAnswer> = self
                 .answers
                 .iter()
@@ -135,6 +134,7 @@ impl TestFrames<'_> {
                 .filter(|answer| is_covered(&self.sets[answer.repeat], answer) == covered);
             answers
                 .filter_map(|answer| {
+                    // An exact answer is drawn at the lower end of the axis, a refusal at 1.
                     let lost = (1.0 - answer.iou()?).max(lost_iou::ENDS[0]);
                     Some([answer.view_deg, lost])
                 })
@@ -145,6 +145,7 @@ impl TestFrames<'_> {
             (FAILURES_BELOW_DEG, NO_FAILURE_ABOVE_DEG),
             |(l, g), view| (l.min(view), g.max(view)),
         );
+        // Both limits of the paper are on the axis, whatever the frames show.
         let ends = [(least - 2.0).max(0.0).floor(), (greatest + 2.0).ceil()];
         let mut figure = Figure::new(
             &format!("Field of view: {}", self.name),
@@ -201,6 +202,7 @@ fn claims(report: &mut Report) {
     };
     let more_than = |forest: &str, other: ViewBin| {
         let [narrow, other] = [rows(forest, ViewBin::Narrow), rows(forest, other)];
+        // `Contrast` copies the texts it is given.
         let narrow = narrow.each_ref().map(|(key, text)| (*key, text.as_str()));
         let other = other.each_ref().map(|(key, text)| (*key, text.as_str()));
         Contrast::over_frames("failed").plus(&narrow).minus(&other)

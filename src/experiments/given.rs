@@ -10,12 +10,15 @@ pub fn folder_with(data: &Path, holds: impl Fn(&Path) -> bool) -> Option<PathBuf
     if holds(data) {
         return Some(data.to_path_buf());
     }
+    // A folder that cannot be read has nothing for an experiment; the message then says what is
+    // missing.
     let entries = std::fs::read_dir(data).ok()?;
     let mut folders: Vec<PathBuf> = entries
         .flatten()
         .map(|entry| entry.path())
         .filter(|path| path.is_dir())
         .collect();
+    // The order of a folder's entries is the file system's.
     folders.sort();
     folders.into_iter().find(|folder| holds(folder))
 }

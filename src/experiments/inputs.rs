@@ -91,6 +91,8 @@ impl SharedInputs {
     /// The highlights: the user's own frames, the published sequences, or synthetic ones like them.
     /// Synthetic sets are one for each seed.
     pub(super) fn highlights(&self, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
+        // The user's own frames have precedence. That there are no published ones is no error here,
+        // for drawn frames then take their place, and every heading says which kind they are.
         once(&self.highlights, || {
             match (&self.own, self.data_folder(Experiment::Highlights)) {
                 (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
@@ -115,6 +117,7 @@ impl SharedInputs {
             if let Some(own) = &self.own {
                 return Ok(vec![self.own_frames(own, progress)?]);
             }
+            // One seed, because this experiment has no claim that needs an interval.
             let step = step_counter(SEQUENCES * frames_a_sequence(&self.options), progress);
             Ok(vec![highlights(
                 &self.options,
@@ -212,6 +215,8 @@ impl SharedInputs {
         own: &OwnDocuments,
         progress: Progress,
     ) -> Result<FrameSet, ExperimentError> {
+        // Own frames are the same in all three places. Finding their features again would take far
+        // longer than a copy.
         let read = [&self.highlights, &self.distorted, &self.worldcup]
             .into_iter()
             .find_map(OnceLock::get);
@@ -245,6 +250,8 @@ fn once(
     if let Some(sets) = cell.get() {
         return Ok(sets);
     }
+    // `get_or_init` takes no function that may fail. Experiments run one after the other, so that
+    // nothing is made twice.
     let made = make()?;
     Ok(cell.get_or_init(|| made))
 }

@@ -19,6 +19,7 @@ impl DescriptorRows {
     /// Converts descriptors.
     #[must_use]
     pub fn from_descriptors(descriptors: &[Descriptor]) -> Self {
+        // nalgebra stores columns, but takes rows here, one for each descriptor.
         let values = descriptors
             .iter()
             .flat_map(|descriptor| descriptor.0.map(f32::from));
@@ -68,7 +69,10 @@ pub fn nearest(query: &DescriptorRows, reference: &DescriptorRows) -> Vec<Neares
         return Vec::new();
     }
     // Each column belongs to one feature of the picture.
+    // 128 products of two bytes are below 2²³, and ‖b‖² − 2 a·b stays within ±2²⁴: all exact in
+    // `f32`.
     let products = &reference.matrix * query.matrix.transpose();
+    // Bytes are descriptors of unit length times the norm.
     let unit = DESCRIPTOR_NORM * DESCRIPTOR_NORM;
     let of_feature = |(number, products): (usize, &[f32])| {
         let mut best = Nearest {
@@ -78,6 +82,7 @@ pub fn nearest(query: &DescriptorRows, reference: &DescriptorRows) -> Vec<Neares
         };
         for (feature, (product, squared)) in products.iter().zip(&reference.squared).enumerate() {
             let distance = squared - 2.0 * product;
+            // A strict comparison: of equal distances the first feature is the nearest.
             if distance < best.squared_distance {
                 best = Nearest {
                     feature,

@@ -5,10 +5,10 @@ use super::answers::{FoundCamera, FrameAnswer, Tally, frame_table, tally_table};
 use super::forests::{ForestKind, Trained};
 use super::progress::{Progress, step_counter};
 use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
+use super::statistics::range_of;
 use super::{ExperimentError, ExperimentOptions};
 use std::path::Path;
-use touchline_calibration::evaluate::evaluate;
-use touchline_calibration::evaluate::evaluation_tables;
+use touchline_calibration::evaluate::{evaluate, evaluation_tables};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::AngleRange;
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FramePtz};
@@ -37,6 +37,7 @@ pub fn run(
     let kind = ForestKind::Default;
     let mut answers =
         Trained::train(&set, 0, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed));
+    // Curves over time need the order of the frames, and answers come by split.
     answers.sort_by_key(|answer| answer.frame);
 
     let mut report = Report::new("motion", "Motion: a real broadcast camera's path, drawn");
@@ -54,6 +55,7 @@ pub fn run(
         place.z
     ));
     let pans = AngleRange::smallest(real.ptz.iter().map(|ptz| ptz.pan)).unwrap_or(AngleRange::FULL);
+    // Unwrapped within the arc of the whole motion, so that a curve does not jump at ±180°.
     let pan_deg = |ptz: &Ptz| pans.unwrap_angle(ptz.pan).degrees();
     report.table("path", "The motion.", path_table(&real.ptz, &pan_deg));
     report.table(
@@ -70,6 +72,7 @@ pub fn run(
         frame_table(std::slice::from_ref(&set), [("default", &answers[..])]),
     );
     report.text(&evaluation_text(&set, &answers)?);
+    // The number in the published file, of which every `stride`-th frame is drawn.
     let number = |frame: usize| (frame * stride) as f64;
     for (stem, label, of) in [
         ("pan", "pan (°)", &pan_deg as &dyn Fn(&Ptz) -> f64),
@@ -143,8 +146,7 @@ fn path_table(ptz: &[Ptz], pan_deg: &dyn Fn(&Ptz) -> f64) -> Table {
         ("focal length (px)", &|ptz: &Ptz| ptz.focal_px),
     ] {
         let values: Vec<f64> = ptz.iter().map(of).collect();
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [least, greatest] = range_of(values.iter().copied());
         let step = values
             .windows(2)
             .map(|pair| (pair[1] - pair[0]).abs())
@@ -164,6 +166,8 @@ fn evaluation_text(set: &FrameSet, answers: &[FrameAnswer]) -> Result<String, Ex
     let Some(known) = set.frames.first() else {
         return Ok(String::new());
     };
+    // Two documents as a user would have them, with the truth and with the answers. `evaluate` then
+    // measures by its own code, apart from the errors above.
     let mut field = FieldSpec::new("soccer");
     field.params.extend([
         ("length_m".to_owned(), known.field.length_m),
@@ -188,6 +192,7 @@ fn evaluation_text(set: &FrameSet, answers: &[FrameAnswer]) -> Result<String, Ex
             .push(pointed(set.frames[answer.frame].truth.ptz()).into());
         estimate
             .frames
+            // A refused frame is missing in the estimate, which lowers the completeness.
             .extend(answer.found.map(|found| pointed(found.camera.ptz()).into()));
     }
     let evaluation = evaluate(truth.at(Path::new("")), estimate.at(Path::new("")))?;

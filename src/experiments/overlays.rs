@@ -24,6 +24,7 @@ pub fn overlays(
          at 1920 px width).",
         overlay_table(set, parts),
     );
+    // A refusal is worse than any answer.
     let mut order: Vec<(f64, &FrameAnswer)> = answers
         .iter()
         .map(|answer| (error_px(set, answer).unwrap_or(f64::INFINITY), answer))
@@ -81,6 +82,7 @@ fn overlay_table(set: &FrameSet, parts: &[(&str, Vec<&FrameAnswer>)]) -> Table {
             .collect();
         let mut row: Vec<Cell> = vec![(*name).into(), answers.len().into()];
         let share = |within: f64| {
+            // Of all frames, so that refusals count as beyond every limit.
             errors.iter().filter(|error| **error <= within).count() as f64 / answers.len() as f64
         };
         row.extend(OVERLAY_PX.map(|within| Cell::Fixed(share(within), 3)));

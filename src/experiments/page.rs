@@ -45,6 +45,7 @@ fn in_brief(claims: &[(&Report, &Claim)]) -> String {
         !matches!(claim.verdict(), Verdict::Confirmed | Verdict::NotComparable)
     });
     open.filter_map(|(_, claim)| {
+        // The first measurement decides the verdict; the others stand beside it.
         let first = claim.tests.first()?;
         let verdict = claim.verdict().describe();
         let (paper, ours) = (claim.paper.describe(), claim.describe(first));
@@ -112,6 +113,7 @@ fn claim_table(claims: &[(&Report, &Claim)]) -> Table {
                 verdict @ (Verdict::Confirmed | Verdict::NotComparable) => {
                     verdict.describe().into()
                 }
+                // What is not simply confirmed is set in bold, so that it cannot be overlooked.
                 verdict => format!("**{}**", verdict.describe()).into(),
             },
             or_empty(&others),
@@ -158,6 +160,7 @@ pub fn claims_table(reports: &[Report]) -> Table {
 
 fn claim_row(claim: &Claim, test: &ClaimMeasurement) -> Vec<Cell> {
     let half_unit = match claim.paper {
+        // Only a stated level has a last digit, within half a unit of which a number agrees.
         Stated::Level(_, half_unit) => Some(half_unit),
         _ => None,
     };

@@ -15,6 +15,7 @@ const fn mean_and_sd(mean: f64, sd: f64) -> Stated {
 impl Stated {
     /// As in the paper: `.83 ± .16`.
     pub fn describe(self) -> String {
+        // The paper writes no 0 before the point.
         let short = |value: f64| format!("{value:.2}").trim_start_matches('0').to_owned();
         format!("{} ± {}", short(self.mean), short(self.sd))
     }

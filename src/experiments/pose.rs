@@ -33,6 +33,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         Trained::train(set, 0, &kind.training(set.seed)),
         kind.asking(set.seed),
     );
+    // Position, rotation and principal point stay the true ones, so that k1 alone differs.
     let without = |truth: &PtzCamera| CameraBase {
         distortion: FocalCurve::NONE,
         ..*truth.base()

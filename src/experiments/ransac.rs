@@ -5,13 +5,13 @@ use super::ExperimentOptions;
 use super::contrast::{Contrast, Statement};
 use super::progress::{Progress, step_counter};
 use super::setting::{SIZE, normal, rng};
+use super::statistics::median_of;
 use rand::RngExt;
 use rand::seq::index::sample;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use std::time::Instant;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::geometry::quantile;
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3, homography};
 use touchline_core::solve::{Loss, Observation, refine, solve_two_points};
 use touchline_documents::report::figure::{Axis, Figure, Mark, Series};
@@ -141,9 +141,12 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
 }
 
 /// The number of iterations after which one of the samples of `points` matches is free of outliers
-/// with probability [`SUCCESS`]: ln(1 − p) / ln(1 − wᴺ) (Fischler and Bolles 1981).
+/// with probability [`SUCCESS`]: ln(1 − p) / ln(1 − wᴺ) (Fischler and Bolles 1981). Infinite
+/// without inliers, 0 where all are.
 fn rounds_for_success(inliers: f64, points: usize) -> f64 {
-    (1.0 - SUCCESS).ln() / (1.0 - inliers.powi(points as i32)).ln()
+    // Without inliers the denominator is +0, and the quotient of a negative number −∞, which would
+    // end the search at once.
+    ((1.0 - SUCCESS).ln() / (1.0 - inliers.powi(points as i32)).ln()).abs()
 }
 
 /// [`rounds_for_success`] with half of the matches wrong, as in table 1, in whole rounds.
@@ -195,9 +198,13 @@ fn table_1(options: &ExperimentOptions) -> Table {
         ("paper", "paper"),
         ("simulated", "success after as many, simulated"),
     ]);
+    // With 100 000 draws the standard error of the share is 0.03 %, below what one round changes
+    // (0.06 % with four points).
     let draws = options.full_or_quick(100_000, 4000);
     for (points, paper) in TABLE_1 {
         let whole = whole_rounds(points);
+        // Matches below the middle of the index are the right ones; a sample succeeds with these
+        // alone.
         let mut rng = rng(options.seed, [30, points as u64]);
         let all_right = |rng: &mut Pcg64Mcg| {
             sample(rng, MATCHES, points)
@@ -244,11 +251,7 @@ struct Outcome {
 
 impl Outcome {
     fn from_runs(runs: &[Run]) -> Self {
-        let median = |of: fn(&Run) -> f64| {
-            let mut values: Vec<f64> = runs.iter().map(of).collect();
-            values.sort_by(f64::total_cmp);
-            quantile(&values, 0.5)
-        };
+        let median = |of: fn(&Run) -> f64| median_of(runs.iter().map(of).collect());
         Self {
             success: runs.iter().filter(|run| run.right).count() as f64 / runs.len() as f64,
             rounds: median(|run| run.rounds as f64),
@@ -259,6 +262,7 @@ impl Outcome {
 
 /// Draws a picture's matches and runs both methods on them: two points, four points.
 fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
+    // The main camera of the drawn matches, not that of the highlights.
     let base = Preset::Paper.shoot().main_camera(SIZE);
     let ptz = Ptz::from_degrees(
         rng.random_range(-35.0..35.0),
@@ -268,6 +272,7 @@ fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
     let camera = PtzCamera::new(base, ptz);
     // Ground points at random pixels, within 160 m of the camera.
     let exact: Vec<Match> = std::iter::repeat_with(|| pixel(rng))
+        // Pixels above the horizon show no ground and are drawn again, not without end.
         .take(50 * MATCHES)
         .filter_map(|image| {
             Some(Match {
@@ -289,11 +294,14 @@ fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
                 .translate(Vec2::new(normal(rng), normal(rng)) * NOISE_PX)
         };
     }
+    // All points of the ground are compared, those of outliers too: the exact ones are known.
     let right = |image_of: &dyn Fn(Vec3) -> Option<ImagePoint>| {
         exact.iter().all(|seen| {
             image_of(seen.ground).is_some_and(|image| image.distance_px(seen.image) <= RIGHT_PX)
         })
     };
+    // Both methods draw from the same generator, one after the other: the same matches, other
+    // samples.
     let (two, two_rounds, two_ms) = measure_time(|| by_two_points(&base, &matches, rng));
     let (four, four_rounds, four_ms) = measure_time(|| by_four_points(&matches, rng));
     let two_right = two.is_some_and(|ptz| {
@@ -343,6 +351,7 @@ fn ransac<const N: usize, M: Clone>(
     let (mut rounds, mut wanted) = (0, MOST_ROUNDS);
     while rounds < wanted {
         rounds += 1;
+        // Without repetition, as no match is drawn twice in a sample.
         let drawn = sample(rng, matches.len(), N);
         let sampled = std::array::from_fn(|index| matches[drawn.index(index)]);
         for model in models(sampled) {
@@ -386,6 +395,7 @@ fn by_two_points(base: &CameraBase, matches: &[Match], rng: &mut Pcg64Mcg) -> (O
             .enumerate()
             .map(|(click, seen)| Observation::from_point(seen.ground, seen.image, NOISE_PX, click))
             .collect();
+        // A robust loss: some outliers agree by chance.
         refine(base, camera.ptz(), &observations, Loss::default(), None).ptz
     });
     (fitted, rounds)
@@ -408,6 +418,8 @@ pub(super) fn by_four_points(matches: &[Match], rng: &mut Pcg64Mcg) -> (Option<M
         through,
     );
     (
+        // The fit to all inliers may fail although the sample had a model, which is then the
+        // answer.
         best.and_then(|(model, agreeing)| fitted(&agreeing).or(Some(model))),
         rounds,
     )
@@ -475,6 +487,12 @@ mod tests {
             assert!(two.right, "trial {trial}");
             assert!(two.rounds < four.rounds, "{} {}", two.rounds, four.rounds);
         }
+    }
+
+    #[test]
+    fn a_model_that_nothing_agrees_with_does_not_end_the_search() {
+        assert_eq!(rounds_for_success(0.0, 4), f64::INFINITY);
+        assert_eq!(rounds_for_success(1.0, 4), 0.0);
     }
 
     #[test]

@@ -20,6 +20,7 @@ const ROUNDING: f64 = 0.005;
 /// Adds a paragraph that describes the frames.
 pub fn introduce(report: &mut Report, sets: &[FrameSet], words: &str) {
     let Some(set) = sets.first() else { return };
+    // Sets of one experiment are drawn alike but for the seed, so that the first describes all.
     let seeds = match sets.len() {
         1 => String::new(),
         seeds => format!(", drawn with each of {seeds} seeds"),
@@ -34,6 +35,27 @@ pub fn introduce_again(report: &mut Report, sets: &[FrameSet], experiment: &str,
     } else {
         introduce(report, sets, words);
     }
+}
+
+/// The sets that share a diagram, with their names: the highlights, and the World Cup's games if
+/// they are of the same kind. A user's own frames stand in both places and are used once.
+///
+/// # Errors
+/// The frames cannot be drawn or read.
+pub fn sets_of_one_kind(
+    inputs: &SharedInputs,
+    progress: Progress,
+) -> Result<Vec<(&'static str, Sets)>, ExperimentError> {
+    let kind = inputs.highlights(progress)?[0].kind;
+    if kind == SetKind::Own {
+        return Ok(vec![("own frames", Sets::Highlights)]);
+    }
+    let mut sets = vec![("highlights", Sets::Highlights)];
+    // Published and drawn frames share no diagram.
+    if inputs.worldcup(progress)?[0].kind == kind {
+        sets.push(("World Cup", Sets::WorldCup));
+    }
+    Ok(sets)
 }
 
 /// Describes the setting of the synthetic highlights.
@@ -60,12 +82,14 @@ pub fn highlights(inputs: &SharedInputs, progress: Progress) -> Result<Report, E
         .iter()
         .map(|sequence| [sequence.calib_me, sequence.theirs])
         .collect();
+    // In the order of the rows: the sequences, then all.
     paper.push(TABLE_2_AVERAGE);
     match kind {
         SetKind::Drawn => report.text(DRAWN_HIGHLIGHTS),
         SetKind::Published => report.text(&format!(
             "The paper's table 2 has {SEQUENCE_FRAMES} frames in each of four sequences."
         )),
+        // The paper's numbers are of its own frames.
         SetKind::Own => paper.clear(),
     }
     tables(&mut report, inputs, Sets::Highlights, &paper, progress)?;
@@ -96,6 +120,8 @@ pub fn worldcup(inputs: &SharedInputs, progress: Progress) -> Result<Report, Exp
         for ((game, _, [calib_me, theirs]), reason) in TABLE_3.into_iter().zip(reasons) {
             let (place, game) = (format!("Table 3, {game}"), Some(game));
             claim_level(&mut report, &place, game, theirs, reason);
+            // The lead has its own claim, because the level depends on the frames and the lead on
+            // the method.
             let lead = Stated::difference(theirs.mean, calib_me.mean);
             claim_lead(&mut report, &place, game, lead);
         }
@@ -123,6 +149,7 @@ fn claims_of_table_2(report: &mut Report) {
     .test(report, &on_both(five_against_five));
     // The lead of the mean of the other sequences.
     let others = TABLE_2.map(|sequence| sequence.theirs.mean);
+    // Sequence 3 has index 2.
     let mean_of_others = (others[0] + others[1] + others[3]) / 3.0;
     let lead_of_others = |way: &str| {
         [1, 2, 4].into_iter().fold(
@@ -181,7 +208,7 @@ fn name_untested(way: &str) -> String {
 
 /// A measurement on both forests, the paper's first.
 pub fn on_both(contrast: impl Fn(&str) -> Contrast) -> [(&'static str, Contrast); 2] {
-    [ForestKind::Published, ForestKind::Default].map(|kind| (kind.key(), contrast(kind.key())))
+    ForestKind::PAPER_FIRST.map(|kind| (kind.key(), contrast(kind.key())))
 }
 
 /// Adds tables and the contact sheet of all test frames.
@@ -194,9 +221,10 @@ fn tables(
 ) -> Result<(), ExperimentError> {
     let sets = inputs.sets(which, progress)?;
     let mut ways: Vec<(String, Vec<FrameAnswer>)> = Vec::new();
-    for kind in [ForestKind::Published, ForestKind::Default] {
+    for kind in ForestKind::PAPER_FIRST {
         let answers = inputs.answers(which, kind, Masks::AsTheyAre, progress)?;
         ways.push((kind.key().to_owned(), answers.to_vec()));
+        // The camera before the test is in each answer, so that nothing is computed again.
         let tested_off = answers.iter().map(FrameAnswer::without_test).collect();
         ways.push((name_untested(kind.key()), tested_off));
         if inputs.are_drawn(which, progress)? {
@@ -245,12 +273,15 @@ fn summary(
     let (mut tallies, mut stated) = (Vec::new(), Vec::new());
     for (way, answers) in ways {
         let parts = by_name(set, answers);
+        // Rows by sequence for the two forests as they are; other methods have one row, or the
+        // table would be too long to read.
         let by_part = ForestKind::BOTH.iter().any(|kind| kind.key() == way);
         for (number, (part, answers)) in parts.iter().enumerate() {
             let is_all = number + 1 == parts.len();
             if !is_all && !by_part {
                 continue;
             }
+            // `paper` has `CalibMe` first, the paper's method second.
             let method = usize::from(!way.starts_with("calibme"));
             let beside = paper.get(number).filter(|_| by_part || method == 0);
             stated.push(beside.map_or(Cell::Empty, |stated| stated[method].describe().into()));

@@ -5,6 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::field::{FieldError, FieldModel, YARD_M, builtin};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, rotation};
 
 /// Size of the pictures.
@@ -50,8 +51,19 @@ pub fn base() -> CameraBase {
     CameraBase::new(position_m, base_from_world, SIZE.centre())
 }
 
+/// A soccer field of this length and width, yards, without a crown.
+///
+/// # Errors
+/// The template allows no such size.
+pub fn field_of_yards(sides_yd: [f64; 2]) -> Result<FieldModel, FieldError> {
+    let names = ["length_m", "width_m"].map(str::to_owned);
+    let sides_m = sides_yd.map(|side| side * YARD_M);
+    builtin("soccer")?.model(&names.into_iter().zip(sides_m).collect(), 0.0)
+}
+
 /// A camera pose drawn uniformly from the ranges.
 pub fn random_ptz(rng: &mut Pcg64Mcg) -> Ptz {
+    // Pan, tilt, focal length: another order would draw other cameras from the same seed.
     let mut within = |[from, to]: [f64; 2]| rng.random_range(from..to);
     Ptz::from_degrees(within(PAN_DEG), within(TILT_DEG), within(FOCAL_PX))
 }
@@ -91,7 +103,9 @@ impl Correspondence {
 pub fn correspondences(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Correspondence> {
     let outside = (RAYS as f64 * OUTSIDE) as usize;
     let (mut wanted, mut spare) = (Vec::with_capacity(RAYS), Vec::new());
+    // What is still wanted, by whether the point lies on the field.
     let mut counts = [outside, RAYS - outside];
+    // A limit, because a picture full of the field never shows enough of the outside.
     for _ in 0..20 * RAYS {
         if wanted.len() == RAYS {
             break;
@@ -111,6 +125,7 @@ pub fn correspondences(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Correspond
             spare.push(correspondence);
         }
     }
+    // Too many of one kind are better than fewer rays.
     let missing = RAYS - wanted.len();
     wanted.extend(spare.into_iter().take(missing));
     wanted
@@ -121,6 +136,8 @@ pub fn correspondences(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Correspond
 fn correspondence(camera: &PtzCamera, image: ImagePoint) -> Option<Correspondence> {
     let from = camera.base().position_m;
     let direction = camera.world_direction_from_image(image).ok()?;
+    // The distance to the wall that the ray goes towards, along each axis, in lengths of
+    // `direction`. A ray that is parallel to a wall divides by 0 and is infinitely far from it.
     let to_wall = (0..2)
         .map(|axis| {
             let wall = (HALF_FIELD_M[axis] + AROUND_M).copysign(direction[axis]);
@@ -128,6 +145,7 @@ fn correspondence(camera: &PtzCamera, image: ImagePoint) -> Option<Correspondenc
         })
         .filter(|distance| *distance > 0.0)
         .fold(f64::INFINITY, f64::min);
+    // Rays that do not fall meet no ground.
     let to_ground = if direction.z < 0.0 {
         -from.z / direction.z
     } else {

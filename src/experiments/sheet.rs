@@ -30,6 +30,7 @@ pub fn sheet(
             .filter(|answer| answer.outcome() == outcome)
             .collect();
         for number in 0..EACH.min(all.len()) {
+            // The middles of EACH equal parts of the list.
             let answer = all[(2 * number + 1) * all.len() / (2 * EACH)];
             let known = &sets[answer.repeat].frames[answer.frame];
             let iou = answer.found.and_then(|found| found.iou);

@@ -1,6 +1,7 @@
 //! Means and their confidence intervals.
 
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
+use touchline_core::geometry::quantile;
 
 /// The confidence of intervals.
 pub const CONFIDENCE: f64 = 0.95;
@@ -13,12 +14,27 @@ pub fn mean_sd(values: &[f64]) -> [f64; 2] {
     [mean, (squares / (count - 1.0).max(1.0)).sqrt()]
 }
 
+/// The median of numbers in any order; NaN without any.
+pub fn median_of(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    quantile(&values, 0.5)
+}
+
+/// The least and the greatest of some numbers; ∞ and −∞ without any.
+pub fn range_of(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
+}
+
 /// The confidence interval of a mean from independent values (Student's t), as wide as Bonferroni's
 /// correction for this number of comparisons asks. NaN with a single value.
 pub fn interval_of_mean(values: &[f64], comparisons: usize) -> [f64; 2] {
+    // No or one value leaves no degree of freedom, for which there is no distribution.
     let Ok(student) = StudentsT::new(0.0, 1.0, values.len() as f64 - 1.0) else {
         return [f64::NAN; 2];
     };
+    // Bonferroni: the probability of an error is shared by all comparisons.
     let outside = (1.0 - CONFIDENCE) / comparisons.max(1) as f64;
     let [mean, sd] = mean_sd(values);
     let half = student.inverse_cdf(1.0 - outside / 2.0) * sd / (values.len() as f64).sqrt();

@@ -58,10 +58,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         Axis::linear("Inlier.5, or mean IoU").within(0.0, 1.05),
     );
     let (mut rows, mut rays, mut ways) = (Vec::new(), Vec::new(), Vec::new());
-    for (number, kind) in [ForestKind::Published, ForestKind::Default]
-        .into_iter()
-        .enumerate()
-    {
+    for (number, kind) in ForestKind::PAPER_FIRST.into_iter().enumerate() {
         let measured = measure(sets, kind, gates, &|done, total| {
             progress(number * total + done, 2 * total);
         });
@@ -71,6 +68,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             Line::Dashed
         };
         let points = |of: &dyn Fn(&AtGate) -> f64| {
+            // No gate is drawn at the right end of the axis, not at its number.
             let place = |gate: f32| {
                 if gate < NO_GATE {
                     f64::from(gate)
@@ -105,6 +103,8 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             let way = way(kind.key(), at.gate);
             let tally = Tally::from_answers(at.answers.iter());
             rows.push((Cell::from(way.as_str()), tally, at.all_rays(), at.gate));
+            // The counts are of whole seeds, so that the share of right rays has one value for each
+            // seed, which the claim's interval needs.
             rays.extend(
                 at.rays
                     .iter()
@@ -188,6 +188,7 @@ impl AtGate {
 
 /// The share of predicted rays that are right.
 fn inliers(rays: RayCount) -> f64 {
+    // Without any ray the share is 0.
     rays.right as f64 / rays.rays.max(1) as f64
 }
 
@@ -199,6 +200,8 @@ fn measure(sets: &[FrameSet], kind: ForestKind, gates: &[f32], progress: Progres
         let trained = Trained::train(set, repeat, &kind.training(set.seed));
         for (place, gate) in gates.iter().enumerate() {
             let usual = kind.asking(set.seed);
+            // A forest does not depend on the gate: it is trained once, and each gate is applied to
+            // its predictions.
             let predict = PredictOptions {
                 max_squared_distance: *gate,
                 ..usual.predict
@@ -254,6 +257,8 @@ fn gate_table(rows: &[(Cell, Tally, RayCount, f32)], with_paper: bool) -> Table 
     }
     let [without, with] = TABLE_4;
     let stated = |gate: f32| match gate {
+        // A pattern of constants: the gates are copied from the same constants, so that they
+        // compare exactly.
         NO_GATE => format!("{}, {}", without[0], without[1]).into(),
         PUBLISHED_GATE => format!("{}, {}", with[0], with[1]).into(),
         _ => Cell::Empty,

@@ -32,10 +32,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         &COUNTS
     };
     let mut ways: Vec<(String, Vec<FrameAnswer>)> = Vec::new();
-    for (number, kind) in [ForestKind::Published, ForestKind::Default]
-        .into_iter()
-        .enumerate()
-    {
+    for (number, kind) in ForestKind::PAPER_FIRST.into_iter().enumerate() {
         let answers = measure(sets, kind, counts, &|done, total| {
             progress(number * total + done, 2 * total);
         });
@@ -52,6 +49,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         let named = counts.iter().map(|trees| way(kind.key(), *trees));
         ways.extend(named.zip(answers));
     }
+    // `ways` has all numbers of trees of one forest, then of the other, so that the counts repeat.
     let shown = ways
         .iter()
         .zip(counts.iter().cycle())
@@ -112,6 +110,7 @@ fn claims(report: &mut Report, counts: &[usize]) {
     .test(
         report,
         &on_both(|kind| {
+            // (IoU of most − IoU of enough) − (IoU of enough − IoU of one).
             let gains = mean(mean(start(), 1.0, kind, most), -2.0, kind, ENOUGH_TREES);
             mean(gains, 1.0, kind, 1)
         }),
@@ -161,6 +160,8 @@ fn measure(
             trees: most as u32,
             ..kind.training(set.seed)
         };
+        // Trees are trained independently, so that the first of many are those of a smaller forest
+        // (tested in `forests`).
         let all = Trained::train(set, repeat, &training);
         for (place, trees) in counts.iter().enumerate() {
             answers[place].extend(all.first_trees(*trees).ask_plainly(&kind.asking(set.seed)));

@@ -35,6 +35,8 @@ impl<'py> Numbers<'py> {
             .call_method1(intern!(py, "asarray"), (value,))
             .map_err(|error| not_numbers(name, &error.value(py).to_string()))?;
         let dtype = given.getattr(intern!(py, "dtype"))?;
+        // NumPy makes an array of nearly everything. Texts, dates and objects would fail later,
+        // with a message that does not name the argument.
         let kind: String = dtype.getattr(intern!(py, "kind"))?.extract()?;
         if !NUMBERS.contains(&kind) {
             return Err(not_numbers(name, &format!("dtype {dtype}")));
@@ -45,6 +47,8 @@ impl<'py> Numbers<'py> {
             (given, intern!(py, "f8"), ("C_CONTIGUOUS", "ALIGNED")),
         )?;
         let numbers = numbers.cast_into::<PyArrayDyn<f64>>()?;
+        // The borrow is that of the crate `numpy` and lasts as long as `Self`. It keeps other calls
+        // of this module from writing, not Python.
         let array = numbers.try_readonly().map_err(|_| {
             PyValueError::new_err(format!(
                 "{name}: the array is being written by another call"
@@ -112,6 +116,18 @@ impl<'py> Numbers<'py> {
     pub fn image_points(&self) -> PyResult<Vec<ImagePoint>> {
         let (numbers, length) = self.rows(&[2])?;
         Ok(numbers.chunks_exact(length).map(image_point).collect())
+    }
+
+    /// One point of the picture, px.
+    ///
+    /// # Errors
+    /// Another shape than (2,) or (1, 2), or a number that is not finite.
+    pub fn pixel(&self) -> PyResult<ImagePoint> {
+        self.finite()?;
+        match *self.image_points()? {
+            [point] => Ok(point),
+            _ => Err(self.wrong("(2,)")),
+        }
     }
 
     /// Three numbers.
@@ -195,6 +211,7 @@ pub fn matrix<'py>(py: Python<'py>, matrix: &Mat3) -> PyResult<Bound<'py, PyAny>
 pub fn row_by_row(matrix: &Mat3) -> [f64; 9] {
     let mut rows = [0.0; 9];
     for (index, number) in rows.iter_mut().enumerate() {
+        // nalgebra stores columns, NumPy rows.
         *number = matrix[(index / 3, index % 3)];
     }
     rows
@@ -205,6 +222,7 @@ pub fn row_by_row(matrix: &Mat3) -> [f64; 9] {
 /// # Errors
 /// No such size.
 pub fn image_size((width, height): (i64, i64)) -> PyResult<ImageSize> {
+    // Python's numbers may be negative or larger than a side can be: checked before they are cast.
     if ImageSize::is_side_px(width as f64) && ImageSize::is_side_px(height as f64) {
         return Ok(ImageSize::new(width as u32, height as u32));
     }

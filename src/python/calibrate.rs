@@ -1,7 +1,7 @@
 //! Cameras of whole videos: without a click, from known frames to their neighbours, onto the paint.
 
 use crate::camera::PyCamera;
-use crate::document::PyDocument;
+use crate::document::{PyDocument, video_frame};
 use crate::errors::{Error, NoCamera, failure};
 use crate::field::{PyField, field_or_usual};
 use crate::images::{DecodedFrames, picture};
@@ -22,11 +22,8 @@ use touchline_calibration::pipelines::{
 };
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldError;
-use touchline_core::geometry::ImageSize;
 use touchline_core::progress::{Progress, Share};
-use touchline_documents::document::{
-    Camera, CameraId, Document, FieldSpec, Frame, VideoFrame, document_from_frames,
-};
+use touchline_documents::document::{Camera, CameraId, Document, FieldSpec, document_from_frames};
 use touchline_vision::media::{
     CachedReader, CountProgress, FrameReader, FrameSource, KEPT_BYTES, ReadFrames,
 };
@@ -75,12 +72,14 @@ pub fn calibrate(
             field.template
         )));
     }
+    // Built only to find mistakes in the parameters before the pictures are read.
     field.model(Path::new("")).map_err(failure)?;
     let options = MatchOptions {
         sampled_frames: look_at,
         label_the_rest: !found_only,
     };
     let folder = std::path::absolute(".")?;
+    // Texts and paths are sequences in Python, too, so that a path is tried first.
     let (mut document, decoded) = if let Ok(path) = frames.extract::<PathBuf>() {
         let made = progress::run(py, progress, |steps| {
             document_of_path(&path, &folder, field, steps)
@@ -96,11 +95,14 @@ pub fn calibrate(
     let Some(camera) = document.cameras.first().map(|camera| camera.id.clone()) else {
         return Err(Error::new_err("not one image can be read"));
     };
+    // The reader moves into the work; what it raised is read after it.
     let raised = decoded.as_ref().map(|decoded| Arc::clone(&decoded.raised));
     let (labels, document) = progress::run(py, progress, |steps| {
         let labels = label(&mut document, &folder, &camera, decoded, &options, steps);
         (labels, document)
     })?;
+    // An exception of the caller's sequence ends the work by a cancellation. It says more than the
+    // result of the cancelled work.
     if let Some(raised) = raised {
         raised.raise()?;
     }
@@ -122,12 +124,16 @@ fn label(
 ) -> Result<MatchLabels, LabelMatchError> {
     let raised = decoded.as_ref().map(|decoded| Arc::clone(&decoded.raised));
     let events = Progress::new(|event| {
+        // A frame that cannot be read is only left out by the library. Here all others would fail
+        // alike.
         if raised.as_ref().is_some_and(|raised| raised.is_some()) {
             return ControlFlow::Break(());
         }
         show_match(steps, &event)
     });
     let mut reader: Box<dyn ReadFrames> = match decoded {
+        // Pictures of files stay in memory for the steps that read them again. Whether those of a
+        // sequence do is the caller's choice.
         Some(decoded) => Box::new(decoded),
         None => Box::new(CachedReader::new(FrameReader::new(), KEPT_BYTES)),
     };
@@ -141,6 +147,7 @@ fn document_of_path(
     field: FieldSpec,
     steps: &Steps,
 ) -> Result<Document, String> {
+    // Counting the frames of a video states no total, so that only a cancellation is passed on.
     let counting = Progress::new(|_: CountProgress| steps.check());
     let source =
         FrameSource::open_with_progress(path, &counting).map_err(|error| error.to_string())?;
@@ -168,6 +175,7 @@ fn document_of_sequence(
     if count == 0 {
         return Err(Error::new_err("frames: there is no picture"));
     }
+    // The first frame is decoded for its size, and so that a wrong sequence fails at once.
     let size = decoded.frame(frames.py(), 0)?.size();
     let camera = Camera::new(CameraId::from("main"), size);
     let mut document = Document::new(field);
@@ -175,15 +183,6 @@ fn document_of_sequence(
     document.frames.extend(frames);
     document.cameras.push(camera.into());
     Ok(document)
-}
-
-/// A frame of a video by its index.
-fn video_frame(name: &str, index: usize, camera: &CameraId, size: ImageSize) -> Frame {
-    Frame::from_video(
-        VideoFrame::new(name, index as u64, None),
-        camera.clone(),
-        size,
-    )
 }
 
 /// Shows an event of labelling a match as the share of its step.
@@ -201,6 +200,7 @@ fn show_match(steps: &Steps, event: &MatchEvent) -> ControlFlow<()> {
             steps.note(format!("{frame}: {error}"));
             steps.check()
         }
+        // Other events have no share to show, but they are places where the work can stop.
         _ => steps.check(),
     }
 }
@@ -256,13 +256,16 @@ pub fn track(
         clip,
         ..TrackingOptions::default()
     };
-    let (mut tracked, folder) = document.borrow().copy();
+    // The work changes a copy, and the document gets it at the end: an exception or Ctrl-C leaves
+    // the document as it was. Python may read the document meanwhile, from another thread or the
+    // caller's function, but must not at the moment of the exchange: `try_borrow_mut` then raises.
+    let (mut tracked, folder) = document.try_borrow()?.copy();
     let found = progress::run(document.py(), progress, |steps| {
         let report = track_all(&mut tracked, &folder, within.as_ref(), &options, steps);
         report.map(|report| (tracked, report))
     })?;
     let (tracked, report) = found.map_err(failure)?;
-    document.borrow_mut().document = tracked;
+    document.try_borrow_mut()?.document = tracked;
     Ok(report)
 }
 
@@ -296,6 +299,8 @@ fn track_all(
     drop(events);
     Ok(Report {
         solved: found.tracked,
+        // Each frame is of one clip, so that it is counted once at most. Frames that tracking
+        // missed are left as they are, and the library names no reason for each.
         passed: document.frames.len() - found.tracked,
         notes: notes.into_inner().unwrap_or_else(PoisonError::into_inner),
         ..Report::default()
@@ -326,6 +331,7 @@ pub fn snap(
         camera: start,
         image_size,
     } = camera.get();
+    // The focal length is in px of the camera's pictures. On another size it would be wrong.
     if picture.size() != *image_size {
         let (is, wanted) = (picture.size(), image_size);
         return Err(PyValueError::new_err(format!(
@@ -338,6 +344,7 @@ pub fn snap(
         ..SnapOptions::default()
     };
     let on_paint = progress::run(image.py(), None, |_| {
+        // No masks: a single picture comes without a document.
         let ground = GroundPicture::new(&picture, &[]);
         touchline_vision::paint::snap(&ground, &field, start.base(), start.ptz(), &[], &options)
     })?;

@@ -55,11 +55,7 @@ impl PyBase {
             None => BaseAngles::default().base_from_world(),
         };
         let principal_point = match principal_point_px {
-            Some(given) => {
-                let given = Numbers::read(given, "principal_point_px")?;
-                given.finite()?;
-                given.image_points()?.first().copied().unwrap_or_default()
-            }
+            Some(given) => Numbers::read(given, "principal_point_px")?.pixel()?,
             None => image_size.centre(),
         };
         let base = CameraBase {
@@ -133,6 +129,8 @@ impl PyBase {
 fn rotation(given: &Numbers<'_>) -> PyResult<Mat3> {
     let stated = given.matrix()?;
     let distance = distance_from_rotation(&stated);
+    // Matrices that were printed with few digits are accepted, and made exact, because projection
+    // and its derivatives suppose a rotation.
     if distance <= ROTATION_TOLERANCE {
         return Ok(nearest_rotation(&stated));
     }
@@ -247,6 +245,8 @@ pub fn project<'py>(
     camera: &Bound<'py, PyCamera>,
     points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    // The class is frozen, so that the camera can be read without a borrow; it is copied for the
+    // threads.
     let camera = camera.get().camera;
     let points = Numbers::read(points, "points")?;
     let (numbers, length) = points.rows(&[3, 2])?;
@@ -297,12 +297,17 @@ fn map_rows(
     [length, length_out]: [usize; 2],
     map: impl Fn(&[f64], &mut [f64]) + Send + Sync,
 ) -> PyResult<Vec<f64>> {
+    // Few rows are done at once: starting threads costs more than they save
+    // (tests/benches/python.md, `project` of 100 and of a million points). The interpreter's lock
+    // stays then, too.
     let mut out = vec![0.0; numbers.len() / length * length_out];
     if numbers.len() <= POINTS_AT_ONCE * length {
         map_each(numbers, &mut out, [length, length_out], &map);
         return Ok(out);
     }
     let pool = threads()?;
+    // A piece of the input and one of the output have the same number of rows, so that the two
+    // lists of pieces run in step.
     let pieces = numbers.par_chunks(POINTS_AT_ONCE * length);
     let pieces_out = out.par_chunks_mut(POINTS_AT_ONCE * length_out);
     let pieces = pieces.zip(pieces_out);
@@ -356,6 +361,8 @@ pub fn homography<'py>(
 /// K (r₁ r₂ −R C).
 pub fn image_from_ground(camera: &PtzCamera) -> Mat3 {
     let rotation = camera.cam_from_world();
+    // Points of the plane z = 0 need no third column of R; −R C takes its place (Hartley and
+    // Zisserman, "Multiple View Geometry", the camera matrix of a world plane).
     let mut ground = rotation;
     ground.set_column(2, &-(rotation * camera.base().position_m));
     pinhole(camera) * ground

@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 use touchline_calibration::proposals::read_picture;
-use touchline_core::geometry::PixelBox;
+use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_documents::document::{
     Camera, CameraId, Click, Document, Frame, FrameId, FrameStatus, MAX_CLICKS, RejectReason,
-    Target, document_from_bytes, document_to_string,
+    Target, VideoFrame, document_from_bytes, document_to_string,
 };
 use touchline_documents::store::{self, Location, StoreError};
 
@@ -51,22 +51,34 @@ fn file_state(path: &Path) -> Option<FileState> {
 #[pyfunction]
 pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyDocument> {
     let read = progress::run(py, None, move |steps| read(&path, steps))?;
-    let (location, document) = read.map_err(failure)?;
+    let (location, document, file_state) = read.map_err(failure)?;
     let file = Some(location.file().to_path_buf());
-    Ok(PyDocument::new(
-        document,
-        location.folder().to_path_buf(),
-        file,
-    ))
+    Ok(PyDocument {
+        file_state,
+        ..PyDocument::new(document, location.folder().to_path_buf(), file)
+    })
 }
 
-/// Reads a document, and notes what was recovered from its journal.
-fn read(path: &Path, steps: &Steps) -> Result<(Location, Document), StoreError> {
+/// Reads a document, and notes what was recovered from its journal. Returns its file's state as
+/// well.
+fn read(path: &Path, steps: &Steps) -> Result<(Location, Document, Option<FileState>), StoreError> {
+    // The state is that from before the file is read: if another program writes the file in
+    // between, `save` notices it.
+    let state = file_state(Location::find(path)?.file());
     let (location, document, recovery) = store::read(path)?;
     if let Some(message) = recovery.message() {
         steps.note(message);
     }
-    Ok((location, document))
+    Ok((location, document, state))
+}
+
+/// A frame of a video by its index.
+pub fn video_frame(name: &str, index: usize, camera: &CameraId, size: ImageSize) -> Frame {
+    Frame::from_video(
+        VideoFrame::new(name, index as u64, None),
+        camera.clone(),
+        size,
+    )
 }
 
 impl PyDocument {
@@ -90,6 +102,7 @@ impl PyDocument {
 
     /// The position of the frame that Python names: by its position or its id.
     pub fn position(&self, frame: &Bound<'_, PyAny>) -> PyResult<usize> {
+        // Positions first: an id is a text, which is never extracted as a number.
         if let Ok(index) = frame.extract::<isize>() {
             return position(&self.document.frames, index);
         }
@@ -126,6 +139,8 @@ impl PyDocument {
     /// Writes the document to `path`; paths in it are rewritten for there. A document of no file
     /// then belongs to that one.
     fn write(&mut self, path: &Path, overwrite: bool) -> PyResult<()> {
+        // Frames that differ from the last saved state count as edited once. The copy with these
+        // counts becomes the document's state only after it is written.
         let location = Location::for_new_document(path).map_err(failure)?;
         let mut document = self.document.clone();
         document.count_edits_since(&self.before);
@@ -137,11 +152,14 @@ impl PyDocument {
             )));
         }
         store::write_document(&location, &written, overwrite).map_err(failure)?;
+        // A document of no file moves to the first one. A copy elsewhere changes neither place nor
+        // paths.
         if self.file.is_none() {
             self.file = Some(location.file().to_path_buf());
             self.folder = location.folder().to_path_buf();
             document = written;
         }
+        // A copy elsewhere says nothing of the document's own file.
         if self.file.as_deref() == Some(location.file()) {
             self.file_state = file_state(location.file());
         }
@@ -193,6 +211,8 @@ impl PyDocument {
                 "path: the document was not read from a file; say where to save it",
             ));
         };
+        // Size and time of modification are compared, not the content: reading it again would take
+        // as long as loading it.
         if !overwrite && path.exists() && file_state(&path) != self.file_state {
             return Err(failure(StoreError::ChangedOutside { path }));
         }
@@ -260,6 +280,7 @@ impl PyDocument {
     ) -> PyResult<Bound<'py, PyAny>> {
         let frame = self.frame(frame)?;
         let picture = progress::run(py, None, |_| {
+            // The video stays open between calls, so that frames in order are read without seeking.
             let mut reader = self.reader.lock().unwrap_or_else(PoisonError::into_inner);
             read_picture(&mut *reader, frame, &self.folder)
         })?;
@@ -271,6 +292,7 @@ impl PyDocument {
     fn set_clicks(&mut self, frame: &Bound<'_, PyAny>, clicks: &Bound<'_, PyAny>) -> PyResult<()> {
         let index = self.position(frame)?;
         let clicks: Vec<Click> = json::from_python(clicks, "clicks")?;
+        // All clicks are checked before the first is set.
         self.check_clicks(&self.document.frames[index], &clicks)?;
         self.document.frames[index].clicks = clicks;
         Ok(())
@@ -341,7 +363,7 @@ impl PyDocument {
 }
 
 impl PyDocument {
-    /// Refuses clicks outside the picture, and names that the field lacks.
+    /// Refuses more clicks than a frame may have, and names that the field lacks.
     fn check_clicks(&self, frame: &Frame, clicks: &[Click]) -> PyResult<()> {
         if clicks.len() > MAX_CLICKS {
             return Err(PyValueError::new_err(format!(
@@ -374,6 +396,7 @@ pub fn unknown_name(target: &Target, template: &str) -> PyErr {
 
 /// A mask from its numbers.
 fn mask([x, y, width, height]: [f64; 4]) -> PyResult<PixelBox> {
+    // NaN fails the comparison as well; infinite numbers are refused by `json::from_python`.
     if width > 0.0 && height > 0.0 {
         return Ok(PixelBox {
             x,

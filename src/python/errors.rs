@@ -43,6 +43,7 @@ pub fn without_panic<T>(work: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
 
 /// The exception for a panic.
 pub fn internal(panic: &(dyn Any + Send)) -> PyErr {
+    // One line, as every error of the command line.
     let message = panic_message(panic).replace('\n', " ");
     PyRuntimeError::new_err(format!("internal error (please report it): {message}"))
 }

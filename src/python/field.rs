@@ -122,6 +122,8 @@ impl PyField {
                 "the field {template} has no line {name:?}; lines lists them"
             )));
         };
+        // At least the two ends. A step of 0 gives infinitely many pieces, one that is negative or
+        // NaN fails the comparison below.
         let pieces = (line.curve.length_m() / step_m).ceil().max(1.0);
         if !(step_m > 0.0 && pieces <= MAX_POINTS) {
             return Err(PyValueError::new_err(format!(
@@ -131,6 +133,7 @@ impl PyField {
         let count = pieces as usize;
         let points: Vec<Vec3> = (0..=count)
             .map(|index| {
+                // Along the flat field first; the crown then lifts the point.
                 let nominal = line.curve.point_at(index as f64 / pieces);
                 self.model.world_from_nominal(nominal)
             })

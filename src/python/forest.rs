@@ -1,7 +1,7 @@
 //! The pan-tilt forest: cameras of pictures without clicks.
 
 use crate::camera::PyCamera;
-use crate::document::PyDocument;
+use crate::document::{PyDocument, video_frame};
 use crate::errors::{Error, exists, failure};
 use crate::images::{OnePicture, picture};
 use crate::progress::{self, Steps};
@@ -18,9 +18,7 @@ use touchline_calibration::proposals::{
 use touchline_core::files::{read_named, refuse_part_of_project};
 use touchline_core::geometry::Mat3;
 use touchline_core::progress::{Progress, Share};
-use touchline_documents::document::{
-    Camera, CameraId, Document, Frame, VideoFrame, document_from_bytes,
-};
+use touchline_documents::document::{Camera, Document, document_from_bytes};
 use touchline_documents::store::{write_new, write_output};
 use touchline_vision::media::{FrameReader, Picture};
 use touchline_vision::relocalize::{
@@ -114,7 +112,8 @@ impl PyForest {
             },
             ..LearnOptions::default()
         };
-        let (given, folder) = document.borrow().copy();
+        let (given, folder) = document.try_borrow()?.copy();
+        // Checked before the work begins, as the command line does.
         let references = TrainingFrames::from_document(&given, all_references).frames;
         if references.is_empty() {
             return Err(Error::new_err(
@@ -131,6 +130,7 @@ impl PyForest {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let place = path.display().to_string();
+        // Reading and decoding each run beside the interpreter: a forest may have gigabytes.
         let bytes = progress::run(py, None, move |_| read_named(&path, MAX_FOREST_BYTES))?;
         let bytes = bytes.map_err(|error| failure(format_args!("cannot read {place}: {error}")))?;
         let model = progress::run(py, None, |_| ForestModel::from_bytes(&bytes))?;
@@ -213,8 +213,12 @@ impl PyForest {
                 ..RelocalizeOptions::default()
             },
         };
+        // The picture becomes a frame of the document that the forest was trained on, with its
+        // field and cameras, so that the answer is that of the command line.
         let mut document = self.trained_on.clone();
-        document.frames.push(one_frame(&camera.id, &picture).into());
+        // A frame of a video is read by its index alone, so that the picture needs no file.
+        let frame = video_frame("image", 0, &camera.id, picture.size());
+        document.frames.push(frame.into());
         progress::run(image.py(), None, |_| {
             answer(document, picture, &request, snap)
         })?
@@ -224,15 +228,6 @@ impl PyForest {
     fn __repr__(&self) -> String {
         format!("<touchline.Forest of {} cameras>", self.model.cameras.len())
     }
-}
-
-/// A frame whose picture is read from memory, as frames of a video are.
-fn one_frame(camera: &CameraId, picture: &Picture) -> Frame {
-    Frame::from_video(
-        VideoFrame::new("image", 0, None),
-        camera.clone(),
-        picture.size(),
-    )
 }
 
 /// Trains a forest; where it is measured, its stated probabilities are bounded by the answers.
@@ -257,6 +252,7 @@ fn train(
         references,
         &steps.count(references.len()),
     );
+    // Only a cancelled study gives nothing; `progress::run` then raises what cancelled it.
     let studied = studied.ok_or_else(stop_error)?;
     if studied
         .training_samples
@@ -273,6 +269,7 @@ fn train(
     }
     let training = Progress::new(|at: TrainProgress| steps.report(at.placed, at.total));
     let mut model = learn(document, &studied, options, &training).map_err(|error| match error {
+        // The same for the training.
         LearnError::Stopped(Stopped::Cancelled) => stop_error(),
         error => failure(error),
     })?;
@@ -287,6 +284,7 @@ fn train(
             &relocalizing,
             &measuring,
         );
+        // Too few references to leave some out: the stated probabilities stay as they are.
         if let Some(quality) = quality {
             quality.bound(document, &mut model);
         }
@@ -350,6 +348,7 @@ fn answer(
     request: &ForestRequest<'_>,
     snap: bool,
 ) -> Result<Answer, String> {
+    // `relocalize` has appended a frame, so that there is one.
     let last = document.frames.len() - 1;
     let store = FeatureStore::in_memory();
     let files = PictureFiles {
@@ -373,6 +372,7 @@ fn answer(
         .and_then(|proposal| proposal.outcome.as_ref().err());
     let frame = &document.frames[last];
     let solved = document.ptz_camera(frame).zip(frame.solution.as_ref());
+    // A frame with a reason got no camera, whatever the document states.
     let (Some((camera, solution)), None) = (solved, reason) else {
         let reason = reason.map_or_else(|| "no camera was found".to_owned(), ToString::to_string);
         return Ok(Answer {
@@ -386,6 +386,7 @@ fn answer(
         PyCamera::new(&camera, frame.image_size),
         solution
             .covariance
+            // NaN says that nothing is stated; zeros would say that the camera is exact.
             .unwrap_or_else(|| Mat3::repeat(f64::NAN)),
         solution.rms_px.unwrap_or(f64::NAN),
         solution.worst_corner_sigma_px.unwrap_or(f64::NAN),

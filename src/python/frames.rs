@@ -39,6 +39,9 @@ impl PyFrames {
         row: impl Fn(&Document, &Frame) -> [f64; N] + Send + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         let document = &self.document;
+        // On the module's own threads: rayon's global ones do not exist in a process that was
+        // forked. The lock of the interpreter is released, for documents are never changed in
+        // place.
         let pool = threads()?;
         let compute = || pool.install(|| column(document, row));
         let numbers = without_panic(|| Ok(py.detach(compute)))?;
@@ -84,6 +87,7 @@ fn texts<'a, 'py>(
     py: Python<'py>,
     texts: impl Iterator<Item = &'a str>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    // NumPy finds the length of the longest text; `U` also makes an empty array one of texts.
     let texts = PyList::new(py, texts.collect::<Vec<_>>())?;
     let options = PyDict::new(py);
     options.set_item(intern!(py, "dtype"), intern!(py, "U"))?;
@@ -202,6 +206,8 @@ impl PyFrames {
     fn dist<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.column(py, [self.__len__(), 5], |document, frame| {
             camera_numbers(document, frame, |camera| {
+                // OpenCV's order is k1, k2, p1, p2, k3. The model has no tangential terms and none
+                // of the sixth order.
                 [camera.lens().k1, camera.lens().k2, 0.0, 0.0, 0.0]
             })
         })
@@ -281,6 +287,8 @@ impl PyFrames {
             .flat_map(|(_, click)| [click.image.x, click.image.y])
             .collect();
         let checks: Vec<bool> = clicks().map(|(_, click)| click.check).collect();
+        // Each column walks the clicks anew, which costs less than rows that NumPy would have to
+        // split.
         let count = indices.len();
         let columns = PyDict::new(py);
         columns.set_item("frame", array(py, [count], indices)?)?;
@@ -321,6 +329,7 @@ impl PyFrames {
 /// A position counted as Python does, from the end where it is negative.
 pub fn position(frames: &Frames, index: isize) -> PyResult<usize> {
     let count = frames.len();
+    // Python counts −1 as the last. A number beyond either end is out of range below.
     let from_start = if index < 0 {
         index + count as isize
     } else {

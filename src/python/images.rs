@@ -33,6 +33,8 @@ pub fn picture(image: &Bound<'_, PyAny>, bgr: bool) -> PyResult<Picture> {
     let bytes = bytes
         .cast_into::<PyArrayDyn<u8>>()
         .map_err(|_| wrong_image(&found))?;
+    // OpenCV's arrays of grey pictures have two dimensions, those with alpha four channels:
+    // refused, for a guess would take wrong colours.
     let &[height, width, RGB] = bytes.shape() else {
         return Err(wrong_image(&found));
     };
@@ -43,6 +45,7 @@ pub fn picture(image: &Bound<'_, PyAny>, bgr: bool) -> PyResult<Picture> {
     let bytes = bytes
         .as_slice()
         .map_err(|_| wrong_image("an array that is not contiguous"))?;
+    // The array is read without the interpreter's lock, under pyo3's own lock against writing.
     let rgba = py.detach(|| with_alpha(bytes, bgr));
     Picture::new(size, rgba).map_err(|error| PyValueError::new_err(error.to_string()))
 }
@@ -110,6 +113,7 @@ impl Raised {
     /// Keeps an exception, unless there is one.
     fn keep(&self, error: PyErr) {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // The first exception is the cause; later ones may follow from it.
         kept.get_or_insert(error);
     }
 
@@ -160,8 +164,10 @@ impl ReadFrames for DecodedFrames {
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
         let index = match frame {
             FrameRef::Video { index, .. } => *index,
+            // A document of a sequence has frames of a video alone (`document_of_sequence`).
             FrameRef::Image(_) => 0,
         };
+        // The work runs on another thread and takes the interpreter's lock for this frame alone.
         let read = Python::attach(|py| self.frame(py, index));
         read.map_err(|error| {
             let reason = error.to_string();
@@ -194,6 +200,8 @@ impl ReadFrames for KeptVideo {
             FrameRef::Image(path) => return load_image(path),
             FrameRef::Video { path, index } => (path, *index),
         };
+        // Another video takes the place of the one that is open. A failure leaves none open, so
+        // that a decoder in an unknown state is not used again.
         let kept = self.0.take().filter(|video| video.info().path == *path);
         let video = match kept {
             Some(video) => video,

@@ -14,6 +14,7 @@ use serde::de::DeserializeOwned;
 pub fn to_python<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text =
         serde_json::to_string(value).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    // Through text, so that keys and numbers are those of the file.
     py.import(intern!(py, "json"))?
         .call_method1(intern!(py, "loads"), (text,))
 }
@@ -26,6 +27,8 @@ pub fn to_python<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound
 pub fn from_python<T: DeserializeOwned>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<T> {
     let py = value.py();
     let options = PyDict::new(py);
+    // JSON has no NaN, but Python writes one. NumPy's arrays and numbers have `tolist`, which
+    // `json` calls for what it does not know.
     options.set_item(intern!(py, "allow_nan"), false)?;
     let to_list = py
         .import(intern!(py, "operator"))?

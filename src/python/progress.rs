@@ -36,6 +36,8 @@ struct State {
 impl Steps {
     /// Reports a step. A break means that the function must return early.
     pub fn report(&self, done: usize, of: usize) -> ControlFlow<()> {
+        // A step that was not shown yet is replaced: the caller's function may be slower than the
+        // work.
         self.state().step = Some(Share { done, of });
         self.changed.notify_one();
         self.check()
@@ -78,6 +80,8 @@ impl Steps {
         loop {
             let state = {
                 let state = self.state();
+                // Checked under the lock, so that a step between the check and the wait is not
+                // missed. The wait ends by itself, because Ctrl-C wakes no condition variable.
                 let unchanged = state.step.is_none() && !state.is_finished;
                 let mut state = if unchanged {
                     let waited = self.changed.wait_timeout(state, SIGNALS);
@@ -90,6 +94,9 @@ impl Steps {
                     ..*state
                 }
             };
+            // The interpreter's lock is taken only here, while the mutex is free: the work reports
+            // steps under that mutex and would wait for Python otherwise. After an exception the
+            // work runs to its next check, and no function is called any more.
             if outcome.is_ok() {
                 outcome = Python::attach(|py| show(py, callback, state.step));
             }
@@ -158,6 +165,8 @@ pub fn run<T: Send>(
     let attended = py.detach(|| {
         pool.in_place_scope(|scope| {
             scope.spawn(|_| {
+                // A panic must not pass through the scope: it becomes an exception on the caller's
+                // thread.
                 let made = catch_unwind(AssertUnwindSafe(|| work(&steps)));
                 *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(made);
                 steps.finish();
@@ -170,6 +179,8 @@ pub fn run<T: Send>(
     match result.into_inner().unwrap_or_else(PoisonError::into_inner) {
         Some(Ok(made)) => Ok(made),
         Some(Err(panic)) => Err(internal(panic.as_ref())),
+        // The scope has ended, so that the work has stored its result. This line is reached only by
+        // a fault of this file.
         None => Err(internal(&"the work did not begin")),
     }
 }
@@ -177,6 +188,7 @@ pub fn run<T: Send>(
 /// Hands notes to Python's `warnings`.
 fn warn(py: Python<'_>, notes: Mutex<Vec<String>>) -> PyResult<()> {
     for note in notes.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        // Python takes warnings as C strings, and a file's name is in many of them.
         let note = CString::new(note.replace('\0', " "))?;
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &note, 1)?;
     }

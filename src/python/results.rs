@@ -52,6 +52,7 @@ impl PySolution {
     /// where it has no image.
     #[getter]
     fn residuals_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        // NumPy takes the memory over, so that each access gets an array of its own.
         let numbers = self.residuals_px.as_flattened().to_vec();
         Ok(array(py, [self.residuals_px.len(), 2], numbers)?.into_any())
     }

@@ -51,6 +51,7 @@ pub fn jac(
     let mut annotated = Vec::new();
     for (name, points) in lines {
         let name: String = name.extract()?;
+        // A name that the field lacks would only lower the score, as a line that is not found.
         let Some(line) = field.lines.iter().position(|line| line.id.as_str() == name) else {
             let template = &field.template;
             return Err(PyValueError::new_err(format!(

@@ -34,6 +34,7 @@ pub fn two_point(
     pixels.finite()?;
     let points = Numbers::read(points, "points")?;
     points.finite()?;
+    // A single row is one point, so that the numbers of points are checked, not the shapes.
     let (&[a, b], &[at_a, at_b]) = (&*pixels.image_points()?, &*points.world_points()?) else {
         return Err(PyValueError::new_err(
             "pixels, points: two of each are needed",
@@ -61,6 +62,7 @@ pub fn solve_frame(
 ) -> PyResult<PySolution> {
     let clicks: Vec<Click> = json::from_python(clicks, "clicks")?;
     let field = field_or_usual(field)?;
+    // The clicks of a frame are read as those of a document, names and held-out clicks included.
     let frame = Frame {
         clicks,
         ..Frame::from_image("", CameraId::from("main"), base.image_size)
@@ -101,14 +103,14 @@ pub fn solve(
     document: &Bound<'_, PyDocument>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Report> {
-    let (mut solved, folder) = document.borrow().copy();
+    let (mut solved, folder) = document.try_borrow()?.copy();
     let (outcomes, solved) = progress::run(document.py(), progress, |steps| {
         let all = solved.frames.len();
         let outcomes = solve_document(&mut solved, &folder, &steps.count(all));
         (outcomes, solved)
     })?;
     let report = report(&solved, &outcomes.map_err(failure)?);
-    document.borrow_mut().document = solved;
+    document.try_borrow_mut()?.document = solved;
     Ok(report)
 }
 
@@ -119,6 +121,7 @@ fn report(document: &Document, outcomes: &[SolveOutcome]) -> Report {
         match outcome {
             SolveOutcome::Solved => report.solved += 1,
             SolveOutcome::Failed(error) => report.fail(frame, error),
+            // Too few clicks: the frame is left as it is, which is no failure.
             _ => report.passed += 1,
         }
     }
@@ -161,12 +164,12 @@ pub fn estimate_base(
         principal_point,
         ..BaseOptions::default()
     };
-    let (mut solved, folder) = document.borrow().copy();
+    let (mut solved, folder) = document.try_borrow()?.copy();
     let estimated = progress::run(document.py(), progress, |steps| {
         estimate_all(&mut solved, &folder, &options, steps).map(|report| (solved, report))
     })?;
     let (solved, report) = estimated.map_err(failure)?;
-    document.borrow_mut().document = solved;
+    document.try_borrow_mut()?.document = solved;
     Ok(report)
 }
 
@@ -177,6 +180,7 @@ fn estimate_all(
     options: &BaseOptions,
     steps: &Steps,
 ) -> Result<Report, String> {
+    // Every camera is estimated from the document as it was, so that their order does not matter.
     let before = document.clone();
     let adjusting = Progress::new(|at: BaseProgress| steps.report(at.done, at.total));
 
@@ -189,6 +193,7 @@ fn estimate_all(
             Err(error) => errors.push(format!("camera {:?}: {error}", camera.id.as_str())),
         }
     }
+    // Checked here, for the loop above is empty then, too, and its error would be an empty text.
     if before.cameras.is_empty() {
         return Err("the document has no camera".to_owned());
     }
@@ -199,6 +204,7 @@ fn estimate_all(
     for estimate in &estimates {
         estimate.write_camera(document);
     }
+    // Progress begins again: the steps of the estimates count iterations, these count frames.
     let counting = steps.count(document.frames.len());
     let outcomes =
         solve_document(document, folder, &counting).map_err(|error| error.to_string())?;

@@ -74,7 +74,9 @@ impl Bar<'_> {
             };
             painter.rect_filled(rect, CornerRadius::same(4), ground);
         }
-        // From right to left: the number, the bar, and the name in the rest.
+        // From right to left: the number, the bar, and the name in the rest. Number and bar have
+        // fixed widths, so that the bars of all rows of a list begin at one place and can be
+        // compared; a long name ends in an ellipsis.
         let right = rect.right() - self.tail - 2.0;
         let number = pos2(right, rect.center().y);
         painter.text(

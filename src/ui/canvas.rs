@@ -31,6 +31,7 @@ fn installed_id() -> Id {
 
 /// Draws layers into `rect`, which is in points and must lie on whole physical px.
 pub fn paint(painter: &Painter, id: CanvasId, rect: Rect, view: View, layers: Vec<Layer>) {
+    // A painter does not know the window's wgpu state, so `install` leaves a mark in egui's memory.
     if painter
         .ctx()
         .data(|data| data.get_temp::<bool>(installed_id()))
@@ -74,6 +75,8 @@ struct Canvas {
     layers: Vec<Layer>,
 }
 
+/// egui calls `prepare` of every canvas before the render pass begins, and `paint` within it, in
+/// the order of drawing. The renderer keeps what it uploaded under the canvas's id in between.
 impl CallbackTrait for Canvas {
     fn prepare(
         &self,
@@ -95,6 +98,7 @@ impl CallbackTrait for Canvas {
                 &self.layers,
             );
         }
+        // The renderer records into egui's encoder and has no command buffers of its own.
         Vec::new()
     }
 

@@ -95,6 +95,7 @@ impl<'a> CoverageMap<'a> {
         if !(0.0..1.0).contains(&share.x) || !(0.0..1.0).contains(&share.y) {
             return None;
         }
+        // A share just below 1 may be rounded up to the number of rows; such an index has no cell.
         let (columns, rows) = self.columns_and_rows();
         let cell = (share.y * rows as f32) as usize * columns + (share.x * columns as f32) as usize;
         let Coverage { pan, tilt_deg, .. } = self.coverage;
@@ -120,7 +121,7 @@ impl<'a> CoverageMap<'a> {
             place(self.coverage, self.rect, share, ray.tilt.degrees())
         });
         let points: Vec<Pos2> = points.collect();
-        // A corner without a direction: no outline.
+        // A corner beyond the largest radius of the lens model has no direction: no outline.
         if points.len() == 4 {
             self.painter.add(Shape::closed_line(
                 points,
@@ -148,6 +149,7 @@ impl<'a> CoverageMap<'a> {
     /// Draws a small square in each cell that another set of frames sees; more frames make a larger
     /// one.
     pub fn dots(&self, others: &Coverage, colour: Color32) {
+        // Both sets have the same grid, because they are of one camera and field.
         for (index, cell) in others
             .cells
             .iter()
@@ -203,6 +205,7 @@ pub fn coverage_colour(palette: &Palette, references: u32) -> Color32 {
 
 /// Where a share of the map's width, 0 to 1, and a tilt, degrees, are on the screen.
 fn place(coverage: &Coverage, rect: Rect, share: f64, tilt_deg: f64) -> Pos2 {
+    // Tilt decreases downwards.
     let tilts = &coverage.tilt_deg;
     let down = (tilts.end() - tilt_deg) / (tilts.end() - tilts.start());
     pos2(

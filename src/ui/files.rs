@@ -50,6 +50,7 @@ impl Files {
         if self.open.is_some() {
             return;
         }
+        // `near` is borrowed, so the dialog is built here and only shown on its thread.
         let dialog = dialog(question, near);
         match Background::spawn("file dialog", self.wake.clone(), move |_| {
             ask_and_time(|| pick(question, dialog))
@@ -111,6 +112,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         Some(near) => dialog.set_directory(near),
         None => dialog,
     };
+    // Labels of other programs have any extension, so an import has no filter.
     match question {
         Question::Project | Question::CameraFrom | Question::CompareWith => {
             dialog.add_filter("Projects and datasets", &["json"])

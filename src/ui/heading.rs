@@ -34,6 +34,8 @@ impl Heading<'_> {
                     let title = RichText::new(self.title).heading();
                     ui.label(title.color(ui.palette().strong));
                     beside(panel, ui);
+                    // From right to left, so that the close button keeps its place whatever
+                    // `at_end` adds.
                     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                         let name = format!("Close the {}", self.closes);
                         let weak = ui.palette().weak;

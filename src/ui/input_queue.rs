@@ -32,10 +32,14 @@ impl ReceivedInput {
     /// Accepts an event, or refuses it because it must wait for the next frame. The first refusal
     /// ends the frame.
     fn accepts(&mut self, event: &Event) -> bool {
+        // A refusal may change the fields as well. That does no harm, because no event of this
+        // frame is accepted after it.
         match event {
             // The modifiers must be those at the time of the key stroke or button press.
             Event::ModifiersChanged(_) => self.stroke.is_none() && !self.button,
             Event::WindowFocused(_) => true,
+            // A key that went down in this frame goes up in the next one. Otherwise egui would
+            // never see it down.
             Event::Key {
                 pressed: false,
                 key,
@@ -47,6 +51,8 @@ impl ReceivedInput {
                 true
             }
             Event::Key { key, .. } => self.accepts_stroke(Some(*key)),
+            // A text that no key of this frame has typed, for example from an input method, is a
+            // stroke of its own.
             Event::Text(_)
             | Event::Ime(_)
             | Event::Copy
@@ -60,6 +66,7 @@ impl ReceivedInput {
                 (self.pointer, self.button) = (true, true);
                 free
             }
+            // Movements, wheel and touch may pile up before a stroke, but none passes one.
             _ => {
                 self.pointer = true;
                 self.stroke.is_none()
@@ -99,6 +106,7 @@ impl InputQueue {
             }
             self.waiting.push_back(event);
         }
+        // Whatever still waits, the order stays: the first event that has to wait ends the frame.
         let mut given = ReceivedInput::default();
         let count = self
             .waiting
@@ -123,6 +131,8 @@ impl InputQueue {
         else {
             return event;
         };
+        // A repetition keeps the first press. A key without a known press went down in another
+        // window, so its own name is all there is.
         let known = self.down.iter().position(|(down, _)| *down == physical);
         let meant = match (known, pressed) {
             (Some(known), false) => self.down.swap_remove(known).1,

@@ -54,9 +54,9 @@ pub enum Focus {
 
 /// Reads the keys of this frame of the window.
 pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
-    if dialogs::captures_keys(ctx) || egui::Popup::is_any_open(ctx) {
-        return;
-    }
+    // A menu or the dialog of keys reads the key presses. A key that goes up still ends the command
+    // that lasts while it is down, or the overlay would stay hidden after the menu has closed.
+    let is_taken = dialogs::captures_keys(ctx) || egui::Popup::is_any_open(ctx);
     let focus = if ctx.text_edit_focused() {
         Focus::Text
     } else if ctx.egui_wants_keyboard_input() {
@@ -77,6 +77,9 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
         else {
             continue;
         };
+        if is_taken && *pressed {
+            continue;
+        }
         let stroke = KeyStroke {
             key: *key,
             physical: *physical_key,
@@ -110,7 +113,6 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
 /// The action of a key stroke in the present state, if any.
 pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     let stroke = question_mark(stroke);
-    let command = command_of(app, &stroke);
     // A key goes up: it ends the command that lasts while it is down. Modifiers and focus do not
     // matter, they may have changed in the meantime.
     if !stroke.pressed {
@@ -125,6 +127,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
             })
             .map(|command| Action::Hold(command, false));
     }
+    let command = command_of(app, &stroke);
     // A dialog is open. Only those about appearance leave the other keys to the picture below them.
     if let Some(dialog) = &app.session.dialog {
         let opens_it = command.is_some_and(|command| opens(command, dialog));
@@ -179,6 +182,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
 
 /// Moves the selected point by an arrow key.
 fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
+    // Directions are those of the picture: x to the right, y down.
     let (dx, dy) = match stroke.key {
         Key::ArrowLeft => (-1.0, 0.0),
         Key::ArrowRight => (1.0, 0.0),
@@ -186,6 +190,7 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
         Key::ArrowDown => (0.0, 1.0),
         _ => return None,
     };
+    // The quality page hides the picture, so its points must not move unseen.
     app.session
         .points
         .selected
@@ -536,6 +541,30 @@ mod tests {
         );
         assert_eq!(again(Key::Enter), None);
         assert_eq!(again(Key::Delete), None);
+    }
+
+    #[test]
+    fn a_key_that_goes_up_ends_its_command_while_a_menu_has_the_keys() {
+        let mut app = app();
+        app.update(Action::Hold(Command::HideOverlay, true));
+        let ctx = egui::Context::default();
+        let event = |key, pressed| Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: NONE,
+        };
+        ctx.begin_pass(egui::RawInput {
+            events: vec![event(Key::N, true), event(Key::H, false)],
+            focused: true,
+            ..egui::RawInput::default()
+        });
+        egui::Popup::open_id(&ctx, egui::Id::unique("a menu"));
+        let mut actions = Vec::new();
+        read(&app, &mut actions, &ctx);
+        ctx.end_pass().textures_delta.clear();
+        assert_eq!(actions, [Action::Hold(Command::HideOverlay, false)]);
     }
 
     #[test]

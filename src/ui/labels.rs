@@ -17,6 +17,8 @@ pub fn paint<'a>(
     placement: &Placement,
     labels: impl Iterator<Item = &'a Label>,
 ) {
+    // The anchor of a label may be a little outside while its text reaches into the picture: hence
+    // the margin of 40 points.
     for label in labels {
         let [x, y] = label.at.map(f64::from);
         let at = placement.screen_from_image(ImagePoint::new(x, y)) + label.offset_pt.into();

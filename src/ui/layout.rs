@@ -50,7 +50,9 @@ fn size_to_store(resized: Resized, remembered: Option<f32>) -> Option<f32> {
 /// and remove the keys that they use.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if panel.app.session.quality.open {
-        // The picture is hidden, and so are its lists of names and reasons.
+        // The picture is hidden, and so are its lists of names and reasons. A button that goes up
+        // over the page is not read, so the pointer lets go of the picture here.
+        viewport::let_go(ctx);
         keys::read(panel.app, panel.actions, ctx);
         return;
     }
@@ -67,7 +69,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     } else {
         (92.0, 300.0)
     };
-    // The side panel and the filmstrip have edges that can be dragged.
+    // The side panel and the filmstrip have edges that can be dragged. Each may grow until the
+    // picture has its minimum size; in a window that is smaller still, the panels keep theirs.
     let edges = [
         Edge {
             id: "side panel",
@@ -139,6 +142,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             .resizable(false)
             .frame(side)
             .show(ui, |ui| filmstrip::show(panel, ui));
+        // The edges are read after the contents of the panels, so that a press on an edge is not
+        // one on a widget below it.
         let areas = [side_panel.response.rect, strip.response.rect];
         store_panel_sizes(
             panel,
@@ -153,6 +158,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .show(ui, |ui| timeline::show(panel, ui));
         }
     }
+    // The picture is laid out last, so that it takes what all the panels leave. Dialogs lie above
+    // everything.
     egui::CentralPanel::no_frame().show(ui, |ui| {
         if page {
             quality::show(panel, ui);

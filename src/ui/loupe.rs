@@ -52,6 +52,8 @@ pub fn show(
     if !look.shown || placement.points_per_px() >= NOT_NEEDED_FROM * magnification {
         return;
     }
+    // Lines of the overlay keep their width on the screen, so the overlay is made anew for the
+    // loupe's zoom and not magnified with the picture.
     let pixels_per_point = ui.pixels_per_point();
     let overlay = overlay(magnification * f64::from(pixels_per_point));
     let point = placement.screen_from_image(at);
@@ -88,6 +90,8 @@ pub fn show(
         layers,
     );
     crosshair(&painter, rect);
+    // The position, px of the picture, at the lower border; then a border that is visible on any
+    // picture.
     let text = format!("{:.2}, {:.2}", at.x, at.y);
     let corner = rect.center_bottom() - egui::vec2(0.0, 12.0);
     let behind = Color32::from_black_alpha(150);
@@ -124,6 +128,8 @@ fn side_id() -> Id {
 
 /// The view that has the point `at` exactly in the middle of `rect`.
 fn view(at: ImagePoint, rect: Rect, magnification: f64, pixels_per_point: f32) -> View {
+    // screen px = picture px · scale + offset. The offset is not rounded, unlike that of the
+    // picture itself: the point must be in the middle to a fraction of a pixel.
     let scale = magnification * f64::from(pixels_per_point);
     let size_px = canvas::size_px(rect, pixels_per_point);
     let [width, height] = size_px.map(f64::from);
@@ -175,6 +181,8 @@ fn free_side(
     lines: &[[Pos2; 2]],
     before: Option<usize>,
 ) -> usize {
+    // Eight sides times all segments of the overlay, in every frame of a drag: some thousand
+    // clippings. The first of equal sides wins, hence the order of SIDES.
     let sides = (0..SIDES.len()).map(|side| {
         let rect = on_side(point, length, side);
         let outside = (rect.area() - rect.intersect(bounds).area().max(0.0)).max(0.0);
@@ -219,6 +227,8 @@ fn length_within([a, b]: [Pos2; 2], rect: Rect) -> f32 {
         (-along.y, a.y - rect.top()),
         (along.y, rect.bottom() - a.y),
     ];
+    // Each border demands rate · t <= room: a negative rate means that the segment comes in
+    // through it, a positive one that it leaves.
     for (rate, room) in limits {
         if rate < 0.0 {
             from = from.max(room / rate);

@@ -33,6 +33,8 @@ pub fn shown_masks(app: &App) -> Vec<ShownMask> {
     else {
         return Vec::new();
     };
+    // Each mask keeps its index in its own list, by which an action names it; so masks that do not
+    // cover the frame are left out after the numbering.
     let camera = app
         .camera_id()
         .and_then(|id| app.open()?.document.camera(id));
@@ -102,6 +104,7 @@ fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
 
 /// Writes for which frames a mask is, in its lower left corner, if it is wide enough.
 fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
+    // The corner of the visible part: a mask may extend beyond the view.
     let shown = mask.intersect(placement.rect);
     let (font, letters) = (FontId::proportional(11.0), Color32::from_gray(225));
     if text_width(painter, says, font.clone()) + 16.0 <= shown.width() {

@@ -11,8 +11,8 @@ use super::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align, Button, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response, RichText,
-    Role, TextStyle, Ui, WidgetInfo, vec2,
+    Align, Button, Color32, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response,
+    RichText, Role, TextStyle, Ui, WidgetInfo, vec2,
 };
 use std::path::Path;
 use touchline_application::app::session::{Saving, SidePanel};
@@ -37,6 +37,9 @@ const SECTIONS: [Command; 12] = [
     Command::KeepBurntIn,
     Command::About,
 ];
+
+/// The command below which the submenu of recent documents stands: the last that opens something.
+const RECENT_BELOW: Command = Command::OpenQueue;
 
 /// Groups of commands that are submenus at the top of their menu. No menu is longer than twelve
 /// rows.
@@ -230,6 +233,8 @@ fn title_to_open<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a
 
 /// Whether F10 was pressed, or Alt was pressed and released alone.
 fn is_menu_key(ui: &Ui) -> bool {
+    // A press of a button, another key or the loss of the focus makes Alt a modifier: of a drag, of
+    // a shortcut, of the desktop's own switch between windows.
     let (f10, alt, busy) = ui.input_mut(|input| {
         let f10 = input.consume_key(Modifiers::NONE, Key::F10);
         (
@@ -251,11 +256,13 @@ fn is_menu_key(ui: &Ui) -> bool {
 }
 
 /// Whether an event is a key other than Alt, a text, or an action of the mouse.
-fn is_other_input(event: &Event) -> bool {
-    matches!(
-        event,
-        Event::Key { .. } | Event::Text(_) | Event::PointerButton { .. } | Event::MouseWheel { .. }
-    )
+const fn is_other_input(event: &Event) -> bool {
+    match event {
+        // The window system reports Alt as a key, too.
+        Event::Key { key, .. } => !matches!(key, Key::AltLeft | Key::AltRight),
+        Event::Text(_) | Event::PointerButton { .. } | Event::MouseWheel { .. } => true,
+        _ => false,
+    }
 }
 
 /// The tooltip of a menu.
@@ -272,6 +279,7 @@ const fn tip(group: MenuGroup) -> &'static str {
 
 /// Shows the entries of a menu: submenus first.
 fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
+    // A minimum width, so that short menus are not narrower than the others.
     ui.set_min_width(232.0);
     for (title, commands) in submenus(group) {
         ui.menu_button(title, |ui| entries(panel, ui, commands));
@@ -281,7 +289,7 @@ fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
             ui.separator();
         }
         entry(panel, ui, command);
-        if command == Command::OpenDemo {
+        if command == RECENT_BELOW {
             recent(panel, ui);
         }
     }
@@ -347,6 +355,7 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
 /// Whether a command that switches something on and off is on; then its entry has a tick.
 pub fn is_on(app: &App, command: Command) -> bool {
     match command {
+        // Exactly one of the tools is on.
         Command::PointTool => app.session.picture.tool == Tool::Point,
         Command::SelectTool => app.session.picture.tool == Tool::Select,
         Command::LineTool => app.session.picture.tool == Tool::Line,
@@ -368,6 +377,7 @@ pub fn is_on(app: &App, command: Command) -> bool {
         Command::Uncertainty => {
             app.session.picture.uncertainty != scene::uncertainty::UncertaintyView::Off
         }
+        // This command is named after leaving the frame out.
         Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),
         _ => false,
     }
@@ -375,6 +385,7 @@ pub fn is_on(app: &App, command: Command) -> bool {
 
 /// Shows the submenu of documents that were opened before.
 fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
+    // Disabled rather than absent without documents: entries of a menu keep their places.
     let none = panel.app.settings.recent.is_empty();
     ui.add_enabled_ui(!none, |ui| {
         let opened = ui.menu_button("Open recent", |ui| {
@@ -409,11 +420,14 @@ pub fn document_name(file: &Path) -> String {
         |name| name.to_string_lossy().into_owned(),
     );
     name.strip_suffix(PROJECT_SUFFIX)
-        .map_or_else(|| name.clone(), str::to_owned)
+        .unwrap_or(&name)
+        .to_owned()
 }
 
 /// Shows document, frame and shot.
 fn place(app: &App, ui: &mut Ui) {
+    // From left to right: document, frame, shot, file of the picture, place in the queue, and
+    // whether the document is read-only.
     let Some(open) = app.open() else { return };
     let name = shorten_text(&document_name(&open.file), LONGEST_NAME);
     ui.add(egui::Label::new(RichText::new(name).color(ui.palette().strong)).truncate())
@@ -475,6 +489,8 @@ pub fn file_name(path: &str) -> String {
 
 /// Shows whether every edit is on disk, and what to do if not.
 fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
+    // A change by another program stops saving until the user has chosen, so it is shown beside
+    // whatever the state of saving is.
     if panel.app.session.disk.changed_outside.is_some() {
         let choose = Button::new(RichText::new("Changed outside").color(ui.palette().on_accent))
             .fill(ui.palette().caution)
@@ -495,21 +511,15 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .on_hover_text("Every edit is on disk. You do not have to save.");
         }
         Saving::Failed { message, since } => {
-            let since = since
-                .as_ref()
-                .map(|at| format!("Edits since {at} are only in memory."));
-            let edits = since.unwrap_or_else(|| "Edits are only in memory.".to_owned());
+            let edits = since.as_ref().map_or_else(
+                || "Edits are only in memory.".to_owned(),
+                |at| format!("Edits since {at} are only in memory."),
+            );
             let elsewhere =
                 Button::new(RichText::new("Save elsewhere").color(ui.palette().on_accent))
                     .fill(ui.palette().bad)
                     .small();
-            if ui
-                .add(elsewhere)
-                .on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs))
-                .clicked()
-            {
-                panel.actions.push(Action::Command(Command::SaveAs));
-            }
+            panel.run_on_click(ui.add(elsewhere), Command::SaveAs);
             let text = RichText::new(format!("NOT SAVED: {message}. {edits}"))
                 .color(ui.palette().bad)
                 .strong();
@@ -538,6 +548,8 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     trainer(panel, ui);
     shot_search(panel, ui);
     writing(panel, ui);
+    // The counts are those of the previous frame of the window: this one has not laid out its
+    // lists yet.
     let thumbnails = panel.pictures.thumbnails_in_view();
     if thumbnails.done < thumbnails.wanted {
         let text = format!("thumbnails {}/{}", thumbnails.done, thumbnails.wanted);
@@ -552,15 +564,9 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(search) = state.running() else {
         return;
     };
-    let share = state.progress().percent();
-    let says = ui.add(
-        Button::new(
-            RichText::new(format!("cuts {share} %"))
-                .small()
-                .color(ui.palette().weak),
-        )
-        .frame(false),
-    );
+    let text = format!("cuts {} %", state.progress().percent());
+    let weak = ui.palette().weak;
+    let says = work_button(ui, text, weak);
     let tip = format!(
         "Looking for cuts in {}. Click to stop.",
         file_name(&search.video)
@@ -575,24 +581,24 @@ fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(running) = panel.app.operations.transfer.writing() else {
         return;
     };
+    // Rounded down, so that 100 % is never shown while something is still to be written.
     let far = running
         .progress()
         .map(|far| format!(" {:.0} %", (100.0 * far.fraction()).floor()))
         .unwrap_or_default();
-    let says = ui.add(
-        Button::new(
-            RichText::new(format!("export{far}"))
-                .small()
-                .color(ui.palette().weak),
-        )
-        .frame(false),
-    );
+    let weak = ui.palette().weak;
+    let says = work_button(ui, format!("export{far}"), weak);
     if says
         .on_hover_text("An export is being written. Click to show it.")
         .clicked()
     {
         panel.actions.push(Action::Command(Command::Export));
     }
+}
+
+/// Shows background work as a text that can be clicked.
+fn work_button(ui: &mut Ui, text: String, colour: Color32) -> Response {
+    ui.add(Button::new(RichText::new(text).small().color(colour)).frame(false))
 }
 
 /// Shows what the trainer is doing; a click shows its panel.
@@ -607,7 +613,7 @@ fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
         .trouble
         .clone()
         .unwrap_or_else(|| format!("{}.", status.doing.describe()));
-    let says = ui.add(Button::new(RichText::new(text).small().color(colour)).frame(false));
+    let says = work_button(ui, text, colour);
     let key = panel.app.settings.keys.key_label(Command::TrainerPanel);
     if says
         .on_hover_text(format!("{tip} Trainer panel: {key}."))
@@ -625,7 +631,8 @@ mod tests {
     fn no_menu_is_longer_than_twelve_rows_and_lines_are_above_its_own_commands() {
         for group in MenuGroup::ALL {
             // The menu of files lists recent documents, too.
-            let recent = usize::from(group == MenuGroup::File);
+            let recent = rows(group).filter(|row| *row == RECENT_BELOW).count();
+            assert_eq!(recent, usize::from(group == MenuGroup::File));
             let length = submenus(group).count() + rows(group).count() + recent;
             assert!(length <= 12, "{}: {length} rows", group.title());
         }
@@ -639,5 +646,19 @@ mod tests {
         }
         let of_menus: Vec<Command> = MenuGroup::ALL.into_iter().flat_map(rows).collect();
         assert!(SECTIONS.iter().all(|command| of_menus.contains(command)));
+    }
+
+    #[test]
+    fn alt_alone_is_reported_as_a_key_and_is_no_other_input() {
+        let event = |key| Event::Key {
+            key,
+            physical_key: Some(key),
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::ALT,
+        };
+        assert!(!is_other_input(&event(Key::AltLeft)));
+        assert!(is_other_input(&event(Key::Tab)));
+        assert!(is_other_input(&Event::Text("a".to_owned())));
     }
 }

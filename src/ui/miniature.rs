@@ -1,7 +1,7 @@
 //! A thumbnail of a frame with the field's lines, large enough to see whether a proposal is right.
 
-use super::{Panel, theme::Themed as _};
-use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, pos2};
+use super::{Panel, pictures::WHOLE, theme::Themed as _};
+use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Shape, Stroke};
 use touchline_application::app::OpenProject;
 use touchline_core::markings::{MarkingOptions, project_lines};
 use touchline_documents::document::FrameStatus;
@@ -23,6 +23,8 @@ pub fn paint(
     let Some(frame) = open.frame(index) else {
         return;
     };
+    // The size of the frame, not of the thumbnail: lines are projected in px of the frame. At least
+    // one px, so that the scale is finite.
     let size = egui::vec2(
         frame.image_size.width as f32,
         frame.image_size.height as f32,
@@ -32,8 +34,7 @@ pub fn paint(
     // The picture in its own shape, in the middle of the box.
     let picture = Rect::from_center_size(within.center(), size * scale);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture.id(), picture, whole, Color32::WHITE);
+        painter.image(texture.id(), picture, WHOLE, Color32::WHITE);
     }
     // Only the shown frame's field is at hand. Other frames get lines if they share it.
     let Some(field) = panel.app.current().field() else {

@@ -73,7 +73,8 @@ pub use theme::apply as apply_theme;
 pub use touchline_application::jobs::PictureState;
 pub use window::{WindowError, run, say_in_dialog};
 
-use touchline_application::app::{Action, App};
+use egui::Response;
+use touchline_application::app::{Action, App, Command, Navigation};
 
 /// What every panel receives.
 pub struct Panel<'a> {
@@ -85,4 +86,30 @@ pub struct Panel<'a> {
     pub actions: &'a mut Vec<Action>,
     /// Name and interface of the graphics adapter, for the diagnostic report.
     pub adapter: &'a str,
+}
+
+impl Panel<'_> {
+    /// Gives a control the tooltip of a command. A click on the control runs the command; returns
+    /// whether there was one.
+    fn run_on_click(&mut self, control: Response, command: Command) -> bool {
+        let tip = self.app.settings.keys.tooltip(command);
+        let clicked = control.on_hover_text(tip).clicked();
+        if clicked {
+            self.actions.push(Action::Command(command));
+        }
+        clicked
+    }
+
+    /// Shows a frame, which is given by its position in the document.
+    fn go_to(&mut self, frame: usize) {
+        let action = Action::Navigate(Navigation::GoTo(frame));
+        self.actions.push(action);
+    }
+
+    /// Closes the quality page and shows a frame; selects one of its clicks, if given. Both are
+    /// given by their positions.
+    fn look_at(&mut self, frame: usize, click: Option<usize>) {
+        let action = Action::Navigate(Navigation::LookAt { frame, click });
+        self.actions.push(action);
+    }
 }

@@ -37,6 +37,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     else {
         return;
     };
+    // The size must be known before the list is laid out, because the list stands at its left or
+    // its right side beside the point. At least one row, for the note that no name matches.
     let point = placement.screen_from_image(click.image);
     let offered = naming.listed_candidates();
     let rows = offered.len().max(1) as f32;
@@ -45,6 +47,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
         columns.width() + 2.0 * MARGIN,
         (rows + 2.0) * ROW + 2.0 * MARGIN,
     );
+    // An area of its own above all panels. egui must not move it into the window, because then it
+    // could cover its point.
     Area::new(Id::NULL.with("naming"))
         .order(Order::Foreground)
         .fixed_pos(beside(point, size, placement.rect))
@@ -83,6 +87,7 @@ fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
     } else {
         left
     };
+    // The title of the list is level with the point, unless the border is too near.
     let lowest = (bounds.bottom() - size.y - MARGIN).max(bounds.top() + MARGIN);
     let y = (point.y - ROW).clamp(bounds.top() + MARGIN, lowest);
     pos2(x.round(), y.round())
@@ -125,7 +130,12 @@ impl Columns {
         let with_distance = candidates
             .iter()
             .any(|candidate| candidate.distance_px.is_some());
-        let used = candidates.iter().find_map(|candidate| candidate.in_use);
+        // The text about the point with the largest number is the widest of its kind, and wider
+        // than any distance.
+        let used = candidates
+            .iter()
+            .filter_map(|candidate| candidate.in_use)
+            .max();
         let last = used
             .map(in_use)
             .or_else(|| with_distance.then(|| "8888.8 px".to_owned()));

@@ -10,7 +10,7 @@ use super::{
 use egui::{Align, Button, Color32, Id, Label, Layout, RichText, Role, Ui, WidgetInfo};
 use std::time::Duration;
 use touchline_application::app::session::{Level, Notice, in_row};
-use touchline_application::app::{Action, App, Command, ViewAction};
+use touchline_application::app::{Action, Command, ViewAction};
 
 /// Time after which information without a button leaves the row, s, unless the pointer is on it.
 const INFO_SECONDS: f64 = 8.0;
@@ -27,6 +27,7 @@ type NoticeArrival = ((u64, String), f64);
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     let shown = in_row(&app.session.messages.notices);
+    // The opacity applies to the whole row, and whoever points at the row can read it in full.
     let opacity = shown.map_or(1.0, |notice| opacity(panel.actions, ui, notice));
     ui.multiply_opacity(opacity);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -42,19 +43,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     .push(Action::View(ViewAction::DismissNotice(notice.id)));
             }
         }
-        others(app, panel.actions, ui);
+        others(panel, ui);
         let Some(notice) = shown else { return };
-        // The layout runs from right to left, so the last remedy comes first.
+        // The layout runs from right to left, so the last remedy comes first. Choosing a remedy
+        // answers the message, which goes.
         for &(says, command) in notice.offers.iter().rev() {
-            if ui
-                .add(Button::new(says).small())
-                .on_hover_text(app.settings.keys.tooltip(command))
-                .clicked()
-            {
-                panel.actions.extend([
-                    Action::Command(command),
-                    Action::View(ViewAction::DismissNotice(notice.id)),
-                ]);
+            if panel.run_on_click(ui.add(Button::new(says).small()), command) {
+                panel
+                    .actions
+                    .push(Action::View(ViewAction::DismissNotice(notice.id)));
             }
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -69,24 +66,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 /// Shows how many more messages wait; a click lists all of them.
-fn others(app: &App, actions: &mut Vec<Action>, ui: &mut Ui) {
-    if app.session.messages.log.is_empty() {
+fn others(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let messages = &panel.app.session.messages;
+    if messages.log.is_empty() {
         return;
     }
-    let more = app.session.messages.notices.len().saturating_sub(1);
+    let more = messages.notices.len().saturating_sub(1);
     let says = if more > 0 {
         format!("{more} more")
     } else {
         "Messages".to_owned()
     };
     let button = Button::new(RichText::new(says).small().color(ui.palette().weak)).frame(false);
-    if ui
-        .add(button)
-        .on_hover_text(app.settings.keys.tooltip(Command::Messages))
-        .clicked()
-    {
-        actions.push(Action::Command(Command::Messages));
-    }
+    panel.run_on_click(ui.add(button), Command::Messages);
 }
 
 /// Symbol and colour of a level.

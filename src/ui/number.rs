@@ -54,7 +54,8 @@ impl Number<'_> {
         change: impl FnOnce(f64) -> Action,
     ) -> Response {
         let mut value = self.value;
-        // The parser cannot return a reason, so it leaves it here.
+        // The parser cannot return a reason, so it leaves it here. A cell, because egui wants a
+        // parser that does not change what it captures.
         let problem = RefCell::new(None);
         let field = DragValue::new(&mut value)
             .speed(self.speed)
@@ -67,6 +68,8 @@ impl Number<'_> {
                     None
                 }
             })
+            // A document may state a value out of range. It is shown as it is, not changed by
+            // looking at it.
             .clamp_existing_to_range(false)
             .suffix(self.suffix)
             .update_while_editing(false)
@@ -97,6 +100,7 @@ impl Number<'_> {
             given_up || response.changed() || response.drag_started(),
         );
         let forgets = was_given_up(ui, &response, given_up);
+        // A step of undo begins with a drag or with the focus, before the value changes.
         let begins = response.drag_started() || response.gained_focus();
         if begins {
             actions.push(Action::Edit(EditAction::Begin(self.step)));
@@ -109,7 +113,8 @@ impl Number<'_> {
         if response.changed() && !abandoned && !same && !forgets && value.is_finite() {
             actions.push(change(value));
         }
-        // The end of the step of undo.
+        // The end of the step of undo. The loss of the focus ends it even without a change, because
+        // the focus began it.
         if given_up {
             actions.push(Action::Edit(EditAction::Abort));
         } else if response.drag_stopped() || left && !stays {
@@ -143,18 +148,17 @@ impl Number<'_> {
         if self.range.contains(&number) {
             return Ok(Some(number));
         }
+        // The number as it was typed: rounded, it might seem to be within the range.
         let (from, upto) = (shortest(*self.range.start()), shortest(*self.range.end()));
         Err(format!(
-            "{}{unit} is out of range: {from} to {upto}{}; {}.",
-            shortest(number),
-            self.suffix,
-            self.why
+            "{digits}{unit} is out of range: {from} to {upto}{}; {}.",
+            self.suffix, self.why
         ))
     }
 }
 
 /// A number with at most two decimals and no trailing zeros.
-fn shortest(number: f64) -> String {
+pub fn shortest(number: f64) -> String {
     let rounded = (100.0 * number).round() / 100.0;
     if rounded == 0.0 {
         "0".to_owned()
@@ -166,6 +170,8 @@ fn shortest(number: f64) -> String {
 /// Shows below a field why the typed text was refused, for [`PROBLEM_SHOWN_S`] seconds or until
 /// something else is entered.
 fn show_problem(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
+    // The reason outlives the frame of the window in which the text was refused, so it is
+    // remembered with the time of the refusal.
     let (memory, now) = (response.id.with("problem"), ui.input(|input| input.time));
     if let Some(problem) = problem {
         ui.data_mut(|data| data.insert_temp(memory, (problem, now)));
@@ -179,6 +185,8 @@ fn show_problem(ui: &Ui, response: &Response, problem: Option<String>, over: boo
     if left <= 0.0 {
         return;
     }
+    // Drawn as a tooltip above all panels. It does not take the pointer, because it may cover the
+    // next field.
     ui.ctx().request_repaint_after_secs(left as f32);
     ui.painter().rect_stroke(
         response.rect,
@@ -246,5 +254,7 @@ mod tests {
             let problem = "-5° is out of range: 0.5 to 150°; no lens shows less or more.";
             assert_eq!(view().read(typed), Err(problem.to_owned()));
         }
+        let problem = "150.001° is out of range: 0.5 to 150°; no lens shows less or more.";
+        assert_eq!(view().read("150.001°"), Err(problem.to_owned()));
     }
 }

@@ -36,12 +36,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &FoundCamera, within: Vec
     let size = vec2(within.x, high * scale);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, describe(found)));
-    // In the middle of the width.
+    // In the middle of the width. One scale for both axes: a panorama has true angles.
     let corner = rect.min + vec2((within.x - wide * scale) / 2.0, 0.0);
     draw(ui, rect, &scene, &map, |point| {
         corner + vec2(point.x as f32, point.y as f32) * scale
     });
-    // A click: from the screen to the map, and from there to a frame.
+    // A click: from the screen to the map, and from there to a frame. Where no frame looks, nothing
+    // happens.
     let clicked = response
         .clicked()
         .then(|| response.interact_pointer_pos())
@@ -78,6 +79,7 @@ fn draw(
     map: &PaintMapFrame,
     at: impl Fn(ImagePoint) -> Pos2,
 ) {
+    // Views overlap, so each is nearly transparent: where many frames look, the ground is lighter.
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.palette().backdrop);
     for outline in map.outlines(scene) {

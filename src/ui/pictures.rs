@@ -5,12 +5,16 @@
 //! [`Pictures::update`] receives what has arrived, the panels ask for thumbnails, and
 //! [`Pictures::finish`] requests those that are missing.
 
+use egui::{Pos2, Rect, pos2};
 use lru::LruCache;
 use std::io;
 use std::num::NonZeroUsize;
 use touchline_application::app::{Action, App, OpenProject};
 use touchline_application::jobs::{self, PictureState, SharedPictures, Wake, picture_source};
 use touchline_vision::media::{FrameRef, Picture};
+
+/// The texture coordinates of a whole texture.
+pub const WHOLE: Rect = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
 
 /// Number of thumbnails that stay on the graphics card. A filmstrip shows about thirty.
 const TEXTURES: NonZeroUsize = NonZeroUsize::MIN.saturating_add(599);
@@ -79,6 +83,8 @@ impl Pictures {
 
     /// The thumbnail of a picture, as [`Self::thumbnail`].
     pub fn thumbnail_of(&mut self, picture: FrameRef) -> Option<egui::TextureHandle> {
+        // Available ones are counted as wanted, too, for the progress. To get one marks it as used
+        // last, so that thumbnails in view are the last to be dropped.
         let texture = self.textures.get(&picture).cloned();
         self.wanted.push(picture);
         texture

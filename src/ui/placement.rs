@@ -44,6 +44,8 @@ impl Placement {
         let size_px = canvas::size_px(rect, pixels_per_point).map(|side| f64::from(side.max(1)));
         let image_px = [image_size.width, image_size.height].map(|side| f64::from(side.max(1)));
         let fit_scale = (size_px[0] / image_px[0]).min(size_px[1] / image_px[1]);
+        // A stored view may belong to a smaller window, in which its scale was above the fitting
+        // one.
         let (scale, centre) = match view {
             PictureView::Zoomed { scale, centre } if scale > fit_scale => {
                 (scale, within(centre, image_size))
@@ -119,6 +121,7 @@ impl Placement {
     /// The view after zooming by a factor. The point of the picture under `at` keeps its place on
     /// the screen.
     pub fn zoom_at(&self, factor: f64, at: Pos2) -> PictureView {
+        // Written so that a scale that is not a number gives the fitted view as well.
         let scale = (self.scale * factor).min(MAX_SCALE);
         if !(scale > self.fit_scale) {
             return PictureView::Fit;

@@ -15,6 +15,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         return;
     };
     let Some(target) = round.target() else { return };
+    // The numbers are copied first: the map needs the panel mutably.
     let label = panel.app.label(&Target::Landmark(target.landmark.clone()));
     let (number, count, skipped) = (round.number(), round.len(), round.skipped_count());
     let title = format!("BLIND ROUND {}", round.round);
@@ -32,8 +33,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.add_space(2.0 * theme::SPACE);
         let text = "Click it as you would label it, as carefully and at the zoom you always use. The label, its lines and the \
                     proposals are hidden; the label stays as it is.";
-        ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
+        theme::weak_text(ui, text);
         ui.add_space(2.0 * theme::SPACE);
+        // Undo and Cancel mean something else here than elsewhere, so their tooltips do, too.
         for (says, command, why_not) in [
             ("Skip", Command::SkipAgain, None),
             ("Back", Command::Undo, (clicked == 0).then_some("No points have been clicked again yet.")),

@@ -12,6 +12,8 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if !matches!(panel.app.session.mode, Mode::Rejecting { .. }) || ctx.text_edit_focused() {
         return;
     }
+    // The text counts and not the key, because a French keyboard needs Shift for digits. Texts that
+    // choose no reason stay in the input.
     ctx.input_mut(|input| {
         input.events.retain(|event| {
             let Event::Text(text) = event else {

@@ -54,6 +54,8 @@ impl Shell {
             .as_deref()
             .map(load_settings)
             .unwrap_or_default();
+        // Background work wakes the window by asking for a repaint, in which `take_in` receives its
+        // results.
         let ctx = creation.egui_ctx.clone();
         let wake: Wake = Arc::new(move || ctx.request_repaint());
         let pictures = Pictures::start(wake.clone())?;
@@ -126,6 +128,8 @@ impl Shell {
         let Some(state) = &creation.wgpu_render_state else {
             return;
         };
+        // The settings remember the adapter by its name: a graphics card that is added or lost is
+        // reported anew.
         let on_processor = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         if on_processor && self.app.settings.told_about_adapter != self.adapter {
             self.app
@@ -167,11 +171,16 @@ impl Shell {
 
     /// Writes the settings; a failure is shown as a message.
     fn save_settings(&mut self) {
-        if let Some(path) = &self.settings_path
-            && let Err(error) = save_settings(&self.app.settings, path)
-        {
-            self.app.session.notify(Level::Warning, error.to_string());
+        if let Some(problem) = self.write_settings() {
+            self.app.session.notify(Level::Warning, problem);
         }
+    }
+
+    /// Writes the settings, if they have a file. Returns why that failed.
+    fn write_settings(&self) -> Option<String> {
+        let path = self.settings_path.as_deref()?;
+        let written = save_settings(&self.app.settings, path);
+        written.err().map(|error| error.to_string())
     }
 
     /// Receives the results of background work, the answers of file dialogs, and dropped files.
@@ -200,6 +209,7 @@ impl eframe::App for Shell {
             self.apply([Action::CloseRequested]);
         }
         self.take_in(ctx);
+        // The last known place stays while the window is minimised.
         self.place = ctx.input(|input| place_of(input.viewport())).or(self.place);
         if self.may_close {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -229,11 +239,13 @@ impl eframe::App for Shell {
     }
 
     fn on_exit(&mut self) {
+        // The window is gone, so a failure to save can only be reported on the terminal.
         if self.place.is_some() && self.place != self.app.settings.window {
             self.app.settings.window = self.place;
-            self.save_settings();
+            if let Some(problem) = self.write_settings() {
+                eprintln!("touchline: {problem}");
+            }
         }
-        // The window is gone, so a failure to save can only be reported on the terminal.
         for action in self.runner.close() {
             if let Action::Disk(DiskReport::SaveFailed(message)) = action {
                 eprintln!("touchline: NOT SAVED: {message}");

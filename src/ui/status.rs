@@ -23,7 +23,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ZOOM,
         least_offers(ui, &guidance.offers),
     ];
-    // The room that the next step leaves is given away in the order of importance.
+    // The room that the next step leaves goes to the other parts in the order of importance. Widths
+    // are measured before anything is drawn, because egui lays a row out in one pass.
     let mut room = ui.available_width() - needed.iter().sum::<f32>();
     let mut has_room = |width: f32| {
         let has = width <= room;
@@ -74,6 +75,7 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
         1 => 1,
         _ => usize::from(text + least_offers(ui, offers) <= room),
     };
+    // The text gets what the buttons leave, at least 60 points: it is cut, never the buttons.
     let taken = buttons_width(ui, &offers[..shown]);
     let menu = if shown < offers.len() { MORE } else { 0.0 };
     ui.scope(|ui| {
@@ -104,12 +106,7 @@ fn buttons_width(ui: &Ui, offers: &[(&str, Command)]) -> f32 {
 
 /// Shows a button for a command.
 fn command_button(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
-    if ui
-        .add(Button::new(says).small())
-        .on_hover_text(panel.app.settings.keys.tooltip(command))
-        .clicked()
-    {
-        panel.actions.push(Action::Command(command));
+    if panel.run_on_click(ui.add(Button::new(says).small()), command) {
         ui.close();
     }
 }
@@ -132,13 +129,7 @@ fn undo_text(app: &App) -> Option<String> {
 /// Shows the button that reverts the last step.
 fn undo_button(panel: &mut Panel<'_>, ui: &mut Ui, text: String) {
     let button = Button::new(RichText::new(text).color(ui.palette().weak)).frame(false);
-    if ui
-        .add(button)
-        .on_hover_text(panel.app.settings.keys.tooltip(Command::Undo))
-        .clicked()
-    {
-        panel.actions.push(Action::Command(Command::Undo));
-    }
+    panel.run_on_click(ui.add(button), Command::Undo);
     ui.separator();
 }
 
@@ -147,6 +138,7 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.frame().is_none() {
         return;
     }
+    // The viewport reports the fitting scale when it is first laid out; until then it is zero.
     let (scale, fits) = match panel.app.session.picture.view {
         PictureView::Fit => (panel.app.session.picture.fit_scale, true),
         PictureView::Zoomed { scale, .. } => (scale, false),

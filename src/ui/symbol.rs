@@ -99,6 +99,8 @@ const ATOM: f32 = 18.0;
 
 /// Adds the font of icons to the fonts of a window. Must be called before a symbol is drawn.
 pub fn install(ctx: &Context) {
+    // A family of its own: the codes lie in Unicode's private area, in which other fonts may have
+    // other glyphs.
     let mut fonts = FontDefinitions::default();
     let data = FontData::from_static(touchline_assets::ICONS);
     fonts.font_data.insert(FONT.to_owned(), Arc::new(data));

@@ -10,7 +10,7 @@ use egui::{
     Align, Color32, CornerRadius, Layout, Painter, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui,
     Vec2, WidgetInfo, vec2,
 };
-use touchline_application::app::{Action, Command, Tool};
+use touchline_application::app::{Command, Tool};
 
 /// Width of the column, points.
 pub const WIDTH: f32 = 40.0;
@@ -55,6 +55,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Shows the button of a command.
 fn button(panel: &mut Panel<'_>, ui: &mut Ui, symbol: Symbol, command: Command) {
+    // Drawn by hand: larger than the buttons of `symbol`, on a ground if the tool or panel is on.
     let refused = panel.app.why_not(command);
     let is_on = is_on(panel.app, command);
     ui.add_enabled_ui(refused.is_none(), |ui| {
@@ -74,12 +75,8 @@ fn button(panel: &mut Panel<'_>, ui: &mut Ui, symbol: Symbol, command: Command) 
             palette.text
         };
         symbol::paint_sized(painter, symbol, rect, SYMBOL, colour);
-        let response = response
-            .on_hover_text(panel.app.settings.keys.tooltip(command))
-            .on_disabled_hover_text(refused.unwrap_or_default());
-        if response.clicked() {
-            panel.actions.push(Action::Command(command));
-        }
+        let response = response.on_disabled_hover_text(refused.unwrap_or_default());
+        panel.run_on_click(response, command);
     });
 }
 

@@ -5,18 +5,12 @@ use super::{Panel, theme::Themed as _};
 use egui::{
     Align, Button, Color32, Frame, Label, Layout, Margin, RichText, Sense, Stroke, Ui, vec2,
 };
-use touchline_application::app::tour::TourStep;
+use touchline_application::app::tour::{Tour, TourStep};
 use touchline_application::app::{Action, Command};
 
 /// Shows the bar during a tour.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(step) = panel
-        .app
-        .session
-        .tour
-        .as_ref()
-        .map(touchline_application::app::tour::Tour::step)
-    else {
+    let Some(step) = panel.app.session.tour.as_ref().map(Tour::step) else {
         return;
     };
     let frame = Frame::new()
@@ -34,6 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     None => step.title().to_owned(),
                 };
                 ui.label(RichText::new(heading).strong().color(ui.palette().strong));
+                // The button that leaves the tour is always at the right end.
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     for command in buttons(step) {
                         let says = if *command == Command::LeaveTour && step == TourStep::Finished {

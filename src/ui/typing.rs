@@ -56,6 +56,7 @@ struct AutoNamedPoint {
 impl Hand {
     /// Advances the clock to this frame of the window and follows point and pointer.
     fn follow(mut self, app: &App, time_s: f64, pointer: Option<Pos2>) -> Self {
+        // The first frame counts for at most one tick: `seen_s` begins at 0.
         self.clock_s += (time_s - self.seen_s).clamp(0.0, TICK_S);
         self.seen_s = time_s;
         // Another point was named, or none is any more: begin again.
@@ -73,6 +74,8 @@ impl Hand {
                 has_left: false,
             });
         }
+        // Once the pointer has left, coming back changes nothing. Without a known position it never
+        // leaves.
         if let Some(placed) = &mut self.placed {
             let away = placed
                 .pointer
@@ -128,6 +131,7 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &Context) {
     let before = ctx
         .data(|data| data.get_temp::<Hand>(memory()))
         .unwrap_or_default();
+    // The clock advances even while another control has the keys, so that a word ends meanwhile.
     let mut hand = before.follow(app, time_s, pointer);
     if !keys_are_taken(app, ctx) {
         match &app.session.mode {
@@ -173,6 +177,7 @@ fn read_list(naming: &Naming, hand: &mut Hand, actions: &mut Vec<Action>, ctx: &
                 Event::Text(text) => Some(on_text(text, naming, offered, &mut typed)),
                 _ => None,
             };
+            // `Some(None)`: the list takes the event, and nothing follows from it.
             let for_others = action.is_none();
             if !for_others {
                 hand.stroke_s = Some(hand.clock_s);
@@ -204,6 +209,7 @@ fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
                 if !(confirms || in_word) {
                     return true;
                 }
+                // An Enter within a word is swallowed even without an automatic name to confirm.
                 actions.extend(confirms.then_some(Action::Navigate(Navigation::ConfirmName)));
                 hand.stroke_s = Some(hand.clock_s);
                 false
@@ -214,6 +220,8 @@ fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
                 modifiers,
                 ..
             } => {
+                // The key itself is only kept from the commands. The name changes with the text
+                // that the key types.
                 let is_letter = (Key::A..=Key::Z).contains(key) && is_typing(*modifiers);
                 !(is_letter && (names || in_word))
             }
@@ -247,6 +255,8 @@ fn take_row(row: usize, offered: usize) -> Option<Action> {
 
 /// The action of a key in the list of names. Backspace shortens `typed`.
 fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
+    // The highlight wraps around at both ends. An empty list counts as one row, so that the
+    // remainder is defined.
     match key {
         Key::Enter => Some(Action::Edit(EditAction::TakeName(naming.highlighted))),
         Key::ArrowDown => Some(Action::Navigate(Navigation::HighlightName(

@@ -23,7 +23,7 @@ pub struct Cdf;
 const SAME_PLACE_M: f64 = 1e-6;
 
 /// A value that the sheet needs and that has to be given.
-fn required<T>(
+fn require<T>(
     value: Option<T>,
     what: &'static str,
     option: &'static str,
@@ -71,22 +71,22 @@ impl CameraFormat for Cdf {
         let recording = &context.options.recording;
         // What a document does not know has to be given and never invented: an invented start would
         // shift every event of the match.
-        let match_id = required(
+        let match_id = require(
             recording.match_id.as_deref(),
             "the match's id",
             "--match-id",
         )?;
-        let start = required(
+        let start = require(
             recording.start.as_deref(),
             "when the video begins",
             "--start-time",
         )?;
-        let perspective = required(
+        let perspective = require(
             recording.perspective.as_deref(),
             "the camera's perspective",
             "--perspective",
         )?;
-        let rate = required(context.rate, "the frame rate", "--fps")?;
+        let rate = require(context.rate, "the frame rate", "--fps")?;
         let mut frames = held.iter();
         let Some(first) = frames.next() else {
             return Ok(Files::default());

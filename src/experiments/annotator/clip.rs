@@ -52,6 +52,8 @@ impl DrawnClip {
         data: Option<&Path>,
         progress: &(dyn Fn() + Sync),
     ) -> Result<Self, ExperimentError> {
+        // The published motion is of pictures of this size, so that its focal lengths need no
+        // scaling.
         let size = ImageSize::new(1280, 720);
         let count = frame_count(options);
         let shoot = ShootOptions {
@@ -71,9 +73,12 @@ impl DrawnClip {
                 ("width_m".to_owned(), width_m),
             ]);
         }
+        // Confirmed: tracking then leaves the field's length alone, which it would otherwise fit.
         spec.size = Some(FieldSize::Confirmed);
         let field = spec.model(Path::new(""))?;
+        // Another stadium than those of the other experiments, for the same seed.
         let seed = options.seed.wrapping_add(61);
+        // The light is that of the preset, too.
         let daylight = shoot.daylight;
         let scene = stadium(&StadiumOptions {
             daylight,
@@ -112,6 +117,7 @@ impl DrawnClip {
             );
             let file = Builder::new()
                 .prefix(&name(number))
+                // Without random letters, so that the file has the name that the document states.
                 .rand_bytes(0)
                 .tempfile_in(folder.path());
             let file = file.map_err(|error| unwritten(folder.path(), &error))?;
@@ -128,6 +134,7 @@ impl DrawnClip {
                 .chain(drawn.graphics.iter().copied())
                 .collect())
         };
+        // Frames are drawn in parallel and collected in their order.
         let hidden: Result<Vec<_>, ExperimentError> =
             path.par_iter().enumerate().map(take).collect();
         // The document as a user has it before the first click: base known, frames unlabelled.
@@ -163,6 +170,8 @@ impl DrawnClip {
             landmarks,
             lines: 0,
             sigma_px: CLICK_SIGMA_PX,
+            // The noise of a frame's clicks is the same in every way of labelling, whichever frames
+            // are clicked before.
             seed: frame as u64,
         };
         let size = self.document.frames[frame].image_size;
@@ -195,6 +204,8 @@ fn name(number: usize) -> String {
 fn there_and_back(real: &RealMotion, count: usize) -> Vec<PathStep> {
     let last = real.ptz.len() - 1;
     let step = |number: usize| {
+        // A period is there and back; its two ends are not repeated. With a single frame the period
+        // would be 0.
         let way = number % (2 * last).max(1);
         let (at, is_back) = if way <= last {
             (way, false)
@@ -202,6 +213,7 @@ fn there_and_back(real: &RealMotion, count: usize) -> Vec<PathStep> {
             (2 * last - way, true)
         };
         let motion = real.motion_at(at);
+        // Motion blur depends on the speed, which has the other sign on the way back.
         let motion = if is_back { motion.reverse() } else { motion };
         PathStep {
             time_s: number as f64 * STEP_S,
@@ -221,11 +233,14 @@ pub fn corners_apart_px(truth: &PtzCamera, camera: &PtzCamera, size: ImageSize) 
         let place = truth.base().position_m;
         let ground = truth
             .plane_from_image(corner, 0.0)
+            // Beyond the stand the ground is hidden, and near the horizon a small angle moves it by
+            // kilometres.
             .filter(|ground| (ground - place).norm() < STAND_M);
         let along = || Some(place + truth.world_direction_from_image(corner).ok()? * STAND_M);
         let shown = ground
             .or_else(along)
             .and_then(|at| camera.image_from_world(at).ok());
+        // A point that the camera does not see at all is as far off as can be.
         shown.map_or(f64::INFINITY, |shown| shown.distance_px(corner))
     })
 }

@@ -38,6 +38,7 @@ pub fn run(
     motion: Option<&Path>,
     progress: Progress<'_>,
 ) -> Result<Report, ExperimentError> {
+    // Drawn once: all ways label the same pictures, with the same noise of the clicks.
     let clip = DrawnClip::draw(
         options,
         motion,
@@ -88,6 +89,7 @@ pub fn run(
     ];
     let mut refusals = Vec::new();
     for (name, way) in ways {
+        // Times depend on the machine and go to the file for times, apart from what repeats.
         let begun = Instant::now();
         let labelled = way()?;
         times.push(vec![
@@ -111,6 +113,7 @@ pub fn run(
                 ]
             }
         };
+        // A row without an answer has no errors to state.
         row.resize(table.columns.len(), Cell::Empty);
         table.push(row);
     }
@@ -159,6 +162,7 @@ fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<FrameAccuracy> {
             &PtzCamera::new(base.unwrap_or(*truth.base()), ptz),
             frame.image_size,
         );
+        // The limit is stated at 1920 px width, the corners are in px of the frame.
         let worst = corners.iter().copied().fold(0.0, f64::max);
         let solution = frame.solution.as_ref();
         Some(FrameAccuracy {
@@ -191,6 +195,7 @@ fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[FrameAccura
         .filter_map(|answer| answer.squared_sigmas)
         .collect();
     let mut corners: Vec<f64> = answers.iter().flat_map(|answer| answer.corners).collect();
+    // All four corners of all frames together; `quantile` wants them in ascending order.
     corners.sort_by(f64::total_cmp);
     let mut cells = vec![
         name.into(),
@@ -227,6 +232,8 @@ fn add_frames(table: &mut Table, name: &str, answers: &[FrameAccuracy]) {
 /// The squared error (Mahalanobis) of a frame's pan, tilt and focal length, by its stated
 /// covariance.
 fn in_sigmas(frame: &Frame, ptz: Ptz, truth: Ptz) -> Option<f64> {
+    // The covariance is that of pan (deg), tilt (deg) and focal length (px), so that the error has
+    // these units. Pan is subtracted as an angle, for it wraps.
     let covariance = frame.solution.as_ref()?.covariance?;
     let error = Vec3::new(
         ptz.pan.turn_from(truth.pan).degrees(),

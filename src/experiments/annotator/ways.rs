@@ -73,6 +73,7 @@ impl Labelled {
         ) else {
             return false;
         };
+        // Accepted, so that it trains forests and tracking starts from it.
         clicked.record(&solved);
         clicked.status = FrameStatus::Reference;
         self.clicked.insert(frame);
@@ -91,6 +92,8 @@ impl Labelled {
                 Some(frame + by).filter(|at| *at <= last),
             ]
         };
+        // Nearest first: the frame itself, then one before, one behind, and further out. The frame
+        // itself comes twice, which does no harm.
         let near: Vec<usize> = (0..=BESIDE).flat_map(beside).flatten().collect();
         near.into_iter()
             .any(|at| !self.clicked.contains(&at) && self.click(clip, at, landmarks))
@@ -103,6 +106,8 @@ impl Labelled {
             .iter()
             .map(|at| self.document.frames[*at].clone())
             .collect();
+        // The advice is that of the program, on a document of the queried frames alone: the others
+        // have no answer yet and would all count as doubtful.
         let some = Document {
             frames,
             ..self.document.clone()
@@ -139,6 +144,8 @@ impl Labelled {
         };
         // Of several frames without a camera, take the middle one: it is representative of the gap.
         let doubts: Vec<(usize, f64)> = places.into_iter().filter_map(doubt).collect();
+        // Frames without a camera have an infinite doubt and are equal. The first of them would be
+        // at the edge of the gap.
         let worst = doubts.iter().map(|(_, px)| *px).fold(0.0, f64::max);
         let alike: Vec<usize> = doubts
             .iter()
@@ -166,6 +173,7 @@ pub fn two_clicks(clip: &DrawnClip) -> Labelled {
 pub fn click_and_track(clip: &DrawnClip) -> Result<Labelled, ExperimentError> {
     let mut labelled = Labelled::nothing(clip);
     labelled.click_near(clip, clip.truth.len() / 2, 4);
+    // What was measured in the pictures is used again by each pass.
     let mut evidence = ClipEvidence::default();
     loop {
         carry(clip, &mut labelled, &mut evidence)?;
@@ -186,6 +194,7 @@ fn carry(
 ) -> Result<(), ExperimentError> {
     let (mut reader, options) = (FrameReader::new(), TrackClipOptions::default());
     let at = labelled.document.at(clip.folder());
+    // The clip is one shot of one camera.
     let Some(frames) = clips(at, None).into_iter().next() else {
         return Ok(());
     };
@@ -215,6 +224,8 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
     let unknown = Camera::new(camera.clone(), labelled.document.cameras[0].image_size);
     labelled.document.cameras[0] = unknown.into();
     let mut reader = FrameReader::new();
+    // Pictures are read by a copy, because the answer is written into the document. It shares the
+    // frames.
     let document = labelled.document.clone();
     let mut picture =
         |frame: usize| read_picture(&mut reader, &document.frames[frame], clip.folder()).ok();
@@ -227,6 +238,7 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
             Ok(Ok(labelled))
         }
         AutocalibrationAnswer::Abstained { why, .. } => Ok(Err(why.to_string())),
+        // Two answers wait for a click that decides between them, which this way does not make.
         AutocalibrationAnswer::Two { .. } => Ok(Err(Doubt::Rival.to_string())),
     }
 }
@@ -242,8 +254,10 @@ const LOOK_AT: usize = 40;
 pub fn forest(clip: &DrawnClip, is_snapped: bool) -> Result<Labelled, ExperimentError> {
     let mut labelled = Labelled::nothing(clip);
     labelled.click_near(clip, clip.truth.len() / 2, 4);
+    // Features of a picture are found once, although each round needs them.
     let store = FeatureStore::in_memory();
     loop {
+        // Clicked frames are among those that the advice counts as references.
         let meanwhile =
             |at: &usize| at.is_multiple_of(QUERIED_EVERY) || labelled.clicked.contains(at);
         let queried: Vec<usize> = (0..clip.truth.len()).filter(meanwhile).collect();
@@ -259,6 +273,7 @@ pub fn forest(clip: &DrawnClip, is_snapped: bool) -> Result<Labelled, Experiment
         }
     }
     let all: Vec<usize> = (0..clip.truth.len()).collect();
+    // All frames at the end. While the forest learnt, only some were queried.
     propose_some(clip, &mut labelled, &all, &store, is_snapped)?;
     Ok(labelled)
 }
@@ -272,6 +287,7 @@ fn propose_some(
     store: &FeatureStore,
     is_snapped: bool,
 ) -> Result<(), ExperimentError> {
+    // Training and answers see the document as it is at the beginning of the round.
     let before = labelled.document.clone();
     let options = LearnOptions::default();
     let pictures = FramePictures {
@@ -302,6 +318,7 @@ fn propose_some(
     let proposals = pictures.each(&mut reader, &open, |frame, _, found| {
         ControlFlow::Continue(propose(&before, frame, found, (&model, 0), &asking))
     });
+    // None would mean that it was cancelled, and the function above never does that.
     let mut proposals = proposals.unwrap_or_default();
     // Check the proposals against the painted lines, and record those that remain.
     let at = before.at(clip.folder());

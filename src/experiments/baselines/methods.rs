@@ -65,15 +65,19 @@ impl<'a> Matched<'a> {
             .most_matches(references.len())
             .into_iter()
             .filter_map(|at| {
+                // Four pairs determine a homography; with fewer RANSAC cannot draw a sample.
                 let pairs = self.pairs(&references[at], at);
                 if pairs.len() < LEAST {
                     return None;
                 }
+                // The generator depends on frame and reference, so that the result is the same
+                // whichever references were tried before.
                 let h = by_four_points(&pairs, &mut rng(self.seed, [71, at as u64])).0?;
                 Some((agreeing(&h, &pairs), at, h))
             });
         // Of equal counts take the first, so that the result is deterministic.
         let (_, at, h) = verified.max_by_key(|(count, at, _)| (*count, std::cmp::Reverse(*at)))?;
+        // The homography relates two pictures; the reference's camera relates it to the ground.
         camera_through(
             &references[at].known.truth,
             &h,
@@ -95,6 +99,8 @@ impl<'a> Matched<'a> {
             .most_matches(references.len())
             .into_iter()
             .filter_map(|at| {
+                // A match becomes a pixel and the ray of its reference's pixel in the shared base:
+                // the reference's camera is needed for nothing else.
                 let mut matches = RayMatches::new();
                 for (keypoint, nearest) in
                     self.query.features.keypoints.iter().zip(&self.nearest[at])
@@ -123,8 +129,11 @@ impl<'a> Matched<'a> {
             let of_all = self.nearest[..references.len()].iter().zip(references);
             let each =
                 of_all.filter_map(|(nearest, reference)| Some((nearest.get(feature)?, reference)));
+            // Over all references together, without a ratio test: the second-nearest neighbour
+            // usually shows the same point in another reference.
             let best = each.min_by(|a, b| a.0.squared_distance.total_cmp(&b.0.squared_distance));
             if let Some((nearest, reference)) =
+                // The gate of the forests, so that only the search for neighbours differs.
                 best.filter(|(nearest, _)| nearest.squared_distance <= gate)
             {
                 push_ray(&mut matches, keypoint.point, reference, nearest);
@@ -145,6 +154,7 @@ impl<'a> Matched<'a> {
                 .count()
         };
         let mut order: Vec<(usize, usize)> = (0..references).map(|at| (count(at), at)).collect();
+        // Of equal counts the first reference, for the order must not depend on the sort.
         order.sort_by_key(|(count, at)| (std::cmp::Reverse(*count), *at));
         order.into_iter().take(VERIFIED).map(|(_, at)| at).collect()
     }
@@ -198,6 +208,8 @@ fn camera_through(
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     // A grid over the lower part of the picture, where ground is likely.
     let grid = (0..5)
+        // 20 points from the tenth to the nine tenths of the width, and from 0.35 to 0.95 of the
+        // height.
         .flat_map(|i| (0..4).map(move |j| (0.1 + 0.2 * f64::from(i), 0.35 + 0.2 * f64::from(j))));
     let pairs = grid.filter_map(|(x, y)| {
         let pixel = ImagePoint::new(x * width, y * height);
@@ -205,7 +217,11 @@ fn camera_through(
         Some((ground.xy(), through(h, Vec3::new(pixel.x, pixel.y, 0.0))?))
     });
     let points: Vec<_> = pairs.collect();
+    // Square pixels, principal point in the middle, no distortion: what a homography of the ground
+    // can give. Points above the horizon or at infinity were left out.
     let pose = pose_from_plane(&points, centre).ok()?;
+    // Its whole rotation is put into the base, with pan and tilt 0: the base is the answer's own,
+    // and errors are measured on the rotation as a whole.
     let base = CameraBase::new(pose.position_m, pose.cam_from_world, centre);
     Some(PtzCamera::new(
         base,

@@ -70,6 +70,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     } else {
         &COUNTS
     };
+    // A set of few frames gives fewer numbers, none of them twice.
     let counts = no_more_than(most, wanted);
     let stride = inputs.options.full_or_quick(4, 2);
     introduce_again(
@@ -129,11 +130,14 @@ struct SplitOfSet<'a> {
 fn ask_split(place: &SplitOfSet<'_>, stride: usize, by_count: &mut ByCount) {
     let (set, split) = (place.set, &place.set.splits[place.split]);
     let mut order = split.training_frames.clone();
+    // One order for all numbers: the five references are among the ten, so that curves differ by
+    // the number alone.
     order.shuffle(&mut rng(set.seed, [70, place.split as u64]));
     let references: Vec<Reference<'_>> = order
         .iter()
         .map(|&frame| Reference::from_known_frame(&set.frames[frame]))
         .collect();
+    // Trained for each number on the first references, as the other methods get them.
     let forests: Vec<[Option<(Forest, SeenRange)>; 2]> = by_count
         .iter()
         .map(|(count, _)| {
@@ -158,6 +162,8 @@ fn ask_split(place: &SplitOfSet<'_>, stride: usize, by_count: &mut ByCount) {
         };
         let of_count = |(count, forests): (&usize, &[Option<(Forest, SeenRange)>; 2])| {
             let references = &references[..*count];
+            // Methods without a forest get the same limits of plausible cameras, which follow from
+            // where the references look.
             let ranges = forests[0].as_ref().map(|(_, seen)| seen.plausible());
             let options = PoseOptions {
                 seed: set.seed,
@@ -186,6 +192,7 @@ fn ask_split(place: &SplitOfSet<'_>, stride: usize, by_count: &mut ByCount) {
         counts.iter().zip(&forests).map(of_count).collect()
     };
     let answers: Vec<Vec<[FrameAnswer; METHODS.len()]>> = tested.par_iter().map(one).collect();
+    // Sorted from frames into methods and numbers, in the order of the frames.
     for of_frame in answers {
         for ((_, methods), of_count) in by_count.iter_mut().zip(of_frame) {
             for (method, answers) in methods.iter_mut().zip(of_count) {
@@ -208,6 +215,7 @@ fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
             .iter()
             .map(|(count, answers)| (*count as f64, Tally::from_answers(answers[method].iter())))
             .collect();
+        // A factor, because the axis is logarithmic; the middle method stays in place.
         let aside = ASIDE.powi(method as i32 - METHODS.len() as i32 / 2);
         let points = tallies
             .iter()

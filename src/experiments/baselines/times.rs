@@ -9,9 +9,9 @@ use crate::forests::{ForestKind, train_forest};
 use crate::paper::TABLE_2_SECONDS;
 use crate::sequences::on_both;
 use crate::sets::{FrameSet, KnownFrame, as_picture};
+use crate::statistics::median_of;
 use std::hint::black_box;
 use std::time::Instant;
-use touchline_core::geometry::quantile;
 use touchline_documents::report::figure::{Axis, Figure, Series};
 use touchline_documents::report::{Cell, Column, Report, Stated, Table};
 use touchline_vision::features::{FeatureOptions, extract};
@@ -49,6 +49,8 @@ pub fn measure_times(sets: &[FrameSet], quick: bool) -> Result<Times, Experiment
             answer_ms: Vec::new(),
         });
     };
+    // The times do not depend on what the references show, so that other stadiums fill up to
+    // numbers that one sequence does not have.
     let own = split
         .training_frames
         .iter()
@@ -57,6 +59,7 @@ pub fn measure_times(sets: &[FrameSet], quick: bool) -> Result<Times, Experiment
     let references: Vec<&KnownFrame> = own.chain(others).collect();
     let wanted: &[usize] = if quick { &QUICK_COUNTS } else { &COUNTS };
     let counts = no_more_than(references.len(), wanted);
+    // Spread over the sequence. The last may be one more than `TESTED`.
     let stride = (split.test_frames.len() / TESTED).max(1);
     let tested: Vec<&KnownFrame> = split
         .test_frames
@@ -81,6 +84,7 @@ fn features_ms(tested: &[&KnownFrame]) -> Result<f64, ExperimentError> {
     for known in tested {
         let picture = as_picture(known.picture(&mut reader)?)?;
         let start = Instant::now();
+        // Without `black_box` a result that is not used might not be computed.
         _ = black_box(extract(
             &picture,
             known.used_masks(),
@@ -88,8 +92,7 @@ fn features_ms(tested: &[&KnownFrame]) -> Result<f64, ExperimentError> {
         )?);
         times.push(start.elapsed().as_secs_f64() * 1e3);
     }
-    times.sort_by(f64::total_cmp);
-    Ok(quantile(&times, 0.5))
+    Ok(median_of(times))
 }
 
 /// Median times (ms) of the methods with these references.
@@ -123,6 +126,8 @@ fn median_times(
             work();
             times[method].push(start.elapsed().as_secs_f64() * 1e3);
         };
+        // Matching is a part of each baseline's time, for it depends on the frame. Each method
+        // begins from the frame's features.
         take(0, &|| {
             _ = black_box(Matched::to(known, &ready, seed).by_homography(&ready));
         });
@@ -146,10 +151,7 @@ fn median_times(
             }
         }
     }
-    times.map(|mut times| {
-        times.sort_by(f64::total_cmp);
-        quantile(&times, 0.5)
-    })
+    times.map(median_of)
 }
 
 /// Adds the tables and the figure of times.
@@ -215,6 +217,7 @@ fn growth_table(times: &Times) -> Table {
     let Some((most, last)) = times.answer_ms.last() else {
         return table;
     };
+    // A tenth, so that both ends are measured and the growth is over one order of magnitude.
     let from = times
         .answer_ms
         .iter()
@@ -254,6 +257,7 @@ fn whole_table(times: &Times) -> Table {
         return table;
     };
     let [calib_me, theirs] = TABLE_2_SECONDS.map(|seconds| 1e3 * seconds);
+    // The paper's times are of its own forest, so that the ratio of `CalibMe` is to that one.
     let published = times.features_ms + all[PUBLISHED];
     for (method, references, answer_ms, paper) in [
         (HOMOGRAPHY, few, least[HOMOGRAPHY], Some(calib_me)),
@@ -286,6 +290,8 @@ pub fn claims(report: &mut Report) {
         &on_both(|kind| {
             Contrast::exact("growth-times", "growth")
                 .plus(&[("method", kind)])
+                // Less than half of matching's growth is what *does not grow* is tested by: the
+                // forest's growth minus half of matching's is at most 0.
                 .add(-0.5, &[("method", METHODS[HOMOGRAPHY].0)])
         }),
     );

@@ -108,6 +108,7 @@ impl Described {
     ) -> Result<Self, ExperimentError> {
         let mut set = set.clone();
         for split in &mut set.splits {
+            // Before the features are extracted: all frames may train, and only these are tested.
             let queried = split.test_frames.iter().copied().step_by(stride);
             split.test_frames = queried.collect();
         }
@@ -142,6 +143,8 @@ impl Described {
                 vec![None; rows[frame].len()]
             }
             SearchableDescriptors::Numbers(rows) => {
+                // As a share of the largest distance, so that numbers and bits have gates of one
+                // kind.
                 let largest = MAX_SQUARED_DISTANCE * self.kind.scale_of_squares();
                 crate::matching::nearest(&rows[frame], &rows[other])
                     .iter()
@@ -152,6 +155,7 @@ impl Described {
                 let nearest = |query: &BinaryDescriptor| {
                     let others = frames[other].iter().enumerate();
                     let (bits, feature) = others
+                        // Of equal distances the first feature: bits often have some.
                         .map(|(feature, other)| (query.distance(other), feature))
                         .min()?;
                     Some((bits as f32 / kind.bits() as f32, feature))
@@ -198,6 +202,7 @@ fn describe_in_bits(
             keypoints: found.keypoints,
             descriptors: descriptors.map(|bits| bits.as_bytes(kind)).collect(),
         };
+        // Neighbours compare all bits, forests see 128 of them as bytes.
         bits.push(found.descriptors);
     }
     Ok(SearchableDescriptors::Bits(bits, kind))
@@ -210,6 +215,7 @@ fn with_pictures<T: Send>(
 ) -> Result<Vec<T>, ExperimentError> {
     let mut reader = FrameReader::new();
     let mut all = Vec::with_capacity(set.frames.len());
+    // A batch at a time, because all decoded pictures of a set would fill the memory.
     for batch in set.frames.chunks(BATCH) {
         // Read sequentially, because a video decoder has one position.
         let pictures: Vec<_> = batch

@@ -22,6 +22,9 @@ use described::{Described, FeatureKind, MOST_FEATURES};
 use neighbours::ask_neighbours;
 use touchline_documents::report::{Cell, Report, Stated, Table};
 
+/// Every n-th test frame is used, the same ones with every kind of features.
+const STRIDE: usize = 2;
+
 /// How a frame's features get their rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Method {
@@ -61,6 +64,7 @@ impl Method {
         match self {
             Self::Forest(kind) => {
                 let mut asking = kind.asking(set.seed);
+                // The gate is in the unit of the stored descriptors, which differs for SURF.
                 asking.predict.max_squared_distance = described.kind.forest_gate();
                 Trained::train(set, repeat, &kind.training(set.seed)).ask_plainly(&asking)
             }
@@ -103,12 +107,11 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         "descriptors",
         &sets[0].heading("Descriptors: SIFT, SURF, ORB, AKAZE"),
     );
-    let stride = inputs.options.full_or_quick(2, 2);
     introduce_again(
         &mut report,
         sets,
         "highlights",
-        &format!("One frame in {stride} is tested, the same ones with every kind."),
+        &format!("One frame in {STRIDE} is tested, the same ones with every kind."),
     );
     report.text(&format!(
         "At most {MOST_FEATURES} features a picture, spread over it. SIFT, ORB and AKAZE are \
@@ -132,7 +135,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     for (repeat, set) in sets.iter().enumerate() {
         for kind in FeatureKind::ALL {
             // One kind at a time, so that only its features are in memory.
-            let described = Described::from_set(set, kind, stride)?;
+            let described = Described::from_set(set, kind, STRIDE)?;
             for way in ways.iter_mut().filter(|way| way.features == kind) {
                 way.answers.extend(way.method.ask(&described, repeat));
                 step();
@@ -187,6 +190,7 @@ fn tabulate(ways: &[Way]) -> Table {
             )
         })
         .collect();
+    // The columns of a tally behind a first column with the method.
     let mut by_features = tally_table(("features", "features"), &tallies);
     let mut table = Table::new(&[("method", "method")]);
     table.columns.append(&mut by_features.columns);

@@ -19,12 +19,12 @@ pub fn ask_neighbours(described: &Described, repeat: usize) -> Vec<FrameAnswer> 
             .iter()
             .map(|&training_frame| set.frames[training_frame].truth.ptz())
             .collect();
-        let Some(seen) = SeenRange::from_cameras(&seen) else {
-            return Vec::new();
-        };
+        // As with a forest: the limits of plausible cameras follow from the training frames, and
+        // the test of confidence is applied afterwards. Without training frames no feature has a
+        // ray, and every frame is a refusal.
         let options = PoseOptions {
             seed: set.seed,
-            ranges: Some(seen.plausible()),
+            ranges: SeenRange::from_cameras(&seen).map(|seen| seen.plausible()),
             ..PoseOptions::default()
         };
         let untested = PoseOptions {
@@ -53,11 +53,13 @@ pub fn ask_neighbours(described: &Described, repeat: usize) -> Vec<FrameAnswer> 
 fn nearest_rays(described: &Described, frame: usize, training_frames: &[usize]) -> RayMatches {
     let frames = &described.set.frames;
     let keypoints = &frames[frame].features.keypoints;
+    // One training frame at a time, so that only the products of two frames are in memory.
     let mut best: Vec<Option<(Neighbour, usize)>> = vec![None; keypoints.len()];
     for &training_frame in training_frames {
         let neighbours = described.neighbours(frame, training_frame);
         for (best, neighbour) in best.iter_mut().zip(neighbours) {
             if let Some(neighbour) = neighbour
+                // Of equal distances the earlier training frame stays.
                 && best.is_none_or(|(least, _)| neighbour.0 < least.0)
             {
                 *best = Some((neighbour, training_frame));
@@ -73,6 +75,7 @@ fn nearest_rays(described: &Described, frame: usize, training_frames: &[usize]) 
         };
         let training = &frames[training_frame];
         let point = training.features.keypoints[feature].point;
+        // A point beyond the fold of the lens has no ray.
         if let Ok(ray) = training.truth.ray_from_image(point) {
             matches.push(
                 keypoint.point,

@@ -47,6 +47,7 @@ impl Sampled {
         let (width, height) = (f64::from(SIZE.width), f64::from(SIZE.height));
         let grid = (0..GRID[0])
             .flat_map(|column| (0..GRID[1]).map(move |row| (f64::from(column), f64::from(row))));
+        // The middle of each cell of the grid, px, corner convention.
         let pixels = grid.map(|(column, row)| {
             ImagePoint::new(
                 (column + 0.5) / columns * width,
@@ -56,6 +57,7 @@ impl Sampled {
         let [half_length, half_width] = [0.5 * field.length_m, 0.5 * field.width_m];
         let points: Vec<(Vec2, ImagePoint)> = pixels
             .filter_map(|pixel| Some((view.ground_from_image(pixel)?, pixel)))
+            // Beyond the pitch a homography is an extrapolation.
             .filter(|(ground, _)| ground.x.abs() <= half_length && ground.y.abs() <= half_width)
             .collect();
         (points.len() >= FEWEST_POINTS).then_some(Self { points })
@@ -72,11 +74,13 @@ impl Sampled {
             ))
         };
         Self {
+            // Points behind the camera have no pixel and are left out.
             points: self.points.iter().filter_map(shown).collect(),
         }
     }
 
     fn observations(&self) -> Vec<Observation> {
+        // The same sigma for all points: none is better known than another.
         let landmark = |(click, (ground, image)): (usize, &(Vec2, ImagePoint))| {
             Observation::from_point(Vec3::new(ground.x, ground.y, 0.0), *image, 1.0, click)
         };
@@ -100,6 +104,7 @@ impl Sampled {
     pub fn fit_camera(&self, field: &FieldModel) -> Option<Fitted> {
         let principal = SIZE.centre();
         let pose = pose_from_plane(&self.points, principal).ok()?;
+        // A position below the ground is no camera's. NaN is refused as well.
         if !(pose.position_m.z > 0.0) {
             return None;
         }
@@ -110,6 +115,7 @@ impl Sampled {
             pose.focal_px,
         );
         // Without priors on pitch and roll: the base has to explain a single frame exactly.
+        // The closed form is the start; all seven parameters are then fitted to the pixels.
         let loose = BasePriors {
             pitch: Angle::from_degrees(1000.0),
             roll: Angle::from_degrees(1000.0),
@@ -164,8 +170,12 @@ fn without_roll(
     principal: ImagePoint,
     focal_px: f64,
 ) -> (CameraBase, Ptz) {
+    // The base is chosen so that the rotation from it is Q_tilt Q_pan exactly (`conventions`). Pan
+    // and tilt leave the camera's right axis in the plane across the pan axis, so that the pan axis
+    // is perpendicular to `right`, and as near to the vertical as that allows.
     let right = cam_from_world.row(0).transpose();
     let up = (Vec3::z() - right * right.z).normalize();
+    // At pan 0 the base looks along +y of the world, as far as its pan axis allows.
     let level_right = Vec3::y().cross(&up).normalize();
     let base_from_world = Mat3::from_rows(&[
         level_right.transpose(),
@@ -173,8 +183,9 @@ fn without_roll(
         up.cross(&level_right).transpose(),
     ]);
     let turned = cam_from_world * base_from_world.transpose();
+    // The first row of Q_tilt Q_pan is (cos θ, 0, −sin θ), its middle column (0, cos φ, −sin φ).
     let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
-    let tilt = Angle::from_radians(turned[(1, 2)].atan2(turned[(1, 1)]));
+    let tilt = Angle::from_radians((-turned[(2, 1)]).atan2(turned[(1, 1)]));
     (
         CameraBase::new(position_m, base_from_world, principal),
         Ptz {
@@ -218,6 +229,7 @@ pub fn groups(
             own,
         ]
     };
+    // The distance is tested first, because a fit costs far more.
     let agrees = |base: &CameraBase, frame: usize| {
         let own = fitted[frame].camera;
         if (own.base().position_m - base.position_m).norm() > NEIGHBOURS_M {
@@ -234,6 +246,8 @@ pub fn groups(
             .collect();
         SharedBase { base, frames }
     };
+    // Twice as many candidates as frames, each fitted to all frames near it. This is the costly
+    // part, and it is done once.
     let mut tried: Vec<SharedBase> = left
         .par_iter()
         .flat_map_iter(|&frame| start_bases(frame).map(try_base))
@@ -245,6 +259,7 @@ pub fn groups(
         .enumerate()
         .max_by_key(|(index, group)| (group.frames.len(), std::cmp::Reverse(*index)))
     {
+        // A base for one frame says nothing: each frame has its own.
         if largest.frames.len() < 2 {
             break;
         }
@@ -257,6 +272,8 @@ pub fn groups(
                 .copied()
                 .filter(|&frame| agrees(&base, frame))
                 .collect();
+            // The adjustment minimises the sum of squares, which is not the number of frames within
+            // the limit: a step that loses frames is not taken.
             if frames.len() < group.frames.len() {
                 break;
             }
@@ -289,6 +306,7 @@ fn together(
         .iter()
         .map(|&frame| Some(level_ptz(&fitted[frame].camera)))
         .collect();
+    // Here with the usual priors on pitch and roll, because several frames determine one base.
     let options = AdjustOptions {
         loss: Loss::Squared,
         ..AdjustOptions::default()
@@ -311,6 +329,7 @@ pub fn under_one_base(sampled: &[Sampled], fitted: &[Fitted]) -> Vec<f64> {
             .iter()
             .map(|fitted| fitted.camera.base().position_m[axis])
             .collect();
+        // There is at least one frame: `run` refuses a folder without.
         median(&mut along).unwrap_or(f64::NAN)
     });
     let base = CameraBase::new(
@@ -326,6 +345,7 @@ pub fn under_one_base(sampled: &[Sampled], fitted: &[Fitted]) -> Vec<f64> {
 
 /// Pan and tilt of the optical axis in a level base: a start for any base that is nearly level.
 fn level_ptz(camera: &PtzCamera) -> Ptz {
+    // The optical axis, in the world.
     let forward = camera.cam_from_world().row(2).transpose();
     Ptz {
         pan: Angle::from_radians(forward.x.atan2(forward.y)),
@@ -346,6 +366,16 @@ mod tests {
         };
         let base = CameraBase::new(Vec3::from(place), rolled.base_from_world(), SIZE.centre());
         PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+    }
+
+    #[test]
+    fn a_rotation_is_that_of_its_base_and_its_pan_and_tilt() {
+        let camera = seen([2.0, -62.0, 14.0], -25.0, -11.0, 2000.0);
+        let rotation = camera.cam_from_world();
+        let position_m = camera.base().position_m;
+        let (base, ptz) = without_roll(&rotation, position_m, SIZE.centre(), 2000.0);
+        let again = PtzCamera::new(base, ptz).cam_from_world();
+        assert!((again - rotation).norm() < 1e-9, "{again} {rotation}");
     }
 
     #[test]

@@ -6,13 +6,12 @@ mod read;
 
 pub use read::holds_homographies;
 
-use super::progress::Progress;
+use super::progress::{Progress, step_counter};
 use super::{ExperimentError, ExperimentOptions};
 use fit::{Fitted, Sampled, SharedBase, groups, under_one_base};
 use rayon::prelude::*;
 use read::{Homographies, SIZE, read_homographies};
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::geometry::Mat3;
 use touchline_core::score::{PlaneView, Summary};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
@@ -47,14 +46,15 @@ pub fn run(
     if options.quick {
         read.frames = read.frames.into_iter().step_by(QUICK_STRIDE).collect();
     }
+    // Each frame is fitted once; bases are sought for two kinds of data at each limit.
     let steps = read.frames.len() + 2 * WITHIN_PX.len();
-    let done = AtomicUsize::new(0);
-    let step = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps);
+    let step = step_counter(steps, progress);
     let of_frame = |(name, image_from_ground): &(String, _)| {
         let scored = score(&read, name, image_from_ground);
         step();
         scored
     };
+    // In the order of the set, on which `neighbours` depends.
     let scored: Vec<Scored> = read.frames.par_iter().filter_map(of_frame).collect();
     if scored.is_empty() {
         let reason =
@@ -118,6 +118,7 @@ pub fn run(
         .map(|scored| scored.sampled.as_seen_by(&scored.fitted.camera))
         .collect();
     let sought = |what: &'static str, sampled: &[Sampled]| -> Vec<BaseGroups> {
+        // The comparison that needs no grouping: a single base for the whole set.
         let one_base = under_one_base(sampled, &fitted);
         let of = |within_px: f64| {
             let groups = groups(&read.field, sampled, &fitted, within_px);
@@ -152,6 +153,7 @@ pub fn run(
     );
     let shown = found
         .iter()
+        // The last of the two kinds: groups that explain the fitted cameras.
         .rfind(|found| found.within_px == SHOWN_PX)
         .map_or(&[][..], |found| &found.groups);
     report.figure(
@@ -162,6 +164,7 @@ pub fn run(
         ),
         positions(&fitted, shown),
     );
+    // A test of the groups that they were not made for: frames of a match lie together in the set.
     let (beside, chance) = neighbours(shown, fitted.len());
     let order = Figure::new(
         "",
@@ -200,6 +203,7 @@ fn score(read: &Homographies, name: &str, image_from_ground: &Mat3) -> Option<Sc
     let estimate = PlaneView::from_camera(&fitted.camera, SIZE)?;
     Some(Scored {
         name: name.to_owned(),
+        // A homography that shows nothing of the pitch has no score.
         iou_part: view.iou_part(&read.field, &estimate)?,
         iou_whole: view.iou_whole(&read.field, &estimate),
         sampled,
@@ -310,6 +314,8 @@ fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
     // (frames − 1).
     let others = frames.saturating_sub(1).max(1) as f64;
     let by_chance = |group: &SharedBase| {
+        // The two neighbours are taken as independent, and the ends of the set, which have one, are
+        // neglected.
         let miss = 1.0 - (group.frames.len() - 1) as f64 / others;
         group.frames.len() as f64 * (1.0 - miss * miss)
     };

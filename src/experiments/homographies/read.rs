@@ -8,11 +8,11 @@
 
 use crate::ExperimentError;
 use crate::given::MAX_GIVEN_BYTES;
+use crate::setting::field_of_yards;
 use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use touchline_core::field::{FieldModel, YARD_M, builtin};
+use touchline_core::field::FieldModel;
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, Mat3};
 use touchline_documents::exchange::template_from_ground;
@@ -50,18 +50,16 @@ pub fn holds_homographies(folder: &Path) -> bool {
 /// # Errors
 /// A file cannot be read or has another format.
 pub fn read_homographies(folder: &Path) -> Result<Homographies, ExperimentError> {
+    // The JSON file has all frames, so that text files beside it are not read.
     let json = folder.join(JSON_FILE);
     let (template_yd, frames) = if json.is_file() {
         (JSON_TEMPLATE_YD, read_json(&json)?)
     } else {
         (TEXT_TEMPLATE_YD, read_text(folder)?)
     };
-    let sides = ["length_m", "width_m"].into_iter().zip(template_yd);
-    let sides: BTreeMap<String, f64> = sides
-        .map(|(name, yards)| (name.to_owned(), yards * YARD_M))
-        .collect();
-    let field = builtin("soccer")?.model(&sides, 0.0)?;
     let template_from_ground = template_from_ground(template_yd);
+    // From the right: metres to yards of the template, the published homography, and from pixel
+    // centres to the corner convention.
     let in_world = |h: Mat3| {
         Mat3::new_translation(&nalgebra::Vector2::repeat(CORNER_FROM_CENTRE))
             * h
@@ -72,7 +70,7 @@ pub fn read_homographies(folder: &Path) -> Result<Homographies, ExperimentError>
         .map(|(name, image_from_template)| (name, in_world(image_from_template)))
         .collect();
     Ok(Homographies {
-        field,
+        field: field_of_yards(template_yd)?,
         template_yd,
         frames,
     })
@@ -126,6 +124,8 @@ fn text_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
             files.push(path);
         }
     }
+    // 10 after 9: the order of the set is that of the numbers, and frames of a match are neighbours
+    // in it.
     alphanumeric_sort::sort_path_slice(&mut files);
     Ok(files)
 }
@@ -142,6 +142,7 @@ fn read_text(folder: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
                 &format!("nine numbers are wanted, there are {}", numbers.len()),
             ));
         }
+        // Text files have the direction from the picture to the template.
         let image_from_template = Mat3::from_row_slice(&numbers).try_inverse();
         let image_from_template =
             image_from_template.ok_or_else(|| wrong(&path, &"the homography is singular"))?;

@@ -82,6 +82,7 @@ impl Gathered {
             options: FeatureOptions::default(),
             store: &store,
         };
+        // A rejected frame is no truth: a person took it out of use.
         let solved: Vec<usize> = (0..document.frames.len())
             .filter(|&index| {
                 let frame = &document.frames[index];
@@ -96,10 +97,13 @@ impl Gathered {
         for (index, features) in found.unwrap_or_default() {
             let frame = &*document.frames[index];
             let (Some(truth), Some(source)) =
+                // A frame without a picture cannot be tested.
                 (document.ptz_camera(frame), frame.picture_source(folder))
             else {
                 continue;
             };
+            // One picture that cannot be read ends the experiment: a set without it would be
+            // another set.
             let features = features.map_err(|source| ExperimentError::Picture {
                 frame: frame.name(),
                 source,
@@ -120,6 +124,7 @@ impl Gathered {
                 field: document.field_of(frame).model(folder)?,
                 picture: KnownPicture::File(source),
                 masks: document.masks_of(frame),
+                // As the program itself: masks of the document are left out of training and tests.
                 is_masked: true,
             });
             self.cameras.push(frame.camera.as_str().to_owned());
@@ -159,7 +164,7 @@ impl Gathered {
 }
 
 /// Removes repeated names, and keeps the order.
-fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+pub(super) fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut found: Vec<&str> = Vec::new();
     for name in names {
         if !found.contains(&name) {
@@ -179,6 +184,7 @@ fn split_by_document(
     for own in train {
         gathered.add(own, progress)?;
     }
+    // The indices below are of the training documents, those from here on of the test document.
     let taught = gathered.frames.len();
     let tested = gathered.add(test, progress)?;
     let splits = gathered
@@ -190,6 +196,7 @@ fn split_by_document(
             test_frames: gathered.frames_of_camera(tested.clone(), camera, |_| true),
         });
     let splits: Vec<Split> = splits
+        // A camera without frames on one side cannot be tested.
         .filter(|split| !split.training_frames.is_empty() && !split.test_frames.is_empty())
         .collect();
     if splits.is_empty() {
@@ -227,6 +234,7 @@ fn split_by_clip(
                 continue;
             }
             for clip in clips {
+                // Several documents are reported by their names, all clips of one together.
                 let mut name = if documents.len() > 1 {
                     own.name.clone()
                 } else {

@@ -54,11 +54,13 @@ pub(super) fn take(
         let mut options = order
             .shoot
             .frame(order.number, &order.step, order.size, order.seed);
+        // The exposure of the sequence, on top of that which varies from frame to frame.
         options.exposure_ev += order.exposure_ev;
         let drawn = order
             .scene
             .at(&order.moment)
             .render(&order.camera, order.size, &options);
+        // Players and graphics, known exactly because they are drawn.
         let masks: Vec<PixelBox> = drawn
             .movers
             .iter()

@@ -9,13 +9,12 @@
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
 use crate::paper::{SEQUENCE_FRAMES, Sequence, TABLE_2};
-use crate::setting::{FIELD_YD, SIZE, base, normal, rng};
+use crate::setting::{FIELD_YD, SIZE, base, field_of_yards, normal, rng};
+use crate::statistics::range_of;
 use crate::{ExperimentError, ExperimentOptions};
 use rand::RngExt;
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::ImageSize;
 use touchline_vision::synthetic::{
     CameraMotion, Moment, PathStep, Preset, ShootOptions, StadiumOptions, stadium,
@@ -97,7 +96,7 @@ pub fn highlights_in(
     let [boards_in_sequence, boards_in_game] = scenery.boards_changed;
     let first = stadium(&StadiumOptions {
         daylight: shoot.daylight,
-        ..StadiumOptions::new(paper_field()?, scene_seed(seed, 0))
+        ..StadiumOptions::new(field_of_yards(FIELD_YD)?, scene_seed(seed, 0))
     });
     // The second game is in the same stadium, with most spectators and boards replaced.
     let second = first.at(&Moment {
@@ -109,6 +108,7 @@ pub fn highlights_in(
     let base = paper_base(&shoot, size);
     let mut orders = Vec::new();
     for (number, stated) in TABLE_2.iter().enumerate() {
+        // A generator for each sequence, so that its path does not depend on the others.
         let mut draw = rng(seed, [90, number as u64]);
         let exposure_ev = scenery.exposure_sigma_ev * normal(&mut draw);
         let of_second = number >= SEQUENCES_OF_FIRST_GAME;
@@ -116,6 +116,8 @@ pub fn highlights_in(
             SEQUENCE_EVERY_S * number as f64 + if of_second { SECOND_GAME_S } else { 0.0 };
         let path = Path::from_sequence(stated, size, &mut draw);
         for frame in (0..frames).step_by(stride) {
+            // The share of the sequence, 0 at its first frame and 1 at its last, whatever their
+            // number.
             let step = path.step(frame as f64 / (frames - 1) as f64, begins_s);
             let of_all = number * frames + frame;
             orders.push(Order {
@@ -124,6 +126,7 @@ pub fn highlights_in(
                     occasion: number as u64,
                     people_changed: people_in_sequence,
                     boards_changed: boards_in_sequence,
+                    // Each frame has its own instant, at which spectators sit otherwise.
                     instant: seed.wrapping_mul(1_000).wrapping_add(of_all as u64),
                     restlessness: scenery.restlessness,
                 },
@@ -139,6 +142,7 @@ pub fn highlights_in(
     }
     let sequences = TABLE_2.len();
     let frames = frames.div_ceil(stride);
+    // Orders were made sequence by sequence, so that a sequence is a range of indices.
     let frames_of = |sequence: usize| sequence * frames..(sequence + 1) * frames;
     let split = |sequence: usize| Split {
         name: format!("sequence {}", sequence + 1),
@@ -191,16 +195,6 @@ pub(super) fn broadcast(preset: Preset) -> ShootOptions {
     }
 }
 
-/// The paper's field, 118 × 70 yards.
-fn paper_field() -> Result<FieldModel, ExperimentError> {
-    let [length_m, width_m] = FIELD_YD.map(|side| side * 0.9144);
-    let sides = BTreeMap::from([
-        ("length_m".to_owned(), length_m),
-        ("width_m".to_owned(), width_m),
-    ]);
-    Ok(builtin("soccer")?.model(&sides, 0.0)?)
-}
-
 /// The paper's base for pictures of another size, with the lens of a preset.
 fn paper_base(shoot: &ShootOptions, size: ImageSize) -> CameraBase {
     let distortion = shoot.main_camera(size).distortion;
@@ -229,18 +223,19 @@ const SAMPLES: usize = 29;
 impl Path {
     fn from_sequence(stated: &Sequence, size: ImageSize, draw: &mut rand_pcg::Pcg64Mcg) -> Self {
         let scale = f64::from(size.width) / f64::from(SIZE.width);
+        // Three waves for each of pan, tilt and focal length. Their sum is scaled to the range
+        // afterwards.
         let phases = std::array::from_fn(|_| std::array::from_fn(|_| draw.random_range(0.0..TAU)));
         let reach = std::array::from_fn(|axis| {
             let at = (0..SAMPLES)
                 .map(|sample| waves(&phases[axis], sample as f64 / (SAMPLES - 1) as f64));
-            at.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-                [low.min(value), high.max(value)]
-            })
+            range_of(at)
         });
         Self {
             range: [
                 stated.pan_deg,
                 stated.tilt_deg,
+                // Logarithmic, so that a zoom is as fast at the long end as at the short one.
                 stated.focal_px.map(|f| (f * scale).ln()),
             ],
             phases,
@@ -253,6 +248,8 @@ impl Path {
     fn ptz(&self, share: f64) -> Ptz {
         let [pan, tilt, log_focal] = std::array::from_fn(|axis| {
             let ([low, high], [from, to]) = (self.reach[axis], self.range[axis]);
+            // Beyond the sequence's ends, which the speed at its ends needs, the range is exceeded
+            // a little.
             from + (to - from) * (waves(&self.phases[axis], share) - low) / (high - low)
         });
         Ptz::from_degrees(pan, tilt, log_focal.exp())

@@ -15,6 +15,7 @@ pub use published::{PublishedKind, published_folder, read_published};
 pub use worldcup::{frames_a_game, worldcup};
 
 use super::ExperimentError;
+use documents::each_once;
 use image::{ImageFormat, RgbImage};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
@@ -141,6 +142,8 @@ impl FrameSet {
     pub fn without_masked_features(&self) -> Self {
         let mut set = self.clone();
         for frame in set.frames.iter_mut().filter(|frame| !frame.is_masked) {
+            // Features of the whole picture, without those in masks. No others take their places,
+            // as they would if the masks were known when the strongest were chosen.
             let features = std::mem::take(&mut frame.features);
             let each = features.keypoints.into_iter().zip(features.descriptors);
             let kept = each.filter(|(keypoint, _)| {
@@ -159,12 +162,6 @@ impl FrameSet {
 
     /// The distinct names of the splits, in order of appearance.
     pub fn names(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
-        for split in &self.splits {
-            if !names.contains(&split.name.as_str()) {
-                names.push(&split.name);
-            }
-        }
-        names
+        each_once(self.splits.iter().map(|split| split.name.as_str()))
     }
 }

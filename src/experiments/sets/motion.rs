@@ -3,12 +3,12 @@
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
 use crate::given::MAX_GIVEN_BYTES;
+use crate::setting::{FIELD_YD, field_of_yards};
 use crate::{ExperimentError, ExperimentOptions};
 use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::field::builtin;
+use touchline_core::field::YARD_M;
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use touchline_vision::synthetic::{
@@ -56,7 +56,7 @@ struct MotionFrame {
 impl RealMotion {
     /// Length and width of the file's field (118 × 70 yards), m. The file's origin is a corner of
     /// it.
-    pub const FIELD_M: [f64; 2] = [118.0 * 0.9144, 70.0 * 0.9144];
+    pub const FIELD_M: [f64; 2] = [FIELD_YD[0] * YARD_M, FIELD_YD[1] * YARD_M];
 
     /// Reads the published file and moves its origin to the field's centre.
     ///
@@ -71,12 +71,14 @@ impl RealMotion {
             read_named_text(path, MAX_GIVEN_BYTES).map_err(|error| wrong(error.to_string()))?;
         let file: MotionFile =
             serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        // NaN is refused as well. `motion_at` relies on at least one frame.
         if file.frames.is_empty() || file.frames.iter().any(|frame| !(frame.f_px > 0.0)) {
             return Err(wrong(
                 "frames with focal lengths above 0 are wanted".to_owned(),
             ));
         }
         let [x, y] = file.principal_point_px.map(|at| at + CORNER_FROM_CENTRE);
+        // The file's origin is a corner of the field, ours is its centre.
         let corner_m = Vec3::new(0.5 * Self::FIELD_M[0], 0.5 * Self::FIELD_M[1], 0.0);
         let rotation = Mat3::from_fn(|row, column| file.base_rotation[row][column]);
         Ok(Self {
@@ -95,6 +97,7 @@ impl RealMotion {
 
     /// The same motion for pictures of another width.
     fn scale_to(&self, size: ImageSize) -> Self {
+        // In the corner convention all lengths in px scale with the width; angles do not change.
         let scale = f64::from(size.width) / f64::from(PUBLISHED_SIZE.width);
         let principal = self.base.principal_point;
         let principal_point = ImagePoint::new(principal.x * scale, principal.y * scale);
@@ -115,6 +118,8 @@ impl RealMotion {
     pub fn motion_at(&self, index: usize) -> CameraMotion {
         let last = self.ptz.len() - 1;
         let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
+        // A central difference; at the ends of the motion a difference to one side, and none for a
+        // single frame.
         let per_s = FRAMES_A_SECOND / (after - before).max(1) as f64;
         let (from, to) = (self.ptz[before], self.ptz[after]);
         CameraMotion {
@@ -138,16 +143,10 @@ pub fn motion(
     let size = picture_size(options);
     let scaled = real.scale_to(size);
     let shoot = Preset::Paper.shoot();
-    let [length_m, width_m] = RealMotion::FIELD_M;
-    let sides = BTreeMap::from([
-        ("length_m".to_owned(), length_m),
-        ("width_m".to_owned(), width_m),
-    ]);
-    let field = builtin("soccer")?.model(&sides, 0.0)?;
     let seed = options.seed;
     let scene = stadium(&StadiumOptions {
         daylight: shoot.daylight,
-        ..StadiumOptions::new(field, seed.wrapping_add(37))
+        ..StadiumOptions::new(field_of_yards(FIELD_YD)?, seed.wrapping_add(37))
     });
     let orders: Vec<Order<'_>> = (0..scaled.ptz.len())
         .step_by(stride)

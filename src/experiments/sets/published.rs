@@ -66,6 +66,8 @@ pub fn published_folder(data: &Path, kind: PublishedKind) -> Option<PathBuf> {
         })
     };
     folder_with(data, |folder| {
+        // A folder that the user names may be called anything but the other set. Below it only a
+        // folder of the set's own name counts.
         let named = if folder == data {
             !name(folder).contains(kind.other().in_name())
         } else {
@@ -85,6 +87,7 @@ pub fn read_published(
     progress: Progress,
 ) -> Result<FrameSet, ExperimentError> {
     let read = read_authors_folder(folder, kind.field_yd())?;
+    // The authors' files become a document, so that features are found by the code for own frames.
     let own = OwnDocument {
         name: String::new(),
         document: read.document,
@@ -133,6 +136,7 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
     let mut whole = true;
     for camera in gathered.cameras(range.clone()) {
         let clips = gathered.clips(range.clone(), camera);
+        // A single sequence of a camera has no other one to train on.
         let apart = kind == PublishedKind::Highlights && clips.len() > 1;
         whole &= apart;
         for clip in clips {
@@ -144,6 +148,8 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
                 )
             } else {
                 (
+                    // Half of each game trains, as in the paper; alternating, so that both halves
+                    // see all of it.
                     of_clip.iter().copied().step_by(2).collect(),
                     of_clip.iter().copied().skip(1).step_by(2).collect(),
                 )

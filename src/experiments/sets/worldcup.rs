@@ -9,6 +9,7 @@ use super::highlights::{broadcast, scene_seed};
 use super::{FrameSet, SetKind, Split};
 use crate::paper::TABLE_3;
 use crate::setting::SIZE;
+use crate::statistics::range_of;
 use crate::{ExperimentError, ExperimentOptions};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
@@ -120,10 +121,13 @@ pub fn worldcup(
             ..StadiumOptions::new(field, seed)
         });
         let base = real.base(size);
+        // The drawn operator follows the drawn play. Stretched, the path has the ranges of the real
+        // camera.
         let path = real.stretch(&camera_path(&scene, &base, size, &shoot, count), size);
         let order = |(number, step): (usize, &PathStep)| Order {
             scene: &scene,
             moment: Moment {
+                // Boards and some spectators change after each group of frames.
                 occasion: (number / BOARDS_EVERY) as u64,
                 people_changed: CHANGED_PEOPLE,
                 boards_changed: CHANGED_BOARDS,
@@ -191,6 +195,7 @@ impl RealCamera {
     /// The drawn play alone reaches other ends: it does not take the camera so far to the sides.
     fn stretch(&self, path: &[PathStep], size: ImageSize) -> Vec<PathStep> {
         let scale = f64::from(size.width) / f64::from(SIZE.width);
+        // Zoom is stretched as a ratio, by the logarithm of the focal length.
         let to_log_focal = self.focal_px.map(|focal_px| (focal_px * scale).ln());
         let pan = Stretch::new(path, |ptz| ptz.pan.degrees(), self.pan_deg);
         let tilt = Stretch::new(path, |ptz| ptz.tilt.degrees(), self.tilt_deg);
@@ -204,6 +209,8 @@ impl RealCamera {
                     log_focal.apply(step.ptz.focal_px.ln()).exp(),
                 ),
                 motion: CameraMotion {
+                    // A linear map multiplies the speed by its factor; the zoom's speed is that of
+                    // the logarithm.
                     pan_per_s: step.motion.pan_per_s * pan.factor,
                     tilt_per_s: step.motion.tilt_per_s * tilt.factor,
                     zoom_per_s: step.motion.zoom_per_s * log_focal.factor,
@@ -224,11 +231,7 @@ impl Stretch {
     /// The map of the values that a path has of a quantity to a range. A path without any motion
     /// of it is moved to the range's beginning.
     fn new(path: &[PathStep], quantity: fn(&Ptz) -> f64, [low, high]: [f64; 2]) -> Self {
-        let values = path.iter().map(|step| quantity(&step.ptz));
-        let [least, greatest] = values.fold(
-            [f64::INFINITY, f64::NEG_INFINITY],
-            |[least, greatest], value| [least.min(value), greatest.max(value)],
-        );
+        let [least, greatest] = range_of(path.iter().map(|step| quantity(&step.ptz)));
         let length = greatest - least;
         Self {
             from: least,

@@ -39,6 +39,8 @@ pub fn describe(grey: &Integral, blob: &Blob) -> Option<Descriptor> {
         .map(|number| number * number)
         .sum::<f64>()
         .sqrt();
+    // An even surrounding, or one outside the picture, has no direction to compare. NaN is refused,
+    // too.
     if !(norm > 0.0) {
         return None;
     }
@@ -63,6 +65,8 @@ fn sum_wavelets(grey: &Integral, blob: &Blob) -> [f64; NUMBERS] {
                 continue;
             };
             let weight = weight_x * weight_y;
+            // The cell of the 4 × 4 grid in which the sample lies. A sample counts in its own cell
+            // alone.
             let cell = row / CELL_SAMPLES * CELLS + column / CELL_SAMPLES;
             let of_cell = &mut numbers[CELL_NUMBERS * cell..][..CELL_NUMBERS];
             let added = [dx, dx.abs(), dy, dy.abs()];

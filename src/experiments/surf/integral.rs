@@ -29,16 +29,20 @@ impl Integral {
         let (full, factor) = (picture.size(), factor.max(1) as usize);
         let full_width = full.width as usize;
         let (width, height) = (full_width / factor, full.height as usize / factor);
+        // A picture has four bytes a pixel, so that no remainder is left.
         let pixels = picture.rgba().as_chunks::<4>().0;
         let mut sums = vec![0.0; (width + 1) * (height + 1)];
         for row in 0..height {
             let mut of_row = 0.0;
             for column in 0..width {
+                // A reduced pixel is the sum of its block, not the mean: sums of whole numbers stay
+                // exact.
                 for line in factor * row..factor * (row + 1) {
                     let block = &pixels[line * full_width + factor * column..][..factor];
                     let grey: u32 = block.iter().map(|pixel| weigh(*pixel)).sum();
                     of_row += f64::from(grey);
                 }
+                // The sum of the row so far, on top of everything above.
                 let above = sums[row * (width + 1) + column + 1];
                 sums[(row + 1) * (width + 1) + column + 1] = above + of_row;
             }

@@ -47,6 +47,8 @@ pub fn extract_surf(picture: &Picture, masks: &[PixelBox], most: usize) -> Featu
             .then(a.y.total_cmp(&b.y))
             .then(a.x.total_cmp(&b.x))
     });
+    // Lazily: only the features that are taken are described. A blob without a description takes no
+    // place.
     let described = blobs.iter().filter_map(|blob| {
         let keypoint = Keypoint {
             point: in_picture(blob),

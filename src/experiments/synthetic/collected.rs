@@ -40,6 +40,8 @@ pub struct Collected {
 
 impl Collected {
     pub fn add_camera(&mut self, camera: usize, trials: &[Option<Errors>]) {
+        // The mean over the trials of one camera; cameras are the repetitions of intervals and
+        // error bars, because trials of one camera are not independent of its view.
         let found: Vec<Errors> = trials.iter().flatten().copied().collect();
         self.failed += trials.len() - found.len();
         if !found.is_empty() {
@@ -102,6 +104,8 @@ pub fn camera_table<'a, const N: usize>(
 
 /// Rounds to six significant digits.
 fn six_digits(number: f64) -> f64 {
+    // Rust writes and reads every float, infinite ones and NaN included, so that the fallback is
+    // never taken.
     format!("{number:.5e}").parse().unwrap_or(number)
 }
 

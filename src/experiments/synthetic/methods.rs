@@ -14,6 +14,7 @@ const AUTHORS_ROUNDS: usize = 10;
 pub fn farthest_pair(seen: &[Correspondence]) -> [Correspondence; 2] {
     let mut best = (0.0, [0, 0]);
     for (i, one) in seen.iter().enumerate() {
+        // All pairs: 200 points have 19 900.
         for (j, two) in seen.iter().enumerate().skip(i + 1) {
             let distance = one.image.distance_px(two.image);
             if distance > best.0 {
@@ -83,6 +84,8 @@ pub fn solve_pair_by_eq_2(base: &CameraBase, correspondences: [Correspondence; 2
         .map(|correspondence| correspondence.image.offset_from(base.principal_point));
     let cosine =
         (rays[0].pan - rays[1].pan).radians().cos() * (rays[0].tilt - rays[1].tilt).radians().cos();
+    // The squared lengths of both pixels from the principal point, and their product. With s = f²
+    // the angle between the two directions has the cosine (c + s) / √((a + s)(b + s)).
     let (a, b, c) = (
         pixels[0].norm_squared(),
         pixels[1].norm_squared(),
@@ -91,14 +94,17 @@ pub fn solve_pair_by_eq_2(base: &CameraBase, correspondences: [Correspondence; 2
     // (c + s)² = d² (a + s)(b + s) with s = f².
     let d2 = cosine * cosine;
     let (q2, q1, q0) = (1.0 - d2, 2.0 * c - d2 * (a + b), c * c - d2 * a * b);
+    // Noise may make the discriminant slightly negative where both roots coincide.
     let root = (q1 * q1 - 4.0 * q2 * q0).max(0.0).sqrt();
     let roots = [(-q1 + root) / (2.0 * q2), (-q1 - root) / (2.0 * q2)];
     let valid = roots
         .into_iter()
+        // Squaring has added roots with the opposite sign of the cosine.
         .filter(|s| *s > 0.0 && (c + s) * cosine > 0.0)
         .map(f64::sqrt);
     let focal_px =
         valid.min_by(|a, b| distance_from_usual(*a).total_cmp(&distance_from_usual(*b)))?;
+    // From the first point alone, by eq. 2 with the known focal length.
     let pan = rays[0].pan - Angle::from_radians((pixels[0].x / focal_px).atan());
     let tilt = rays[0].tilt + Angle::from_radians((pixels[0].y / focal_px).atan());
     Some(Ptz {
@@ -114,6 +120,8 @@ pub fn refine_exactly(base: &CameraBase, start: Ptz, seen: &[Correspondence]) ->
         .iter()
         .enumerate()
         .map(|(click, correspondence)| {
+            // All pixels have the same noise, so that its size does not matter to the least
+            // squares.
             Observation::from_point(correspondence.world, correspondence.image, 1.0, click)
         })
         .collect();
@@ -128,6 +136,7 @@ pub fn refine_by_eq_2(
     seen: &[Correspondence],
     points: usize,
 ) -> Ptz {
+    // Evenly over the list of points.
     let stride = (seen.len() / points).max(1);
     let points: Vec<(PanTilt, Vec2)> = seen
         .iter()
@@ -148,11 +157,14 @@ pub fn refine_by_eq_2(
             );
             let focal_px = ptz.focal_px;
             // Projection: x = f tan Δpan, y = −f tan Δtilt.
+            // The derivatives of x and y by pan, tilt and f: d tan u = (1 + tan² u) du.
             let by_x = Vec3::new(-focal_px * (1.0 + pan * pan), 0.0, pan);
             let by_y = Vec3::new(0.0, focal_px * (1.0 + tilt * tilt), -tilt);
             information += by_x * by_x.transpose() + by_y * by_y.transpose();
             towards += by_x * (pixel.x - focal_px * pan) + by_y * (pixel.y + focal_px * tilt);
         }
+        // Too few points for three unknowns, or a step to no focal length: the last good camera
+        // stays.
         let Some(step) = information.try_inverse().map(|inverse| inverse * towards) else {
             return ptz;
         };
@@ -170,17 +182,24 @@ pub fn refine_by_eq_2(
 }
 
 /// The Cramér–Rao bound: the smallest mean errors of an unbiased estimate with normal noise. The
-/// covariance is σ² (JᵀJ)⁻¹ at the true camera.
-pub fn cramer_rao_bound(camera: &PtzCamera, seen: &[Correspondence], sigma_px: f64) -> Errors {
+/// covariance is σ² (JᵀJ)⁻¹ at the true camera. None where the points do not determine the camera.
+pub fn cramer_rao_bound(
+    camera: &PtzCamera,
+    seen: &[Correspondence],
+    sigma_px: f64,
+) -> Option<Errors> {
+    // A point behind the camera adds no information.
     let jacobians = seen
         .iter()
         .filter_map(|correspondence| camera.image_from_world_jacobian(correspondence.world).ok());
     let information: Mat3 = jacobians
         .map(|here| here.by_ptz.transpose() * here.by_ptz)
         .sum();
-    let covariance = information.try_inverse().unwrap_or_else(Mat3::zeros) * (sigma_px * sigma_px);
+    let covariance = information.try_inverse()? * (sigma_px * sigma_px);
     // The rotation error is a normal vector of two components, pan and tilt. Its mean length is
     // √(π/2) times the mean of √(uᵀ Σ u) over all directions u.
+    // The mean over half a circle, for opposite directions have the same length. The function is
+    // smooth and periodic, so that 64 samples give it to many digits.
     let directions = 64;
     let mean_length: f64 = (0..directions)
         .map(|i| {
@@ -193,12 +212,13 @@ pub fn cramer_rao_bound(camera: &PtzCamera, seen: &[Correspondence], sigma_px: f
         })
         .sum::<f64>()
         / f64::from(directions);
-    Errors {
-        // With the true base, the rotation error consists of pan and tilt alone.
-        pan_tilt_deg: (std::f64::consts::FRAC_PI_2.sqrt() * mean_length).to_degrees(),
-        rotation_deg: (std::f64::consts::FRAC_PI_2.sqrt() * mean_length).to_degrees(),
+    // With the true base, the rotation error consists of pan and tilt alone.
+    let rotation_deg = (std::f64::consts::FRAC_PI_2.sqrt() * mean_length).to_degrees();
+    Some(Errors {
+        rotation_deg,
+        pan_tilt_deg: rotation_deg,
         focal_px: (covariance[(2, 2)] * std::f64::consts::FRAC_2_PI).sqrt(),
-    }
+    })
 }
 
 #[cfg(test)]
@@ -229,6 +249,12 @@ mod tests {
         }
         assert!(worst[0] < 1e-6 && worst[1] < 1e-6, "{worst:?}");
         assert!(worst[2] > 5.0 && worst[3] > 1.0, "{worst:?}");
+    }
+
+    #[test]
+    fn points_that_determine_no_camera_have_no_bound() {
+        let camera = PtzCamera::new(base(), Ptz::from_degrees(40.0, -9.0, 2500.0));
+        assert!(cramer_rao_bound(&camera, &[], 1.0).is_none());
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod wrong_base;
 use super::ExperimentOptions;
 use super::progress::{Progress, step_counter};
 use super::setting::{Correspondence, OUTSIDE, RAYS, SIZE, base, correspondences, random_ptz, rng};
+use super::statistics::range_of;
 use collected::{Collected, Errors};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -29,6 +30,7 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
         options.full_or_quick(100, 12),
         options.full_or_quick(100, 12),
     );
+    // Both figures' files take the same number of cameras at each of their noise levels.
     let step = step_counter(cameras * (pixel_noise::STEPS + wrong_base::STEPS), progress);
     let setting = Setting {
         seed: options.seed,
@@ -58,6 +60,8 @@ struct Setting<'a> {
 impl Setting<'_> {
     /// A random camera and its points, the same for all noise levels.
     fn camera(&self, index: usize) -> (PtzCamera, Vec<Correspondence>) {
+        // Made again wherever it is needed, from the same place of the generator: the same camera
+        // at every noise level, without all of them in memory.
         let mut rng = rng(self.seed, [1, index as u64]);
         let camera = PtzCamera::new(base(), random_ptz(&mut rng));
         let seen = correspondences(&camera, &mut rng);
@@ -69,17 +73,13 @@ impl Setting<'_> {
     fn describe(&self) -> String {
         let drawn: Vec<(PtzCamera, Vec<Correspondence>)> =
             (0..self.cameras).map(|index| self.camera(index)).collect();
-        let range = |of: fn(&Ptz) -> f64| {
-            let values = drawn.iter().map(|(camera, _)| of(&camera.ptz()));
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-                [low.min(value), high.max(value)]
-            })
-        };
-        let [pan, tilt, focal] = [
-            range(|ptz| ptz.pan.degrees()),
-            range(|ptz| ptz.tilt.degrees()),
-            range(|ptz| ptz.focal_px),
+        let parameters: [fn(&Ptz) -> f64; 3] = [
+            |ptz| ptz.pan.degrees(),
+            |ptz| ptz.tilt.degrees(),
+            |ptz| ptz.focal_px,
         ];
+        let [pan, tilt, focal] =
+            parameters.map(|of| range_of(drawn.iter().map(|(camera, _)| of(&camera.ptz()))));
         let outside = drawn
             .iter()
             .flat_map(|(_, seen)| seen)
@@ -121,6 +121,8 @@ impl Setting<'_> {
             (self.step)();
             trials
         };
+        // In parallel over the cameras. Each has a generator of its own, so that the order of
+        // threads does not matter.
         let by_camera: Vec<Vec<[Option<Errors>; N]>> =
             (0..self.cameras).into_par_iter().map(of_camera).collect();
         let mut collected: [Collected; N] = std::array::from_fn(|_| Collected::default());

@@ -93,6 +93,8 @@ pub(super) fn add(setting: &Setting<'_>, report: &mut Report) {
         .into_iter()
         .enumerate()
         .map(|(place, sigma_px)| {
+            // Places from 100 on; figures (c) and (d) have those from 200 and 300, so that no noise
+            // is drawn twice.
             let collected = setting.collect(100 + place as u64, |camera, seen, rng| {
                 solve_with_each_method(camera, seen, sigma_px, rng)
             });
@@ -131,6 +133,7 @@ pub(super) fn add(setting: &Setting<'_>, report: &mut Report) {
         "Figure (b): every camera at every noise.",
         camera_table("σ (px)", METHODS, cameras),
     );
+    // The least and the greatest noise.
     if let [first, .., last] = &by_noise[..] {
         report.text(&describe(first, last));
     }
@@ -164,6 +167,7 @@ fn solve_with_each_method(
     let refined = pair.map(|start| refine_exactly(base, start, &exact));
     let start = solve_pair_by_eq_2(base, farthest_pair(&by_eq_2));
     let eq_2_of = |rays: usize| start.map(|start| refine_by_eq_2(base, start, &by_eq_2, rays));
+    // Exact pixels, solved by eq. 2: the model differs on the two sides.
     let mixed = solve_pair_by_eq_2(base, farthest_pair(&exact))
         .map(|start| refine_by_eq_2(base, start, &exact, AUTHORS_POINTS));
 
@@ -172,7 +176,7 @@ fn solve_with_each_method(
         eq_2_of(RAYS).map(errors),
         eq_2_of(AUTHORS_POINTS).map(errors),
         refined.map(errors),
-        Some(cramer_rao_bound(camera, seen, sigma_px)),
+        cramer_rao_bound(camera, seen, sigma_px),
         mixed.map(errors),
         pair.map(errors),
     ]
@@ -217,6 +221,7 @@ fn add_claims(report: &mut Report) {
         let reason = "that the paper makes its pixels by eq. 2 is our reading";
         Statement {
             comparisons: 2,
+            // Rotation and focal length are two comparisons of one sentence.
             ..Statement::new(&words, Stated::AtMost(part.paper_below), reason)
         }
         .test(report, &tests);

@@ -78,6 +78,8 @@ pub(super) fn add(setting: &Setting<'_>, report: &mut Report) {
         300,
         &ROTATION_NOISES_DEG,
         |base, sigma_deg, turn| {
+            // A small rotation of the world before the base: its axis is a normal vector in any
+            // frame.
             let turned = rotation::from_rotation_vector(turn * sigma_deg.to_radians());
             CameraBase {
                 base_from_world: base.base_from_world * turned,
@@ -133,6 +135,7 @@ fn add_rotation(report: &mut Report, measured: &ErrorsByNoise) {
     add_part(report, &ROTATION, measured);
     // σ √(π/2), to four decimals.
     let (digits, half_unit) = (1e4, 0.5e-4);
+    // A stated number has a last digit; here the fourth decimal is taken for it.
     let passed_straight_deg = (COMPARED * FRAC_PI_2.sqrt() * digits).round() / digits;
     Statement::new(
         &format!(
@@ -174,6 +177,7 @@ fn solve_with_wrong_base(
     seen: &[Correspondence],
     base: &CameraBase,
 ) -> Option<Errors> {
+    // The estimator believes the wrong base; the errors are to the true camera.
     let start = solve_pair_exactly(base, farthest_pair(seen))?;
     let estimate = PtzCamera::new(*base, refine_exactly(base, start, seen));
     Some(Errors::between(camera, &estimate))

@@ -30,8 +30,18 @@ if TYPE_CHECKING:
 
     Numbers = npt.NDArray[np.float64]
 
-# Where a system's origin is, and whether its y grows away from the main camera.
-_ORIGINS = {"centre": (0.0, True), "bottom_left": (0.5, True), "top_left": (0.5, False)}
+# Where a system's origin is, in shares of the field, and the sign of its y: 1 away from the main camera.
+_ORIGINS = {"centre": (0.0, 1.0), "bottom_left": (0.5, 1.0), "top_left": (0.5, -1.0)}
+
+
+def _system(
+    field: Field, origin: str, size: tuple[float, float] | None
+) -> tuple[float, tuple[float, float], tuple[float, float]]:
+    """A system's shift in shares of the field, the signs of its axes, and its length and width."""
+    if origin not in _ORIGINS:
+        raise ValueError(f"origin: {origin!r} is none of {', '.join(_ORIGINS)}")
+    shift, up = _ORIGINS[origin]
+    return shift, (1.0, up), (field.length_m, field.width_m) if size is None else size
 
 
 def to_pitch(
@@ -51,15 +61,12 @@ def to_pitch(
     >>> to_pitch([[0.0, 0.0], [52.5, 34.0]], pitch, "top_left", (120, 80)).tolist()
     [[60.0, 40.0], [120.0, 0.0]]
     """
-    if origin not in _ORIGINS:
-        raise ValueError(f"origin: {origin!r} is none of {', '.join(_ORIGINS)}")
-    shift, is_up = _ORIGINS[origin]
+    shift, signs, sides = _system(field, origin, size)
     points = np.asarray(points_m, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise ValueError(f"points_m: shape (N, 2) or (N, 3) is needed, not {points.shape}")
-    length, width = (field.length_m, field.width_m) if size is None else size
-    scaled = points[:, :2] / (field.length_m, field.width_m) * ((1.0, 1.0) if is_up else (1.0, -1.0)) + shift
-    return np.asarray(scaled * (length, width), dtype=np.float64)
+    scaled = points[:, :2] / (field.length_m, field.width_m) * signs + shift
+    return np.asarray(scaled * sides, dtype=np.float64)
 
 
 def from_pitch(
@@ -74,12 +81,10 @@ def from_pitch(
     >>> from_pitch([[60.0, 40.0]], touchline.field("soccer"), "top_left", (120, 80)).tolist()
     [[0.0, 0.0]]
     """
-    if origin not in _ORIGINS:
-        raise ValueError(f"origin: {origin!r} is none of {', '.join(_ORIGINS)}")
-    shift, is_up = _ORIGINS[origin]
-    length, width = (field.length_m, field.width_m) if size is None else size
-    shares = np.asarray(points, dtype=np.float64)[:, :2] / (length, width) - shift
-    world = shares * ((1.0, 1.0) if is_up else (1.0, -1.0)) * (field.length_m, field.width_m)
+    shift, signs, sides = _system(field, origin, size)
+    shares = np.asarray(points, dtype=np.float64)[:, :2] / sides - shift
+    world = shares * signs * (field.length_m, field.width_m)
+    # Adding 0 makes −0 a 0.
     return np.asarray(world + 0.0, dtype=np.float64)
 
 

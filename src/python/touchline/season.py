@@ -46,6 +46,7 @@ class Parts:
 
     def fetch(self, shard: str, folder: str) -> None:
         here = os.path.join(folder, f"{shard}.part")
+        # Written aside and renamed: other tasks of this node may read the part at the same time.
         if self.remote and not os.path.exists(here) and self.has(shard):
             with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
                 file.write(self.remote.open_input_file(f"{self.folder}/{shard}.part").readall())
@@ -62,6 +63,7 @@ class Parts:
 def do_shard(plan: str, shard: str, place: str, touchline: Optional[str], found: Optional[Tuple[str, float]] = None) -> Tuple[str, float]:
     """Does a shard on this node; its name and its seconds. `found` is that of the shard that it needs: Ray waits for it."""
     begun, kept = time.time(), Parts(place)
+    # One folder for each user and plan, which the tasks of a node share.
     scratch = os.path.join(tempfile.gettempdir(), f"touchline-{os.getuid()}-{hashlib.sha256(plan.encode()).hexdigest()[:16]}")
     parts = os.path.join(scratch, "parts") if kept.remote else kept.folder
     os.makedirs(scratch, exist_ok=True)
@@ -71,7 +73,8 @@ def do_shard(plan: str, shard: str, place: str, touchline: Optional[str], found:
     if found is not None:
         kept.fetch(found[0], parts)
     command = [touchline or program() or "touchline", "shard", file.name, shard, "-o", parts]
-    ran = subprocess.run(command, stderr=subprocess.PIPE, universal_newlines=True)
+    # The program writes UTF-8 whatever the node's locale is, and a message must not fail the shard.
+    ran = subprocess.run(command, stderr=subprocess.PIPE, encoding="utf-8", errors="replace")
     if ran.returncode < 0:
         raise Killed(f"{shard}: ended by signal {-ran.returncode}")
     if ran.returncode:
@@ -90,6 +93,7 @@ def watch_head(address: str) -> None:
         except OSError:
             pass
         time.sleep(2)
+    # The main thread waits for tasks; an exception in this thread would not end it.
     print(f"touchline: the head {address} is lost; what is done stays: start a head and run this again", file=sys.stderr, flush=True)
     os._exit(3)
 
@@ -99,12 +103,14 @@ def run(plan: Dict[str, Any], place: str, address: Optional[str], touchline: Opt
     try:
         ray.init(address=address, log_to_driver=False, logging_level="FATAL")
     except (ConnectionError, RuntimeError) as error:
-        sys.exit(f"touchline: {str(error).strip().splitlines()[0]}")
+        sys.exit(f"touchline: {(str(error).strip() or repr(error)).splitlines()[0]}")
     threading.Thread(target=watch_head, args=(ray.get_runtime_context().gcs_address,), daemon=True).start()
+    # A lost node or a killed program is no fault of the shard: any number of tries. Other errors end it at once.
     task = ray.remote(max_retries=-1, retry_exceptions=[Killed], scheduling_strategy="SPREAD", num_cpus=1)(do_shard)
     kept, text = Parts(place), ray.put(json.dumps(plan))
     frames_of: Dict[Any, int] = {}
     for match in plan["matches"]:
+        # Cameras that are found already take the place of the task that finds them, so that labels have one case.
         found = ray.put((match["find"], 0.0))
         if not kept.has(match["find"]):
             found = task.remote(text, match["find"], place, touchline)
@@ -122,7 +128,7 @@ def run(plan: Dict[str, Any], place: str, address: Optional[str], touchline: Opt
                 seconds, frames = seconds + ray.get(shard)[1], frames + frames_of[shard]
             except Exception as error:
                 failed += 1
-                print(f"touchline: {str(error).strip().splitlines()[-1]}", file=sys.stderr)
+                print(f"touchline: {(str(error).strip() or repr(error)).splitlines()[-1]}", file=sys.stderr)
         if time.time() - reported > REPORT_S or not left:
             reported = time.time()
             print(f"touchline: {frames / (reported - begun):.1f} frames/s, {len(left)} shards left, {seconds / 3600:.2f} core hours", file=sys.stderr)
@@ -136,7 +142,8 @@ def main() -> int:
     parser.add_argument("--address", help="the head of a Ray cluster; this machine alone if absent")
     parser.add_argument("--touchline", help="the program on every node, if it is not beside the Python module")
     given = parser.parse_args()
-    plan = json.loads(open(given.plan).read())
+    with open(given.plan, encoding="utf-8") as file:
+        plan = json.load(file)
     # Nodes have the plan from Ray, at another place. Shards are not named by paths.
     folder = os.path.dirname(os.path.abspath(given.plan))
     for match in plan["matches"]:

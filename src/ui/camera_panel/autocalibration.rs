@@ -7,9 +7,9 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Label, ProgressBar, RichText, Ui};
+use touchline_application::app::Command;
 use touchline_application::app::operations::UnderWay;
 use touchline_application::app::operations::camera_search::{SearchFollowUp, TwoCameras};
-use touchline_application::app::{Action, Command, Navigation};
 use touchline_documents::document::{Camera, FrameId};
 
 /// Shows the state of autocalibration and what can be done. Nothing if the camera has a base and no
@@ -21,7 +21,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         show_progress(panel, ui, &under_way);
         return;
     }
-    // What the last search left to decide or to report.
+    // What the last search left to decide or to report. The choice between two answers stays in
+    // view until it is made; a report stands only where the camera has no base yet.
     match &search.left {
         SearchFollowUp::Two(two) => {
             section(ui, "TWO ANSWERS");
@@ -45,7 +46,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         _ if camera.base().is_none() => {
             section(ui, "WITHOUT A CLICK");
             let text = "Overlapping views of one camera, matched to each other, show where it stands. This takes about a minute.";
-            ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
+            theme::weak_text(ui, text);
             ui.add_space(theme::SPACE);
             start(panel, ui, "Find the camera automatically");
         }
@@ -59,7 +60,7 @@ fn show_progress(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     let share = under_way.share.unwrap_or_default();
     ui.add(ProgressBar::new(share).desired_height(6.0).corner_radius(2));
     ui.add_space(theme::SPACE);
-    command(panel, ui, "Stop", Command::StopFindCamera);
+    panel.run_on_click(ui.button("Stop"), Command::StopFindCamera);
 }
 
 /// Shows two answers that the frames alone cannot distinguish. The user tries both; a click in the
@@ -68,8 +69,9 @@ fn show_choice(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
     ui.add(Label::new(two.describe()).wrap());
     ui.add_space(theme::SPACE);
     ui.horizontal_wrapped(|ui| {
-        command(panel, ui, "Try the first", Command::TryFirstCamera);
-        command(panel, ui, "Try the other", Command::TryOtherCamera);
+        panel.run_on_click(ui.button("Try the first"), Command::TryFirstCamera);
+        panel.run_on_click(ui.button("Try the other"), Command::TryOtherCamera);
+        // A click that decides exists only for some pairs of answers.
         if let Some(click) = &two.deciding {
             go_there(
                 panel,
@@ -78,7 +80,7 @@ fn show_choice(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
                 "Go to the frame whose click decides.",
             );
         }
-        command(panel, ui, "Done", Command::StopFindCamera);
+        panel.run_on_click(ui.button("Done"), Command::StopFindCamera);
     });
 }
 
@@ -89,8 +91,7 @@ fn go_there(panel: &mut Panel<'_>, ui: &mut Ui, frame: &FrameId, tip: &str) {
         return;
     };
     if ui.button("Go there").on_hover_text(tip).clicked() {
-        let action = Action::Navigate(Navigation::GoTo(index));
-        panel.actions.push(action);
+        panel.go_to(index);
     }
 }
 
@@ -98,23 +99,6 @@ fn go_there(panel: &mut Panel<'_>, ui: &mut Ui, frame: &FrameId, tip: &str) {
 fn start(panel: &mut Panel<'_>, ui: &mut Ui, says: &str) {
     let why_not = panel.app.why_not(Command::FindCamera);
     let button = ui.add_enabled(why_not.is_none(), Button::new(RichText::new(says).strong()));
-    let tip = panel.app.settings.keys.tooltip(Command::FindCamera);
-    if button
-        .on_hover_text(tip)
-        .on_disabled_hover_text(why_not.unwrap_or_default())
-        .clicked()
-    {
-        panel.actions.push(Action::Command(Command::FindCamera));
-    }
-}
-
-/// Shows a button for a command, with another text than the command's name.
-fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
-    if ui
-        .button(says)
-        .on_hover_text(panel.app.settings.keys.tooltip(command))
-        .clicked()
-    {
-        panel.actions.push(Action::Command(command));
-    }
+    let button = button.on_disabled_hover_text(why_not.unwrap_or_default());
+    panel.run_on_click(button, Command::FindCamera);
 }

@@ -31,7 +31,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         bar.on_hover_text(
             "Every model of lens and crown is fitted to all groups of points but one, in turn.",
         );
-        command(panel, ui, "Stop", Command::DropEstimatedBase);
+        panel.run_on_click(ui.button("Stop"), Command::DropEstimatedBase);
+    // A proposal waits for a decision, so it is shown in the frames of other cameras as well. An
+    // applied estimate is history and belongs to its own camera.
     } else if let Some(found) = state.proposed_base() {
         show_proposal(panel, ui, found);
         evidence::show(panel, ui, found);
@@ -67,31 +69,23 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     if tick.on_hover_text(Command::BaseOnPaint.about()).changed() {
         panel.actions.push(Action::Command(Command::BaseOnPaint));
     }
-    // The button is emphasised when an estimate is the next step.
-    let again = panel.app.operations.base_estimate.applied_base().is_some();
-    let says = if again {
+    let applied = panel.app.operations.base_estimate.applied_base();
+    let says = if applied.is_some_and(|found| found.camera == camera.id) {
         "Estimate again"
     } else {
         "Estimate the base"
     };
     ui.horizontal(|ui| {
-        let main = Button::new(RichText::new(says).strong());
-        let main = if ready.is_enough() && camera.base().is_none() {
-            main.fill(ui.palette().accent_ground)
-        } else {
-            main
-        };
+        // The button is emphasised when an estimate is the next step.
+        let mut main = Button::new(RichText::new(says).strong());
+        if ready.is_enough() && camera.base().is_none() {
+            main = main.fill(ui.palette().accent_ground);
+        }
         // Another estimate needs less, because it starts from the present base.
         let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);
         let button = ui.add_enabled(possible, main);
-        let tip = panel.app.settings.keys.tooltip(Command::EstimateBase);
-        if button
-            .on_hover_text(tip)
-            .on_disabled_hover_text(ready.describe())
-            .clicked()
-        {
-            panel.actions.push(Action::Command(Command::EstimateBase));
-        }
+        let button = button.on_disabled_hover_text(ready.describe());
+        panel.run_on_click(button, Command::EstimateBase);
         ui.label(RichText::new(describe_readiness(&ready)).color(ui.palette().weak));
     });
 }
@@ -124,20 +118,9 @@ fn show_proposal(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
             let key = panel.app.settings.keys.key_label(Command::Compare);
             let text =
                 format!("Picture and numbers show this base. Hold {key} for the current one.");
-            ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
+            theme::weak_text(ui, text);
         }
     });
-}
-
-/// Shows a button for a command, with another text than the command's name.
-fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
-    if ui
-        .button(says)
-        .on_hover_text(panel.app.settings.keys.tooltip(command))
-        .clicked()
-    {
-        panel.actions.push(Action::Command(command));
-    }
 }
 
 /// Shows the numbers of an estimate with their 1-σ. Lengths are m in the field's frame, fits are
@@ -153,10 +136,12 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
         };
         let fit = format!("{:.1} px median, {:.1} px 90 %", estimate.median_px, estimate.p90_px);
         row("Points fit", fit, "The distances of all points from their projections with this base.");
+        // The median is infinite where the current base gives no frame a camera.
         if let Some(before) = estimate.previous_median_px.filter(|px| px.is_finite()) {
             row("Before", format!("{before:.1} px median"), "The same points with the current base.");
         }
-        // With painted lines: how much paint was seen, and how well it fits before and after.
+        // With painted lines: how much paint was seen, and how well it fits with this base and with
+        // the base of the points alone. Both are measured at paint that no fit has used.
         if let Some(on_paint) = &found.on_paint {
             let seen = &on_paint.seen;
             let places = format!("{} places, {} lines, {} frames", seen.places, seen.lines, seen.frames);

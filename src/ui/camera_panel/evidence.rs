@@ -5,8 +5,9 @@
 //! own pan, tilt and focal length, projects its landmark.
 
 use super::position_view;
-use super::section;
+use super::{remark, section};
 use crate::ui::bar::Bar;
+use crate::ui::menu::file_name;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
     Panel,
@@ -23,8 +24,13 @@ use touchline_documents::document::{Camera, CameraId, Frame, Target};
 const FRAMES_SHOWN: usize = 12;
 /// Maximum number of landmarks in the list.
 const LANDMARKS_SHOWN: usize = 12;
+/// Errors above this multiple of the median of all points are emphasised.
+const LOUD: f64 = 3.0;
 
 /// Shows the evidence of an estimate; what the user should correct comes first.
+///
+/// The estimate keeps the positions that frames and clicks had when it began. A frame that the
+/// document lacks is passed over.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     disagreements(panel, ui, found);
     position_view::show(panel, ui, found);
@@ -77,7 +83,7 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
             .total_cmp(&a.1.unwrap_or(f64::INFINITY))
     });
     show_left_out_frames(panel, ui, &found.camera);
-    list(panel, ui, &fits, 3.0 * found.estimate.median_px);
+    list(panel, ui, &fits, LOUD * found.estimate.median_px);
 }
 
 /// Shows the frames that an estimate would use, with the errors of their present solutions.
@@ -94,6 +100,8 @@ pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             (index, solution.and_then(|solution| solution.rms_px))
         })
         .collect();
+    // In the order of the document and without emphasis: each error is that of the frame's own
+    // solve, and there is no common fit to compare it with.
     if !frames.is_empty() {
         section(ui, "FRAMES, RMS");
         list(panel, ui, &frames, f64::INFINITY);
@@ -123,7 +131,8 @@ fn rows_of_frames(
     frames: &[(usize, Option<f64>)],
     loud_px: f64,
 ) {
-    let largest = frames.iter().filter_map(|(_, px)| *px).fold(0.0, f64::max);
+    // The scale of the bars is that of all frames, so that it stays when the list is expanded.
+    let largest = frames.iter().filter_map(|(_, px)| *px).fold(1e-9, f64::max);
     let unfolded = Id::unique("all frames of the camera");
     let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
     let shown = if all {
@@ -141,7 +150,7 @@ fn rows_of_frames(
         let bar = Bar {
             name: &name,
             value: &value,
-            share: px.map_or(0.0, |px| px / largest.max(1e-9)),
+            share: px.map_or(0.0, |px| px / largest),
             colour: px
                 .is_some_and(|px| px > loud_px)
                 .then_some(ui.palette().caution),
@@ -155,11 +164,10 @@ fn rows_of_frames(
             frame.name()
         ));
         if response.clicked() {
-            panel
-                .actions
-                .push(Action::Navigate(Navigation::GoTo(index)));
+            panel.go_to(index);
         }
-        // The button is a widget of its own on top of the row.
+        // The button is a widget of its own on top of the row. It comes after the row, because egui
+        // gives a click to the widget that was added last.
         let place = Rect::from_min_max(pos2(rect.right() - theme::SYMBOL.x, rect.top()), rect.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
             let palette = ui.palette();
@@ -210,9 +218,7 @@ fn show_left_out_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
                 .add(Button::new(RichText::new(&name).color(ui.palette().weak)).frame(false))
                 .clicked()
             {
-                panel
-                    .actions
-                    .push(Action::Navigate(Navigation::GoTo(index)));
+                panel.go_to(index);
             }
             ui.label(RichText::new("left out").small().color(ui.palette().weak));
             let back = ui.add(Button::new("Put back").small());
@@ -249,7 +255,7 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
     for fit in found.landmarks.iter().take(LANDMARKS_SHOWN) {
         let name = panel.app.label(&Target::Landmark(fit.id.clone()));
         let value = format!("{:.1} px", fit.median_px);
-        let loud = fit.median_px > 3.0 * found.estimate.median_px;
+        let loud = fit.median_px > LOUD * found.estimate.median_px;
         let bar = Bar {
             name: &name,
             value: &value,
@@ -269,12 +275,9 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
             ]);
         }
     }
-    if let Some(more) = found
-        .landmarks
-        .len()
-        .checked_sub(LANDMARKS_SHOWN)
-        .filter(|more| *more > 0)
-    {
+    // The estimate sorts the landmarks, the worst first.
+    let more = found.landmarks.len().saturating_sub(LANDMARKS_SHOWN);
+    if more > 0 {
         ui.label(
             RichText::new(format!("{more} more, all with smaller errors"))
                 .small()
@@ -318,6 +321,8 @@ fn is_unsettled(panel: &Panel<'_>, disputed: &DisputedClick) -> bool {
         .fits_better
         .as_ref()
         .map(|(id, _)| Target::Landmark(id.clone()));
+    // The user settles a dispute by making the click a check point, removing its name, or giving it
+    // the better name. A click that was deleted is settled, too.
     click.is_some_and(|click| {
         !click.check && click.target.is_some() && (better.is_none() || click.target != better)
     })
@@ -333,6 +338,7 @@ fn show_mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFr
     else {
         return;
     };
+    // World x runs along the field to the right of the main camera, y away from it.
     let (sides, tip) = match mirrored.symmetry {
         Symmetry::MirrorX => (
             "left and right",
@@ -353,9 +359,7 @@ fn show_mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFr
     );
     remark(ui, &text, |ui| {
         if ui.add(Button::new("Go there").small()).clicked() {
-            panel
-                .actions
-                .push(Action::Navigate(Navigation::GoTo(mirrored.frame)));
+            panel.go_to(mirrored.frame);
         }
         if ui
             .add(Button::new(format!("Mirror {sides}")).small())
@@ -368,6 +372,7 @@ fn show_mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFr
             }));
         }
     });
+    ui.add_space(theme::SPACE);
 }
 
 /// A click that contradicts the others, and the name that would fit better, if there is one.
@@ -398,47 +403,31 @@ fn show_disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedCl
         disputed.click + 1,
         short_name(frame)
     );
-    // A name is changed in the shown frame, so the frame is shown first.
     remark(ui, &text, |ui| {
-        let go = || {
-            [
-                Action::Navigate(Navigation::GoTo(disputed.frame)),
-                Action::Navigate(Navigation::Select(Some(disputed.click))),
-            ]
-        };
-        if ui.add(Button::new("Go there").small()).clicked() {
-            panel.actions.extend(go());
-        }
-        if let Some((target, _)) = better
+        let goes = ui.add(Button::new("Go there").small()).clicked();
+        let renames = better.is_some()
             && ui
                 .add(Button::new("Rename").small())
                 .on_hover_text("Rename this point to the name that fits.")
-                .clicked()
-        {
-            panel.actions.extend(go());
+                .clicked();
+        if goes || renames {
+            panel.actions.extend([
+                Action::Navigate(Navigation::GoTo(disputed.frame)),
+                Action::Navigate(Navigation::Select(Some(disputed.click))),
+            ]);
+        }
+        // The application changes a name in the shown frame, so the frame is shown first.
+        if let Some((target, _)) = better.filter(|_| renames) {
             panel.actions.push(Action::Edit(EditAction::Name {
                 click: disputed.click,
                 target,
             }));
         }
     });
-}
-
-/// A warning with the buttons that settle it.
-fn remark(ui: &mut Ui, text: &str, ways_out: impl FnOnce(&mut Ui)) {
-    ui.horizontal_top(|ui| {
-        let palette = ui.palette();
-        symbol::show(ui, Symbol::Warning, palette.caution);
-        ui.vertical(|ui| {
-            ui.add(Label::new(text).wrap());
-            ui.horizontal(ways_out);
-        });
-    });
     ui.add_space(theme::SPACE);
 }
 
 /// The name of a frame in lists: the last part of its path.
 fn short_name(frame: &Frame) -> String {
-    let name = frame.name();
-    name.rsplit(['/', '\\']).next().unwrap_or(&name).to_owned()
+    file_name(&frame.name())
 }

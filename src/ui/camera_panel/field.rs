@@ -1,9 +1,9 @@
 //! The field in the camera panel: its template, the venue's dimensions in m, whether its size is
 //! confirmed, and to which edge of the painted lines the size refers.
 
-use super::{numbers, section};
-use crate::ui::number::Number;
-use crate::ui::symbol::{self, Symbol};
+use super::{numbers, remark, section};
+use crate::ui::field_map::sport_title;
+use crate::ui::number::{Number, shortest};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
@@ -70,16 +70,13 @@ fn problem(ui: &mut Ui, spec: &FieldSpec, error: &FieldError) -> bool {
 
 /// Shows the choice of the sport.
 fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
-    let title = builtin(&spec.template)
-        .map_or_else(|_| spec.template.clone(), |template| template.title.clone());
     let shown = ComboBox::from_id_salt("field template")
         .width(ui.available_width())
-        .selected_text(title)
+        .selected_text(sport_title(&spec.template))
         .show_ui(ui, |ui| {
             for name in builtin_names() {
-                let title = builtin(name)
-                    .map_or_else(|_| name.to_owned(), |template| template.title.clone());
-                if ui.selectable_label(spec.template == name, title).clicked() {
+                let is_chosen = spec.template == name;
+                if ui.selectable_label(is_chosen, sport_title(name)).clicked() {
                     panel
                         .actions
                         .push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
@@ -95,6 +92,7 @@ fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
 /// Shows the dimensions that the template leaves open, each with the range that the rules allow,
 /// and the crown.
 fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
+    // Only built-in templates state their parameters here. A template from a file shows none.
     let known = builtin(&spec.template).map_or(&[][..], |template| &template.params);
     for param in known {
         let tip = format!("{} {}.", range(param), param.source.trim_end_matches('.'));
@@ -142,16 +140,11 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
 
 /// The range that the rules allow, as text: "90 to 120 m."
 fn range(param: &Param) -> String {
-    let rounded = |value: f64| (value * 100.0).round() / 100.0;
+    let (min, max, unit) = (shortest(param.min), shortest(param.max), &param.unit);
     if param.min < param.max {
-        format!(
-            "{} to {} {}.",
-            rounded(param.min),
-            rounded(param.max),
-            param.unit
-        )
+        format!("{min} to {max} {unit}.")
     } else {
-        format!("Always {} {}.", rounded(param.min), param.unit)
+        format!("Always {min} {unit}.")
     }
 }
 
@@ -199,26 +192,13 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     // An assumed size can be confirmed or fitted; a known one can be doubted again.
     let known = match (spec.describe_assumed_size(), spec.size()) {
         (Some(description), _) => {
-            ui.horizontal_top(|ui| {
-                let palette = ui.palette();
-                symbol::show(ui, Symbol::Warning, palette.caution);
-                ui.vertical(|ui| {
-                    ui.add(Label::new(description).wrap());
-                    ui.horizontal(|ui| {
-                        for (word, command) in [
-                            ("Confirm", Command::ConfirmFieldSize),
-                            ("Fit", Command::FitFieldSize),
-                        ] {
-                            let button = ui.add(Button::new(word).small());
-                            if button
-                                .on_hover_text(panel.app.settings.keys.tooltip(command))
-                                .clicked()
-                            {
-                                panel.actions.push(Action::Command(command));
-                            }
-                        }
-                    });
-                });
+            remark(ui, &description, |ui| {
+                for (word, command) in [
+                    ("Confirm", Command::ConfirmFieldSize),
+                    ("Fit", Command::FitFieldSize),
+                ] {
+                    panel.run_on_click(ui.add(Button::new(word).small()), command);
+                }
             });
             return;
         }
@@ -271,7 +251,7 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
         let (rect, response) = ui.allocate_exact_size(SKETCH, Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, says));
         // A strip of grass with a line of paint; the arrow ends at the edge to which the size is
-        // measured. The field is to the left.
+        // measured. The field is to the left, so the outer edge of the paint is its right one.
         let painter = ui.painter();
         painter.rect_filled(rect, CornerRadius::same(3), Color32::from_rgb(38, 74, 48));
         let paint = Rect::from_min_size(
@@ -309,6 +289,7 @@ fn is_on_touchline(curve: &Curve, width_m: f64) -> bool {
     /// Tolerance for being on the border, m.
     const NEAR_M: f64 = 0.01;
     match curve {
+        // Crossbars and other lines above the ground are no borders.
         Curve::Segment { from, to } => [from, to]
             .iter()
             .all(|end| end.z == 0.0 && (end.y.abs() - width_m / 2.0).abs() < NEAR_M),

@@ -23,66 +23,24 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                 .color(ui.palette().weak),
         );
     }
-    // One row for each mask of the three lists.
+    // One row for each mask of the three lists. An action names a mask by its list and its index
+    // there.
     for (index, mask) in camera.masks.iter().enumerate() {
-        row(
-            panel,
-            ui,
-            &MaskRow {
-                list: MaskList::Camera,
-                index,
-                mask,
-                covers: "every frame".to_owned(),
-            },
-        );
+        row(panel, ui, MaskList::Camera, index, mask, "every frame");
     }
     for (index, mask) in camera.ranged_masks.iter().enumerate() {
         let covers = covers(mask);
-        row(
-            panel,
-            ui,
-            &MaskRow {
-                list: MaskList::Ranged,
-                index,
-                mask: &mask.pixel_box,
-                covers,
-            },
-        );
+        row(panel, ui, MaskList::Ranged, index, &mask.pixel_box, &covers);
     }
     for (index, mask) in of_frame.iter().enumerate() {
-        row(
-            panel,
-            ui,
-            &MaskRow {
-                list: MaskList::Frame,
-                index,
-                mask,
-                covers: "this frame".to_owned(),
-            },
-        );
+        row(panel, ui, MaskList::Frame, index, mask, "this frame");
     }
-    let command = Command::ShowMasks;
     let says = if panel.app.session.picture.tool == Tool::Mask {
         "Done drawing"
     } else {
         "Draw masks"
     };
-    if ui
-        .add(Button::new(says).small())
-        .on_hover_text(panel.app.settings.keys.tooltip(command))
-        .clicked()
-    {
-        panel.actions.push(Action::Command(command));
-    }
-}
-
-/// A mask and its place in one of the three lists.
-struct MaskRow<'a> {
-    list: MaskList,
-    index: usize,
-    mask: &'a PixelBox,
-    /// Which frames it covers, as text.
-    covers: String,
+    panel.run_on_click(ui.add(Button::new(says).small()), Command::ShowMasks);
 }
 
 /// Which frames a mask with a range covers, as text, and whether the program found it.
@@ -101,13 +59,15 @@ fn covers(mask: &RangedMask) -> String {
 }
 
 /// Shows a mask with a menu that changes which frames it covers, and a button that removes it.
-fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &MaskRow<'_>) {
-    let MaskRow {
-        list,
-        index,
-        mask,
-        ref covers,
-    } = *row;
+/// `covers` says which frames those are.
+fn row(
+    panel: &mut Panel<'_>,
+    ui: &mut Ui,
+    list: MaskList,
+    index: usize,
+    mask: &PixelBox,
+    covers: &str,
+) {
     ui.horizontal(|ui| {
         ui.label(format!("{:.0}, {:.0}", mask.x, mask.y))
             .on_hover_text("Left and top edge, px.");
@@ -115,6 +75,8 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &MaskRow<'_>) {
             RichText::new(format!("{:.0} × {:.0} px", mask.width, mask.height))
                 .color(ui.palette().weak),
         );
+        // From right to left: the remove button stands at the end of every row, whatever the others
+        // need.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let name = format!("Remove mask {} of {covers}", index + 1);
             let palette = ui.palette();

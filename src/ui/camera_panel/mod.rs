@@ -14,6 +14,8 @@ mod over_time;
 mod position_view;
 
 use super::heading::Heading;
+use super::symbol::{self, Symbol};
+use super::theme::section;
 use super::{
     Panel, inspector, paint_map,
     theme::{self, Themed as _},
@@ -29,6 +31,11 @@ use touchline_documents::document::Camera;
 const START_BEHIND_M: f64 = 30.0;
 /// and height, m. Typical of a main camera.
 const START_HEIGHT_M: f64 = 15.0;
+/// Half the width of a soccer field of the default size, m. It stands in where the field is not
+/// known.
+const USUAL_HALF_WIDTH_M: f64 = 34.0;
+/// Maximum height of the map of paint as a share of its width.
+const MOST_HIGH: f32 = 0.6;
 
 /// Shows the panel for the camera of the shown frame.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -64,13 +71,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     show_frame_count(panel, ui, &camera);
                     // The sport must be chosen before the first click, so the field comes first;
                     // once the base is known, it comes last.
-                    let settled = camera.base().is_some()
-                        || panel
-                            .app
-                            .operations
-                            .base_estimate
-                            .estimated_base()
-                            .is_some();
+                    let estimated = has_estimate(panel, &camera);
+                    let settled = camera.base().is_some() || estimated;
                     if !settled {
                         field::show(panel, ui);
                     }
@@ -86,13 +88,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     }
                     numbers::lens(panel, ui, &camera);
                     numbers::sigma(panel, ui, &camera);
-                    if panel
-                        .app
-                        .operations
-                        .base_estimate
-                        .estimated_base()
-                        .is_none()
-                    {
+                    // The evidence of an estimate has a list of frames of its own.
+                    if !estimated {
                         evidence::frames_of_document(panel, ui, &camera);
                     }
                     if settled {
@@ -103,7 +100,18 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
 }
 
-/// A copy of the shown frame's camera; of the first camera if there is no frame.
+/// Whether the panel shows an estimated base: one that waits for a decision, or the applied one of
+/// this camera.
+fn has_estimate(panel: &Panel<'_>, camera: &Camera) -> bool {
+    let state = &panel.app.operations.base_estimate;
+    let is_of_camera = state
+        .applied_base()
+        .is_some_and(|found| found.camera == camera.id);
+    state.proposed_base().is_some() || is_of_camera
+}
+
+/// A copy of the shown frame's camera; of the first camera if there is no frame. The panel shows a
+/// copy, because its parts need the panel mutably.
 fn camera_of(panel: &Panel<'_>) -> Option<Camera> {
     let open = panel.app.open()?;
     match panel.app.frame() {
@@ -138,10 +146,7 @@ fn name(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Shows the button that loads a camera.
 fn load(panel: &mut Panel<'_>, ui: &mut Ui) {
     let load = ui.add(Button::new("Load a camera…").small());
-    let tip = panel.app.settings.keys.tooltip(Command::LoadCamera);
-    if load.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::Command(Command::LoadCamera));
-    }
+    panel.run_on_click(load, Command::LoadCamera);
 }
 
 /// Shows how many frames the camera has, or how many are selected, and the button that assigns some
@@ -166,12 +171,7 @@ fn show_frame_count(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                 panel.app.why_not(command).is_none(),
                 Button::new("Assign to camera…").small(),
             );
-            if give
-                .on_hover_text(panel.app.settings.keys.tooltip(command))
-                .clicked()
-            {
-                panel.actions.push(Action::Command(command));
-            }
+            panel.run_on_click(give, command);
         },
     );
 }
@@ -190,12 +190,12 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         "{START_BEHIND_M:.0} m behind the near touchline, at the halfway line, {START_HEIGHT_M:.0} m up, level."
     ));
     if start.clicked() {
-        // Behind the near touchline at the halfway line, level.
+        // World y points away from the main camera, so the near touchline is at negative y.
         let half_width_m = panel
             .app
             .current()
             .field()
-            .map_or(34.0, |field| field.width_m / 2.0);
+            .map_or(USUAL_HALF_WIDTH_M, |field| field.width_m / 2.0);
         let mut started = camera.clone();
         started.position_m = Some(Vec3::new(
             0.0,
@@ -215,14 +215,17 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// A title with space above it.
-fn section(ui: &mut Ui, text: &str) {
-    ui.add_space(2.0 * theme::SPACE);
-    theme::title(ui, text);
+/// A warning with the buttons that settle it.
+fn remark(ui: &mut Ui, text: &str, ways_out: impl FnOnce(&mut Ui)) {
+    ui.horizontal_top(|ui| {
+        let palette = ui.palette();
+        symbol::show(ui, Symbol::Warning, palette.caution);
+        ui.vertical(|ui| {
+            ui.add(Label::new(text).wrap());
+            ui.horizontal(ways_out);
+        });
+    });
 }
-
-/// Maximum height of the map of paint as a share of its width.
-const MOST_HIGH: f32 = 0.6;
 
 /// Shows the map of paint of a camera that was found without a click since the project was opened,
 /// and has not been moved since.

@@ -36,6 +36,7 @@ fn row(
     write: impl FnOnce(&mut Camera, f64),
 ) {
     line(ui, label, number.tip, |ui| {
+        // The camera is copied only for a change: the field is drawn in every frame of the window.
         number.show(ui, panel.app, panel.actions, |value| {
             let mut changed = camera.clone();
             write(&mut changed, value);
@@ -138,6 +139,8 @@ const ANGLES: [AngleField; 3] = [
 pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(base) = camera.base() else { return };
     section(ui, "BASE ROTATION");
+    // The document stores the matrix alone. Each field reads the three angles from it and writes a
+    // whole matrix back.
     for angle in ANGLES {
         let mut angles = base.angles();
         let number = Number {
@@ -164,6 +167,8 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 
 /// Shows the matrix, with a button that copies it.
 fn matrix(ui: &mut Ui, base_from_world: &Mat3) {
+    // Six decimals are for reading; the copied text has all digits, so that another program gets
+    // the same rotation to the bit.
     for line in base_from_world.row_iter() {
         let cells: Vec<String> = line.iter().map(|cell| format!("{cell:+.6}")).collect();
         ui.label(
@@ -318,7 +323,8 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     row(panel, ui, camera, label, number, |changed, mm| {
         changed.sensor_width_mm = Some(mm);
     });
-    // Confirming stores the assumed width as a known one.
+    // Confirming stores the assumed width as a known one. Begin and End make it one named step of
+    // undo, as they do for a number that is dragged.
     let confirm = Button::new("Confirm sensor width").small();
     if known.is_none()
         && ui
@@ -400,7 +406,9 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         slope,
         |changed, value| curve_of(changed).per_1000_px = value,
     );
-    // Only a lens that has this ratio shows it.
+    // Only a lens that has this ratio shows it. With k₂ = s k₁² the radius r (1 + k₁ r² + k₂ r⁴)
+    // grows at the rate 1 + 3 k₁ r² + 5 s k₁² r⁴, which has no zero in r² if 9 − 20 s < 0: hence
+    // 0.45 in the tooltip.
     if let Some(share) = camera
         .distortion
         .as_ref()
@@ -426,6 +434,7 @@ fn curve_of(camera: &mut Camera) -> &mut K1Curve {
 /// Shows 1-σ of the position, m, and of the base rotation about the world's axes, degrees.
 pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "UNCERTAINTY (1-σ)");
+    // A camera without a stored σ counts as exactly known (`Camera::base`), so zeros are shown.
     let known = camera.sigma.as_ref();
     let position = known.map_or(Vec3::zeros(), |sigma| sigma.position_m);
     let rotation = known.map_or(Vec3::zeros(), |sigma| sigma.rotation_deg);

@@ -1,17 +1,14 @@
 //! The residuals of a camera's frames in the order of the frames, with a mark where the camera
 //! stops fitting, for example because it was moved. A click shows the nearest frame.
 
-use super::section;
+use super::{remark, section};
 use crate::ui::plot::{Plot, small};
-use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
-use egui::{
-    Align2, Button, CornerRadius, Label, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
-};
-use touchline_application::app::{Action, Command, Navigation};
+use egui::{Align2, Button, CornerRadius, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use touchline_application::app::Command;
 use touchline_documents::document::{Camera, Frame};
 
 /// Height of the plot, points.
@@ -46,28 +43,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         return;
     };
     ui.add_space(theme::SPACE);
-    ui.horizontal_top(|ui| {
-        let palette = ui.palette();
-        symbol::show(ui, Symbol::Warning, palette.caution);
-        ui.vertical(|ui| {
-            ui.add(Label::new(change.describe()).wrap());
-            ui.horizontal(|ui| {
-                let command = Command::NewCameraFromChange;
-                let tip = panel.app.settings.keys.tooltip(command);
-                if ui
-                    .add(Button::new("New camera from here").small())
-                    .on_hover_text(tip)
-                    .clicked()
-                {
-                    panel.actions.push(Action::Command(command));
-                }
-                if ui.add(Button::new("Go there").small()).clicked() {
-                    panel
-                        .actions
-                        .push(Action::Navigate(Navigation::GoTo(change.frame)));
-                }
-            });
-        });
+    remark(ui, &change.describe(), |ui| {
+        let split = ui.add(Button::new("New camera from here").small());
+        panel.run_on_click(split, Command::NewCameraFromChange);
+        if ui.add(Button::new("Go there").small()).clicked() {
+            panel.go_to(change.frame);
+        }
     });
 }
 
@@ -76,6 +57,7 @@ fn points(panel: &Panel<'_>, camera: &Camera) -> Vec<Point> {
     let Some(open) = panel.app.open() else {
         return Vec::new();
     };
+    // A rms that is not finite has no place on the scale.
     let of_camera = open
         .document
         .frames
@@ -110,16 +92,14 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     });
     let description = format!("Fit of {} frames over time, {from} to {to}", points.len());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &description));
-    // Scales and their numbers.
+    // Scales and their numbers. Positions in the document run to the right, so frames of other
+    // cameras leave gaps.
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, CornerRadius::same(4), ui.palette().backdrop);
     let highest = scale_px(points, SCALE_PX * camera.image_size.scale_from_1920());
     let plot = Plot {
         area: Rect::from_min_max(rect.min + vec2(6.0, 14.0), rect.max - vec2(6.0, 14.0)),
-        x: [
-            first.frame as f64,
-            (last.frame as f64).max(first.frame as f64 + 1.0),
-        ],
+        x: [first.frame as f64, last.frame as f64],
         y: [0.0, highest.sqrt()],
     };
     let area = plot.area;
@@ -195,14 +175,10 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
             a.total_cmp(&b)
         })
     });
-    if response.clicked()
-        && let Some(point) = under
-    {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::GoTo(point.frame)));
-    }
     if let Some(point) = under {
+        if response.clicked() {
+            panel.go_to(point.frame);
+        }
         painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, ui.palette().strong));
         let name = panel
             .app
@@ -223,6 +199,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
 fn scale_px(points: &[Point], least_px: f64) -> f64 {
     let mut sorted: Vec<f64> = points.iter().map(|point| point.rms_px).collect();
     sorted.sort_by(f64::total_cmp);
+    // There are at least MIN_FRAMES points.
     let high = sorted[(sorted.len() - 1) * 19 / 20];
     least_px.max(1.2 * high).ceil()
 }

@@ -65,12 +65,13 @@ fn from_above(
     let position = estimate.base.position_m;
     let (half_length, half_width) = (field.length_m / 2.0, field.width_m / 2.0);
     let (left, right) = (position.x.min(-half_length), position.x.max(half_length));
-    // The view contains field and camera, with room for the uncertainty across the field.
+    // The view contains field and camera, with room for twice the 1-σ across the field.
     let room_m = 8.0 + 2.0 * estimate.position_covariance[(1, 1)].max(0.0).sqrt();
     let (near, far) = (
         (position.y - room_m).min(-half_width),
         (position.y + room_m).max(half_width),
     );
+    // One scale in points per m for both axes, so that angles are true.
     let scale =
         (f64::from(rect.width()) / (right - left)).min(f64::from(rect.height()) / (far - near));
     let middle = (f64::midpoint(left, right), f64::midpoint(near, far));
@@ -107,7 +108,7 @@ fn from_above(
         };
         painter.line_segment([at(position), at(end)], Stroke::new(width, colour));
     }
-    // The 1-σ ellipse of the horizontal position.
+    // The 1-σ ellipse of the horizontal position, which is enlarged where it would be a speck.
     let covariance = estimate
         .position_covariance
         .fixed_view::<2, 2>(0, 0)

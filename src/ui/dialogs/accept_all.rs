@@ -1,7 +1,7 @@
 //! Accepting frames together, suggestions above a confidence or a selected stretch: how many, how
 //! many of them are wrong or left and why, and a look at the doubtful ones and at samples.
 
-use super::{has_just_opened, sheet};
+use super::{cancel, has_just_opened, sheet};
 use crate::ui::{
     Panel, miniature, review,
     theme::{self, Themed as _},
@@ -12,7 +12,7 @@ use egui::{
 };
 use std::sync::Arc;
 use touchline_application::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
-use touchline_application::app::{Action, Command, EditAction, Navigation, ViewAction};
+use touchline_application::app::{Action, Command, EditAction, ViewAction};
 use touchline_calibration::proposals::ExpectedWrong;
 
 /// Size of the dialog, points.
@@ -80,6 +80,8 @@ fn describe_suggestions(
         expected_wrong,
     }: &AcceptSheet,
 ) -> String {
+    // Rows are sorted by confidence, the most doubtful first. Without rows, the highest confidence
+    // of all suggestions says how far the threshold has to come down.
     let Some(lowest) = bulk.rows.first().and_then(|row| row.confidence) else {
         let best = panel
             .app
@@ -148,6 +150,8 @@ fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
 /// Shows thumbnails of some of the suggestions. A click shows the frame; the tick excludes it.
 fn grid(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     let shown = bulk.preview();
+    // Rows of thumbnails have one height, so only those in view are laid out. 8 points are for the
+    // scroll bar.
     let columns = (((ui.available_width() - 8.0) / (PICTURE.x + GAP)) as usize).max(1);
     let row = PICTURE.y + CAPTION;
     ui.spacing_mut().item_spacing.y = GAP;
@@ -194,7 +198,6 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
     });
     let picture = Rect::from_min_size(place.min, PICTURE);
     miniature::paint(panel, ui.painter(), open, index, picture);
-    // A look at a frame closes the dialog; the choices in it are kept by the application.
     if response.hovered() || response.has_focus() {
         ui.painter().rect_stroke(
             picture,
@@ -220,14 +223,13 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
         small,
         ui.palette().text,
     );
+    // A look at a frame closes the dialog. The application remembers the choices in it.
     if response
         .on_hover_text("Click to look at it first.")
         .clicked()
     {
         panel.actions.push(Action::View(ViewAction::CloseDialog));
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::GoTo(index)));
+        panel.go_to(index);
     }
 }
 
@@ -263,6 +265,7 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
 
 /// The buttons. The main one has the focus at first, so that Enter accepts.
 fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) {
+    // The focus is requested once. Later the user may move it, for example to a tick.
     let count = bulk.ticked_rows().count();
     let accept = ui.add_enabled(
         count > 0,
@@ -285,9 +288,7 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
     {
         panel.actions.push(Action::Edit(EditAction::AcceptAll));
     }
-    if ui.button("Cancel").on_hover_text(leave).clicked() {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
-    }
+    cancel(panel, ui, leave);
     let said = if bulk.of_stretch.is_some() {
         format!("They become references. {undo} undoes all of it.")
     } else {

@@ -46,6 +46,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
                     // With the focus here, Enter creates the camera, and typing changes its name.
                     field.request_focus();
                 }
+                // Names are compared without the spaces around them, as they are stored.
                 let taken = panel
                     .app
                     .open()
@@ -60,6 +61,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
                 let create = create
                     .on_hover_text("Its base has to be estimated afterwards.")
                     .on_disabled_hover_text(why);
+                // A text field loses the focus with Enter.
                 let entered =
                     field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
                 if create.clicked() || (entered && possible) {
@@ -90,6 +92,7 @@ fn scopes(panel: &mut Panel<'_>, ui: &mut Ui, chosen: Scope) -> usize {
     let Some(open) = panel.app.open() else {
         return 0;
     };
+    // All scopes are counted in every frame of the window, since the counts stand beside them.
     let mut total = 0;
     for scope in Scope::ALL {
         let count = scope.frames(open, &panel.app.session).len();
@@ -119,6 +122,8 @@ fn scopes(panel: &mut Panel<'_>, ui: &mut Ui, chosen: Scope) -> usize {
 /// the same size is possible.
 fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
     let Some(open) = panel.app.open() else { return };
+    // Principal point and focal lengths are in px of a camera's pictures, so frames of another size
+    // do not belong to it.
     let size = panel.app.frame().map(|frame| frame.image_size);
     ScrollArea::vertical()
         .id_salt("cameras")
@@ -143,6 +148,8 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
                 let row = ui.add_enabled(count > 0 && !is_own && fits, button);
                 let why = if is_own {
                     "This frame is already assigned to this camera."
+                } else if fits {
+                    "Choose at least one frame."
                 } else {
                     "Its pictures have another size."
                 };

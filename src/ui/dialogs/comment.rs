@@ -1,13 +1,13 @@
 //! Editing the comment on the shown frame.
 
-use super::{has_just_opened, sheet};
+use super::{cancel, has_just_opened, sheet};
 use crate::ui::menu::file_name;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
-use touchline_application::app::{Action, EditAction, ViewAction};
+use touchline_application::app::{Action, EditAction};
 use touchline_documents::document::Frame;
 
 /// Shows the dialog. `before` is the comment when it opened.
@@ -19,6 +19,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
         .filter(|_| !opened)
         .unwrap_or_else(|| before.to_owned());
     sheet(panel, ctx, "Comment", vec2(440.0, 220.0), |panel, ui| {
+        // Read before the text field sees it, where Enter begins a new line.
         let save = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter));
         let name = panel.app.frame().map(Frame::name).unwrap_or_default();
         ui.label(RichText::new(file_name(&name)).color(ui.palette().weak));
@@ -43,13 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
                     .actions
                     .push(Action::Edit(EditAction::SetComment(typed.clone())));
             }
-            if ui
-                .button("Cancel")
-                .on_hover_text("Leave the comment as it was. (Esc)")
-                .clicked()
-            {
-                panel.actions.push(Action::View(ViewAction::CloseDialog));
-            }
+            cancel(panel, ui, "Leave the comment as it was. (Esc)");
         });
     });
     ctx.data_mut(|data| data.insert_temp(memory, typed));

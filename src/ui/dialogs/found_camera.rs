@@ -1,14 +1,12 @@
 //! What the search for a camera has found: the panorama of paint with the field's lines, which shows
 //! at a glance whether the camera is right, and what comes next.
 
-use super::sheet;
+use super::{closing_button, sheet};
 use crate::ui::{
-    Panel,
-    menu::is_on,
-    paint_map,
+    Panel, paint_map,
     theme::{self, Themed as _},
 };
-use egui::{Button, Context, Label, RichText, Ui, vec2};
+use egui::{Button, Context, Label, vec2};
 use std::time::Duration;
 use touchline_application::app::operations::describe_found;
 use touchline_application::app::{Action, Command, ViewAction, describe_estimate};
@@ -34,27 +32,15 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         }
         ui.add_space(2.0 * theme::SPACE);
         ui.add(Label::new(describe_found(&found.found)).wrap());
-        let next = RichText::new(next(panel)).color(ui.palette().weak);
-        ui.add(Label::new(next).wrap());
+        theme::weak_text(ui, next(panel));
         ui.add_space(2.0 * theme::SPACE);
         ui.horizontal(|ui| {
             let review = Button::new("Review").fill(ui.palette().accent_ground);
-            button(panel, ui, review, Command::ReviewPanel);
-            button(panel, ui, Button::new("Map"), Command::CameraPanel);
-            button(panel, ui, Button::new("Undo"), Command::Undo);
+            closing_button(panel, ui, review, Command::ReviewPanel);
+            closing_button(panel, ui, Button::new("Map"), Command::CameraPanel);
+            closing_button(panel, ui, Button::new("Undo"), Command::Undo);
         });
     });
-}
-
-/// Shows a button that closes the dialog and carries out a command; a panel that is open stays.
-fn button(panel: &mut Panel<'_>, ui: &mut Ui, button: Button<'_>, command: Command) {
-    let tip = panel.app.settings.keys.tooltip(command);
-    if ui.add(button).on_hover_text(tip).clicked() {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
-        if !is_on(panel.app, command) {
-            panel.actions.push(Action::Command(command));
-        }
-    }
 }
 
 /// What comes next, and how long it takes.

@@ -13,6 +13,7 @@ pub fn score(letters: &str, text: &str) -> Option<u32> {
         .chars()
         .filter(|letter| !letter.is_whitespace())
         .collect();
+    // Every start is tried, which takes quadratic time; names of commands are short.
     let mut best = None;
     for start in 0..text.len().max(1) {
         best = best.max(score_from(&letters, &text, start));
@@ -31,6 +32,8 @@ fn score_from(letters: &[char], text: &[char], from: usize) -> Option<u32> {
                 .iter()
                 .position(|candidate| candidate == letter)?;
         let begins_word = found == 0 || !text[found - 1].is_alphanumeric();
+        // A letter directly after the one before it continues a run. The first letter continues
+        // none, wherever it stands.
         run = if found == at && total > 0 { run + 1 } else { 0 };
         total += 1 + 4 * u32::from(begins_word) + 2 * run.min(4);
         at = found + 1;

@@ -35,6 +35,8 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 if opened {
                     response.request_focus();
                 }
+                // A text field loses the focus with Enter. A text that is not a place is explained
+                // below, and Enter does nothing.
                 let place = typed.parse::<FrameOrTime>();
                 let entered =
                     response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));

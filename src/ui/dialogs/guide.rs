@@ -132,6 +132,7 @@ fn picture(line: &str) -> Option<(&str, &str)> {
 /// Shows a picture, at most as wide as the available space. The caption is its description for
 /// screen readers.
 fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
+    // A picture is decoded when its page is first shown, and stays on the graphics card.
     let memory = Id::unique(("picture of the guide", name));
     let known = ui.data(|data| data.get_temp::<TextureHandle>(memory));
     let Some(texture) = known.or_else(|| decode_picture(ui.ctx(), name)) else {
@@ -157,6 +158,7 @@ fn decode_picture(ctx: &Context, name: &str) -> Option<TextureHandle> {
 
 /// Lays out a text with the words between pairs of `**`, `*` and `` ` `` emphasised.
 fn laid_out(palette: &Palette, text: &str) -> LayoutJob {
+    // All emphasised words look alike but for keys and commands in backticks, which are monospaced.
     let mut job = LayoutJob::default();
     for (part, is_set_off) in parts(text) {
         let key = is_set_off && part.starts_with('`');
@@ -187,6 +189,7 @@ fn laid_out(palette: &Palette, text: &str) -> LayoutJob {
 /// Splits a text into parts, each with whether it is emphasised. Emphasised parts keep their marks;
 /// a mark without a second one is text.
 fn parts(text: &str) -> Vec<(&str, bool)> {
+    // Both marks are one byte long, so the byte positions are borders of characters.
     let (mut found, mut rest) = (Vec::new(), text);
     while let Some(start) = rest.find(['`', '*']) {
         let mark = if rest[start..].starts_with("**") {

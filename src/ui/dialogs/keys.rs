@@ -62,7 +62,7 @@ fn set_waiting(ctx: &Context, command: Option<Command>) {
 
 /// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    // A command that waited for a key when the dialog was closed no longer does.
+    // Closing the dialog ends the wait for a key.
     if super::has_just_opened(ctx, "keys") {
         set_waiting(ctx, None);
     }
@@ -239,6 +239,7 @@ const fn is_modifier(key: Key) -> bool {
 /// A key stroke as the settings store it. For punctuation, Shift is not stored, because the
 /// keyboard layout decides whether the sign needs it.
 fn chord(key: Key, modifiers: Modifiers) -> Chord {
+    // Some layouts report the question mark as Shift and slash (`keys::question_mark`).
     let question = key == Key::Questionmark || key == Key::Slash && modifiers.shift;
     let sign = question
         || matches!(

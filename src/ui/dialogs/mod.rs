@@ -29,7 +29,9 @@ mod transfer;
 pub use keys::captures_keys;
 
 use super::{
-    Panel, symbol,
+    Panel,
+    menu::is_on,
+    symbol,
     theme::{self, Themed as _},
 };
 use egui::{
@@ -73,6 +75,8 @@ fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
         Id::unique(("dialog was shown", dialog)),
         ctx.cumulative_frame_nr(),
     );
+    // A dialog asks once in every frame of the window in which it is shown, so a gap in the numbers
+    // means that it was closed.
     ctx.data_mut(|data| {
         let before = data.get_temp::<u64>(memory);
         data.insert_temp(memory, now);
@@ -87,6 +91,7 @@ fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
     let area = Area::new(Id::unique("curtain"))
         .order(Order::Middle)
         .fixed_pos(all.min);
+    // egui limits the focus to this layer and those above it.
     ctx.memory_mut(|memory| memory.set_modal_layer(area.layer()));
     area.show(ctx, |ui| {
         let (_, response) = ui.allocate_exact_size(all.size(), Sense::CLICK);
@@ -127,6 +132,28 @@ fn sheet(
         });
 }
 
+/// Shows a dialog at the upper left of the picture that leaves the window bright and usable.
+fn floating(
+    panel: &mut Panel<'_>,
+    ctx: &Context,
+    title: &str,
+    contents: impl FnOnce(&mut Panel<'_>, &mut Ui),
+) {
+    let corner = ctx.content_rect().min + vec2(16.0, 40.0);
+    Area::new(Id::unique(("dialog", title)))
+        .order(Order::Foreground)
+        .fixed_pos(corner)
+        .role(egui::accesskit::Role::Dialog)
+        .accessible_name(title)
+        .show(ctx, |ui| {
+            frame(ui).show(ui, |ui| {
+                ui.set_width(300.0);
+                header(panel, ui, title);
+                contents(panel, ui);
+            });
+        });
+}
+
 /// The border and margin of a dialog.
 fn frame(ui: &Ui) -> Frame {
     Frame::window(ui.style()).inner_margin(Margin::same(16))
@@ -151,6 +178,25 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
         });
     });
     ui.add_space(theme::SPACE);
+}
+
+/// The button that closes the dialog without carrying anything out.
+fn cancel(panel: &mut Panel<'_>, ui: &mut Ui, tip: &str) {
+    if ui.button("Cancel").on_hover_text(tip).clicked() {
+        panel.actions.push(Action::View(ViewAction::CloseDialog));
+    }
+}
+
+/// A button that closes the dialog and runs a command. A command that is on already (a panel that
+/// is open) is not run, because it would be switched off.
+fn closing_button(panel: &mut Panel<'_>, ui: &mut Ui, button: Button<'_>, command: Command) {
+    let tip = panel.app.settings.keys.tooltip(command);
+    if ui.add(button).on_hover_text(tip).clicked() {
+        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        if !is_on(panel.app, command) {
+            panel.actions.push(Action::Command(command));
+        }
+    }
 }
 
 /// The button that opens the guide at the page about this dialog, if there is one.

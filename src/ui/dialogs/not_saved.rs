@@ -1,13 +1,13 @@
 //! The warning before unsaved edits are lost by closing or opening.
 
-use super::sheet;
+use super::{cancel, closing_button, sheet};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
 use touchline_application::app::session::{Leaving, Saving};
-use touchline_application::app::{Action, Command, ViewAction};
+use touchline_application::app::{Action, Command};
 
 /// Shows the dialog. `leaving` is what the user was about to do.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
@@ -40,21 +40,9 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
         ui.add_space(2.0 * theme::SPACE);
         let row = vec2(ui.available_width(), 28.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
-            let elsewhere = ui.add(Button::new("Save elsewhere…").fill(ui.palette().accent_ground));
-            if elsewhere
-                .on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs))
-                .clicked()
-            {
-                panel.actions.push(Action::View(ViewAction::CloseDialog));
-                panel.actions.push(Action::Command(Command::SaveAs));
-            }
-            if ui
-                .button("Cancel")
-                .on_hover_text("Continue working; saving is tried again. (Esc)")
-                .clicked()
-            {
-                panel.actions.push(Action::View(ViewAction::CloseDialog));
-            }
+            let elsewhere = Button::new("Save elsewhere…").fill(ui.palette().accent_ground);
+            closing_button(panel, ui, elsewhere, Command::SaveAs);
+            cancel(panel, ui, "Continue working; saving is tried again. (Esc)");
             if ui
                 .button(RichText::new(does).color(ui.palette().bad))
                 .on_hover_text("This cannot be undone.")

@@ -1,34 +1,24 @@
 //! Colour, width and opacity of the field's lines. The picture stays in view and follows at once.
 
-use super::{frame, header, swatches};
+use super::{floating, swatches};
 use crate::ui::{Panel, theme};
-use egui::{Area, Button, Context, Grid, Id, Order, Slider, Ui, vec2};
+use egui::{Button, Context, Grid, Slider, Ui};
 use touchline_application::app::{Action, SettingsAction};
 use touchline_application::scene::{OverlayStyle, Sport};
 
-/// Shows the dialog at the upper left of the picture.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    let corner = ctx.content_rect().min + vec2(16.0, 40.0);
-    Area::new(Id::unique("overlay style"))
-        .order(Order::Foreground)
-        .fixed_pos(corner)
-        .role(egui::accesskit::Role::Dialog)
-        .accessible_name("Overlay style")
-        .show(ctx, |ui| {
-            frame(ui).show(ui, |ui| {
-                ui.set_width(300.0);
-                header(panel, ui, "Overlay style");
-                colour(panel, ui);
-                let before = panel.app.settings.overlay;
-                let mut style = before;
-                controls(ui, &mut style);
-                if style != before {
-                    panel
-                        .actions
-                        .push(Action::Settings(SettingsAction::OverlayStyle(style)));
-                }
-            });
-        });
+    floating(panel, ctx, "Overlay style", |panel, ui| {
+        colour(panel, ui);
+        let before = panel.app.settings.overlay;
+        let mut style = before;
+        controls(ui, &mut style);
+        if style != before {
+            panel
+                .actions
+                .push(Action::Settings(SettingsAction::OverlayStyle(style)));
+        }
+    });
 }
 
 /// The colour of lines for the shown sport. It is stored for each sport, because grounds differ.

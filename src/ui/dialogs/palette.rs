@@ -32,6 +32,7 @@ struct State {
 /// Shows the palette.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     curtain(panel, ctx);
+    // Text and highlight are in egui's memory: nothing outside the palette depends on them.
     let memory = Id::unique("palette");
     let opened = has_just_opened(ctx, "palette");
     let mut state: State = if opened {
@@ -120,6 +121,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
 /// nothing is typed.
 fn find_commands(app: &App, typed: &str) -> Vec<Command> {
     let candidates = Command::all().filter(|command| *command != Command::Palette);
+    // The sort is stable: equal ranks stay in the order of the menus.
     let mut scored: Vec<((bool, Reverse<u32>), Command)> = candidates
         .filter_map(|command| {
             Some((

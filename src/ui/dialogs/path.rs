@@ -1,13 +1,13 @@
 //! A field for typing a path, for systems without file dialogs.
 
-use super::{has_just_opened, sheet};
+use super::{cancel, has_just_opened, sheet};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
 use std::path::PathBuf;
-use touchline_application::app::{Action, Question, ViewAction};
+use touchline_application::app::{Action, Question};
 
 /// Title, text of the button, and an example, for a question.
 const fn describe(question: Question) -> (&'static str, &'static str, &'static str) {
@@ -98,13 +98,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
                     .actions
                     .push(Action::Answer(question, PathBuf::from(path)));
             }
-            if ui
-                .button("Cancel")
-                .on_hover_text("Close without a change. (Esc)")
-                .clicked()
-            {
-                panel.actions.push(Action::View(ViewAction::CloseDialog));
-            }
+            cancel(panel, ui, "Close without a change. (Esc)");
         });
     });
     ctx.data_mut(|data| data.insert_temp(memory, typed));

@@ -1,76 +1,67 @@
 //! Brightness, contrast and gamma of the picture. The picture stays in view and follows at once.
 
-use super::{frame, header};
+use super::floating;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
-use egui::{Area, Button, Context, Grid, Id, Order, Slider, vec2};
+use egui::{Button, Context, Grid, RichText, Slider};
 use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::PictureLook;
 
-/// Shows the dialog at the upper left of the picture.
+/// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    let corner = ctx.content_rect().min + vec2(16.0, 40.0);
-    Area::new(Id::unique("picture look"))
-        .order(Order::Foreground)
-        .fixed_pos(corner)
-        .role(egui::accesskit::Role::Dialog)
-        .accessible_name("Brightness and contrast")
-        .show(ctx, |ui| {
-            frame(ui).show(ui, |ui| {
-                ui.set_width(300.0);
-                header(panel, ui, "Brightness and contrast");
-                let before = panel.app.settings.picture;
-                let mut look = before;
-                Grid::new("picture look")
-                    .num_columns(2)
-                    .spacing([12.0, 8.0])
-                    .show(ui, |ui| {
-                        for (name, value, tip) in [
-                            (
-                                "Brightness",
-                                &mut look.brightness,
-                                "How bright the picture is; 1: as it is.",
-                            ),
-                            (
-                                "Contrast",
-                                &mut look.contrast,
-                                "Differences from a middle grey; 1: as they are.",
-                            ),
-                            (
-                                "Gamma",
-                                &mut look.gamma,
-                                "More brightens shadows and keeps black and white; 1: as it is.",
-                            ),
-                        ] {
-                            ui.label(name);
-                            let slider = Slider::new(value, PictureLook::RANGE)
-                                .logarithmic(true)
-                                .fixed_decimals(2);
-                            ui.add(slider).accessible_name(name).on_hover_text(tip);
-                            ui.end_row();
-                        }
-                    });
-                ui.add_space(theme::SPACE);
-                let default = PictureLook::default();
-                let reset = ui.add_enabled(look != default, Button::new("Reset to defaults"));
-                let reset = reset
-                    .on_hover_text("Show the picture as it is.")
-                    .on_disabled_hover_text("The picture is as it is.");
-                if reset.clicked() {
-                    look = default;
-                }
-                let tip = format!(
-                    "{} opens and closes this.",
-                    panel.app.settings.keys.key_label(Command::PictureLook)
-                );
-                ui.label(egui::RichText::new(tip).small().color(ui.palette().weak));
-                if look != before {
-                    panel
-                        .actions
-                        .push(Action::Settings(SettingsAction::PictureLook(look)));
+    floating(panel, ctx, "Brightness and contrast", |panel, ui| {
+        let before = panel.app.settings.picture;
+        let mut look = before;
+        Grid::new("picture look")
+            .num_columns(2)
+            .spacing([12.0, 8.0])
+            .show(ui, |ui| {
+                for (name, value, tip) in [
+                    (
+                        "Brightness",
+                        &mut look.brightness,
+                        "How bright the picture is; 1: as it is.",
+                    ),
+                    (
+                        "Contrast",
+                        &mut look.contrast,
+                        "Differences from a middle grey; 1: as they are.",
+                    ),
+                    (
+                        "Gamma",
+                        &mut look.gamma,
+                        "More brightens shadows and keeps black and white; 1: as it is.",
+                    ),
+                ] {
+                    ui.label(name);
+                    // Logarithmic: these are factors, and half is as far from 1 as double.
+                    let slider = Slider::new(value, PictureLook::RANGE)
+                        .logarithmic(true)
+                        .fixed_decimals(2);
+                    ui.add(slider).accessible_name(name).on_hover_text(tip);
+                    ui.end_row();
                 }
             });
-        });
+        ui.add_space(theme::SPACE);
+        let default = PictureLook::default();
+        let reset = ui.add_enabled(look != default, Button::new("Reset to defaults"));
+        let reset = reset
+            .on_hover_text("Show the picture as it is.")
+            .on_disabled_hover_text("The picture is as it is.");
+        if reset.clicked() {
+            look = default;
+        }
+        let tip = format!(
+            "{} opens and closes this.",
+            panel.app.settings.keys.key_label(Command::PictureLook)
+        );
+        ui.label(RichText::new(tip).small().color(ui.palette().weak));
+        if look != before {
+            panel
+                .actions
+                .push(Action::Settings(SettingsAction::PictureLook(look)));
+        }
+    });
 }

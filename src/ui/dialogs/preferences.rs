@@ -56,13 +56,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     group(ui, "MORE", |ui| {
                         ui.horizontal(|ui| {
                             for command in MORE {
-                                if ui
-                                    .button(command.name())
-                                    .on_hover_text(panel.app.settings.keys.tooltip(command))
-                                    .clicked()
-                                {
-                                    panel.actions.push(Action::Command(command));
-                                }
+                                panel.run_on_click(ui.button(command.name()), command);
                             }
                         });
                     });
@@ -214,6 +208,7 @@ fn memory(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// The size of texts and controls. It changes when the slider is released, because the change moves
 /// the slider itself.
 fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
+    // The size of the drag is in egui's memory until then; without one it is that of the settings.
     let memory = egui::Id::unique("text size");
     let known = panel.app.settings.text_size;
     let mut size = ui
@@ -245,6 +240,7 @@ fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// A setting as a check box.
 fn switch(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
+    // A check box needs a value to change, but the command alone changes the setting.
     let settings = &panel.app.settings;
     let before = match command {
         Command::SnapPoints => settings.snap_points,

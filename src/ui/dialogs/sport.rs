@@ -85,6 +85,7 @@ fn cost(app: &App) -> String {
 
 /// A field with its name, as a button.
 fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: bool) -> Response {
+    // Drawn by hand: a drawing with two lines of text below it, as one button.
     let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, title));
     let painter = ui.painter();
@@ -144,7 +145,8 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
 /// Draws the lines of a field from above, x to the right and y upwards. Lines above the ground,
 /// such as crossbars, are left out.
 fn draw(painter: &Painter, ground: Rect, field: &FieldModel) {
-    // The field with a margin around it, as large as the card allows.
+    // The field with a margin around it, as large as the card allows. Templates lie with their
+    // length to the right, whatever their size, so each fills its card.
     let scale = (f64::from(ground.width()) / (1.1 * field.length_m))
         .min(f64::from(ground.height()) / (1.1 * field.width_m));
     let (half_length, half_width) = (

@@ -13,6 +13,7 @@ const SIDE: f32 = 20.0;
 /// Shows the colours, and at the end a button for any other. Returns the one that was chosen.
 /// `whose` is put before the accessible names.
 pub fn show(ui: &mut Ui, whose: &str, ground: Option<Ground>, chosen: [u8; 3]) -> Option<[u8; 3]> {
+    // Without a known sport no colour is safe, and all are shown without an underline.
     let is_safe =
         |colour: &LineColour| ground.is_some_and(|ground| colour.safe_on.contains(&ground));
     let (safe, other): (Vec<_>, Vec<_>) = LINE_COLOURS.iter().partition(|colour| is_safe(colour));
@@ -56,6 +57,7 @@ pub fn show(ui: &mut Ui, whose: &str, ground: Option<Ground>, chosen: [u8; 3]) -
             taken = Some(any);
         }
     });
+    // A click on the present colour is no choice.
     taken.filter(|taken| *taken != chosen)
 }
 

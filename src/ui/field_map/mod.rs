@@ -11,8 +11,8 @@ use super::placement::Placement;
 use super::viewport::Gesture;
 use super::{Panel, canvas, menu};
 use egui::{
-    Align2, Button, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, RichText,
-    Role, Sense, Shape, Stroke, WidgetInfo, pos2, vec2,
+    Align2, Button, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, Rect,
+    RichText, Role, Sense, Shape, Stroke, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 use touchline_application::app::App;
@@ -43,6 +43,11 @@ const UNCLICKED: Colour = Colour {
 /// Colour of the ring around the landmark that is chosen or pointed at.
 const POINTED: Color32 = Color32::from_rgb(255, 221, 64);
 
+/// The title of a built-in template; the name of any other, which is a path.
+pub fn sport_title(template: &str) -> String {
+    builtin(template).map_or_else(|_| template.to_owned(), |known| known.title.clone())
+}
+
 /// Shows the map over the available width, at most `most_height` points high.
 pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     let Some(field) = panel.app.current().field().cloned() else {
@@ -65,7 +70,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         ..FieldMap::new(&field, MARGIN_M, PX_PER_M)
     };
 
-    // The map's own zoom and pan.
+    // The map's own zoom and pan. Nothing outside the map depends on them, so they stay in egui's
+    // memory and are no state of the application.
     let view_id = Id::NULL.with("field map's view");
     let mut view = ui
         .data(|data| data.get_temp::<PictureView>(view_id))
@@ -77,6 +83,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         view,
     );
     ui.data_mut(|data| data.insert_temp(view_id, view));
+    // Gestures come before the drawing, so that the map follows them without a delay of one frame.
     let placement = Placement::new(rect, pixels_per_point, map.size_px(), view);
 
     // The target under the pointer. Lines only, while a line is to be named or placed.
@@ -130,8 +137,7 @@ fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let Some(spec) = panel.app.shown_field_spec() else {
         return;
     };
-    let title = builtin(&spec.template)
-        .map_or_else(|_| spec.template.clone(), |template| template.title.clone());
+    let title = sport_title(&spec.template);
     let command = Command::ChooseSport;
     let why_not = panel.app.why_not(command);
     ui.horizontal(|ui| {
@@ -140,13 +146,8 @@ fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
             why_not.is_none(),
             Button::new(RichText::new(title).small()).small(),
         );
-        let button = button.on_hover_text(panel.app.settings.keys.tooltip(command));
-        if button
-            .on_disabled_hover_text(why_not.unwrap_or_default())
-            .clicked()
-        {
-            panel.actions.push(Action::Command(command));
-        }
+        let button = button.on_disabled_hover_text(why_not.unwrap_or_default());
+        panel.run_on_click(button, command);
     });
 }
 
@@ -200,7 +201,7 @@ fn paint(
     let rect = placement.rect;
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, labels::colour(SURROUND));
-    // A blind round hides the label.
+    // A blind round hides the label: clicks and the camera that follows from them.
     let hidden = app.round().is_some();
     let clicks = app
         .frame()
@@ -208,6 +209,8 @@ fn paint(
         .map(|frame| frame.clicks.as_slice())
         .unwrap_or_default();
     let shown = app.shown_values();
+    // The camera that a highlighted name would give takes the place of the frame's own, unless an
+    // estimated base is shown, with which it was not computed.
     let preview = app
         .current()
         .preview
@@ -233,6 +236,7 @@ fn paint(
         spots,
         clicks.iter().filter_map(|click| click.target.as_ref()),
     );
+    // The dots lie on the ground and below the clicks.
     let layers = [drawn.ground, dots, drawn.over].map(|drawing| Layer::Drawing(Arc::new(drawing)));
     canvas::paint(
         &painter,
@@ -283,6 +287,8 @@ fn dots<'a>(
         .filter(|(landmark, _)| !clicked.contains(&landmark.id.as_str()));
     let markers = unclicked.map(|(landmark, spot)| {
         let on_ground = landmark.nominal_m.z <= 0.0;
+        // A drawing is in the map's px. The spots are in points of the screen, because a landmark
+        // above another one is moved by a distance on the screen.
         let ImagePoint { x, y } = placement.image_from_screen(*spot);
         Marker {
             at: [x as f32, y as f32],
@@ -325,6 +331,7 @@ fn chosen(app: &App) -> Option<Target> {
 
 /// Draws a ring around a landmark, or draws over a line.
 fn ring(painter: &Painter, place: &MapLayout<'_>, target: &Target) {
+    // Bright on a wider dark line, so that it is visible on lines and on grass.
     let rim = Color32::from_black_alpha(160);
     match target {
         Target::Landmark(id) => {
@@ -356,12 +363,8 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
         Id::NULL.with("field map's name"),
     ));
     let font = FontId::proportional(12.5);
-    let window = ui.ctx().content_rect();
     let width = text_width(&painter, text, font.clone());
-    let middle = at.x.clamp(
-        window.left() + width / 2.0 + 8.0,
-        (window.right() - width / 2.0 - 8.0).max(window.left()),
-    );
+    let middle = middle_within(ui.ctx().content_rect(), width, at.x);
     plate(
         &painter,
         pos2(middle, at.y + 26.0),
@@ -369,6 +372,14 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
         text,
         PlateStyle::new(font, Color32::WHITE, Color32::from_black_alpha(225)),
     );
+}
+
+/// The x nearest to a wanted one at which the middle of a text of this width leaves none of it
+/// outside the window. A text that is wider than the window begins at its left border.
+fn middle_within(window: Rect, width: f32, wanted: f32) -> f32 {
+    let room = width / 2.0 + 8.0;
+    let leftmost = window.left() + room;
+    wanted.clamp(leftmost, (window.right() - room).max(leftmost))
 }
 
 /// Draws the camera in its position, looking at the field's centre. If it is outside the map, it is
@@ -419,4 +430,18 @@ fn code<'a>(field: &'a FieldModel, target: &Target) -> &'a str {
         .element(field)
         .and_then(|element| element.code(field))
         .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_stays_in_the_window_and_one_that_is_too_wide_begins_at_its_border() {
+        let window = Rect::from_min_max(pos2(0.0, 0.0), pos2(300.0, 200.0));
+        assert_eq!(middle_within(window, 100.0, 150.0), 150.0);
+        assert_eq!(middle_within(window, 100.0, 5.0), 58.0);
+        assert_eq!(middle_within(window, 100.0, 295.0), 242.0);
+        assert_eq!(middle_within(window, 400.0, 150.0), 208.0);
+    }
 }

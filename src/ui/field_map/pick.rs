@@ -21,6 +21,7 @@ const PIECES: u32 = 48;
 
 /// Where each landmark is drawn on the screen, in the field's order.
 pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
+    // Every landmark is compared with every other one; a field has some dozens of them.
     field
         .landmarks
         .iter()
@@ -43,6 +44,8 @@ pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<P
 /// The direction on the map that points out of the field, across the border that the landmark is
 /// on. Upwards for a landmark within the field.
 fn outwards(field: &FieldModel, map: &FieldMap, landmark: &Landmark) -> Vec2 {
+    // World y points up on the map and screen y down; a map that is rotated by 180° reverses both
+    // axes.
     let sign = if map.turned { -1.0 } else { 1.0 };
     let away = sign
         * vec2(
@@ -118,6 +121,7 @@ fn line_under(
 
 /// A curve of the field as a polyline on the screen.
 pub fn on_screen(curve: &Curve, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
+    // The map scales and rotates, so a straight line of the field is one on the map, too.
     let pieces = if matches!(curve, Curve::Segment { .. }) {
         1
     } else {

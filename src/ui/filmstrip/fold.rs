@@ -3,6 +3,7 @@
 use super::item::{BAR, CAPTION};
 use crate::ui::{
     Panel,
+    pictures::WHOLE,
     theme::{self, Themed as _},
 };
 use egui::{
@@ -41,7 +42,7 @@ pub fn show(
         picture.min + vec2(0.0, 2.0 * SHEET),
         picture.max - vec2(2.0 * SHEET, 0.0),
     );
-    // Three sheets, each a little up and to the right of the one before it.
+    // Three sheets from back to front: the rear ones stand out to the upper right.
     for sheet in [2.0, 1.0, 0.0] {
         let shape = top.translate(vec2(SHEET * sheet, -SHEET * sheet));
         painter.rect_filled(shape, CornerRadius::same(3), theme::ON_PICTURE.raised);
@@ -52,9 +53,9 @@ pub fn show(
             StrokeKind::Inside,
         );
     }
+    // Dark, so that the number in front of it is legible.
     if let Some(texture) = panel.pictures.thumbnail(open, middle) {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture.id(), top.shrink(1.0), whole, Color32::from_gray(70));
+        painter.image(texture.id(), top.shrink(1.0), WHOLE, Color32::from_gray(70));
     }
     painter.text(
         top.center(),
@@ -94,7 +95,8 @@ pub fn show(
     );
     if response.on_hover_text(tip).clicked() {
         let navigation = if ui.input(|input| input.modifiers.shift) {
-            // All of them are selected, from whichever side.
+            // The range goes from the shown frame to the far end of the run, so that all of it is
+            // selected. The shown frame is never within the run.
             let is_before = last < panel.app.session.frame;
             Navigation::SelectFrame {
                 frame: if is_before { first } else { last },

@@ -5,6 +5,7 @@ use crate::ui::menu::{self, file_name};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
     Panel,
+    pictures::WHOLE,
     theme::{self, Themed as _},
 };
 use egui::{
@@ -80,33 +81,25 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
     // As in file managers: Shift selects up to here, Ctrl this one as well.
     if response.clicked() {
         let modifiers = ui.input(|input| input.modifiers);
-        match (modifiers.shift, modifiers.command) {
-            (true, _) => {
-                panel
-                    .actions
-                    .push(Action::Navigate(Navigation::SelectFrame {
-                        frame: index,
-                        how: Selecting::Range,
-                    }));
-            }
-            (false, true) => {
-                panel
-                    .actions
-                    .push(Action::Navigate(Navigation::SelectFrame {
-                        frame: index,
-                        how: Selecting::Toggle,
-                    }));
-            }
-            (false, false) => panel.actions.extend([
-                Action::View(ViewAction::SelectNoFrames),
-                Action::Navigate(Navigation::GoTo(index)),
-            ]),
+        let how = match (modifiers.shift, modifiers.command) {
+            (true, _) => Some(Selecting::Range),
+            (false, true) => Some(Selecting::Toggle),
+            (false, false) => None,
+        };
+        if let Some(how) = how {
+            let select = Navigation::SelectFrame { frame: index, how };
+            panel.actions.push(Action::Navigate(select));
+        } else {
+            panel
+                .actions
+                .push(Action::View(ViewAction::SelectNoFrames));
+            panel.go_to(index);
         }
     }
+    // The commands of the context menu act on the shown frame, so a right click shows this one. It
+    // keeps the selection, on which some of them act.
     if response.secondary_clicked() {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::GoTo(index)));
+        panel.go_to(index);
     }
     response.context_menu(|ui| context_menu(panel, ui));
     tooltip(response, index, frame, app.paint_says(index));
@@ -114,6 +107,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
 
 /// The commands for the frame, or for all selected frames.
 fn context_menu(panel: &mut Panel<'_>, ui: &mut Ui) {
+    // Commands for all selected frames stand apart, under their number.
     let selected = panel.app.session.frames_selected.len();
     if selected > 1 {
         ui.label(
@@ -188,12 +182,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
         } else {
             Color32::WHITE
         };
-        painter.image(
-            texture.id(),
-            shape,
-            Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)),
-            tint,
-        );
+        painter.image(texture.id(), shape, WHOLE, tint);
     } else if panel.pictures.has_no_thumbnail(open, index) {
         painter.text(
             picture.center(),
@@ -259,6 +248,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
             );
         }
     }
+    // The line check moves to the left where a gold mark takes the corner.
     if let Some(says) = panel.app.paint_says(index) {
         let mark = picture.right_bottom() + vec2(if frame.gold { -21.0 } else { -8.0 }, -8.0);
         theme::paint_line_mark(painter, mark, says.verdict);

@@ -71,23 +71,14 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
         .accessible_name("Frames shown")
         .on_hover_text("Which frames the filmstrip shows.");
     // How far the work is.
-    let (references, needed) = (
-        counts.count_with_status(FrameStatus::Reference),
-        counts.to_do,
-    );
-    ui.label(
-        RichText::new(format!(
-            "{references} reference{}",
-            if references == 1 { "" } else { "s" }
-        ))
-        .small(),
-    )
-    .on_hover_text("Frames that you have accepted.");
+    let references = counts.count_with_status(FrameStatus::Reference);
+    let plural = if references == 1 { "" } else { "s" };
+    ui.label(RichText::new(format!("{references} reference{plural}")).small())
+        .on_hover_text("Frames that you have accepted.");
     let reasons = counts.describe_to_do();
-    let needed = if needed == 0 {
-        "all done".to_owned()
-    } else {
-        format!("{needed} to do")
+    let needed = match counts.to_do {
+        0 => "all done".to_owned(),
+        needed => format!("{needed} to do"),
     };
     let tip = "Frames that are neither accepted nor marked as not calibratable";
     ui.label(RichText::new(needed).small().color(ui.palette().weak))
@@ -103,6 +94,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     let height = ui.available_height();
     // The height of the panel gives the size of a cell: a thumbnail with status bar and caption
     // below it.
+    // 26 points are the margin of 8, the status bar and the caption.
     let item = vec2(((height - 26.0) * ASPECT).round(), height - 8.0);
     let strip = Strip::get_or_lay_out(ui, open, app.session.filter, app.session.frame, item.x);
     if strip.cells.is_empty() {
@@ -125,7 +117,8 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     ) {
         area = area.horizontal_scroll_offset(offset);
     }
-    // The cells in view.
+    // The cells in view. The whole strip is allocated first, because the scroll bar needs its
+    // width; only the cells within the viewport are drawn and can be clicked.
     let scrolled = area.show_viewport(ui, |ui, viewport| {
         let origin = ui.max_rect().min;
         let (whole, _) = ui.allocate_exact_size(vec2(strip.width(), height - 2.0), Sense::hover());

@@ -110,6 +110,7 @@ impl Parts {
             return true;
         };
         self.frames = frames.clone();
+        // All changed values are stored, also after the first that differs.
         let mut is_other = false;
         for at in changed {
             let part = self.part_of(&frames[at], filter);
@@ -159,7 +160,7 @@ impl Strip {
         let known = ui
             .data_mut(|data| data.remove_temp::<StripMemory>(memory))
             .flatten();
-        // The values of the frames depend on the filter.
+        // Values of another filter are of no use: which frames are shown and folded depends on it.
         let known = known.filter(|known| known.0.filter == filter);
         let (parts, kept) = match known {
             Some((before, mut parts, strip)) => {
@@ -214,12 +215,15 @@ impl Strip {
 
     /// Left end of a cell, points from the strip's start.
     pub fn left_end(&self, at: usize) -> f32 {
+        // The number of shots that begin at this cell or before it. Each has a wider gap in front.
         let shot = self.shots.partition_point(|(begin, _)| *begin <= at);
         at as f32 * (self.item + GAP) + shot as f32 * SHOT_GAP
     }
 
     /// The cell that has a frame of the document.
     pub fn place_of(&self, frame: usize) -> Option<usize> {
+        // Cells are in the order of the document: the first that does not end before the frame is
+        // the only candidate.
         let at = self.cells.partition_point(|cell| cell.last() < frame);
         let is_there = match *self.cells.get(at)? {
             StripCell::Frame(here) => here == frame,
@@ -250,6 +254,8 @@ impl Strip {
             self.left_end(at) - margin,
             self.left_end(at) + self.item + margin,
         );
+        // The offset is raised until the right neighbours are in view and then lowered until the
+        // left ones are. If the window is too narrow for both, the left end decides.
         let needed = offset.max((last - width).min(first)).min(first);
         needed.clamp(0.0, (self.width() - width).max(0.0))
     }
@@ -280,6 +286,7 @@ fn fold(cells: &mut Vec<StripCell>, run: usize) {
     if run < FOLDED {
         return;
     }
+    // The cells of the run are still single frames; `new` folds a run before it begins another.
     let begin = cells.len() - run;
     let (first, last) = (cells[begin].last(), cells[cells.len() - 1].last());
     cells.truncate(begin);

@@ -26,6 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         stretch(panel, ui, count);
         return;
     }
+    // An accepted frame keeps the button: Enter on it goes on to the next frame.
     let why_not = panel.app.unacceptable();
     let accepted = panel
         .app
@@ -70,27 +71,12 @@ fn stretch(panel: &mut Panel<'_>, ui: &mut Ui, count: usize) {
 
 /// Shows the decision about an estimated base. It is taken or discarded here only.
 fn base(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let keys = &panel.app.settings.keys;
     ui.horizontal(|ui| {
         let width = ui.available_width() - DISCARD - ui.spacing().item_spacing.x;
         let take = button(ui, "Use this base", None, AcceptButtonState::ToDo, width);
-        if take
-            .on_hover_text(keys.tooltip(Command::UseEstimatedBase))
-            .clicked()
-        {
-            panel
-                .actions
-                .push(Action::Command(Command::UseEstimatedBase));
-        }
+        panel.run_on_click(take, Command::UseEstimatedBase);
         let discard = ui.add(Button::new("Discard").min_size(vec2(DISCARD, HEIGHT)));
-        if discard
-            .on_hover_text(keys.tooltip(Command::DropEstimatedBase))
-            .clicked()
-        {
-            panel
-                .actions
-                .push(Action::Command(Command::DropEstimatedBase));
-        }
+        panel.run_on_click(discard, Command::DropEstimatedBase);
     });
 }
 
@@ -135,6 +121,8 @@ fn button(
             StrokeKind::Inside,
         );
     }
+    // Word and symbol are centred together: the symbol with its gap takes 24 points, so the word
+    // goes to the left by half of that.
     let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(16.0), text);
     let beside = if sign.is_some() {
         vec2(12.0, 0.0)

@@ -1,18 +1,16 @@
 //! The list of the frame's points, one row each: number, name, residual, and buttons.
 
+use crate::ui::labels::{self, lay_out_within};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
     Panel, menu,
     theme::{self, Palette, Themed as _},
 };
-use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align, Align2, Color32, CornerRadius, FontId, Galley, Layout, Painter, Rect, RichText, Role,
-    ScrollArea, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense,
+    Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
-use std::sync::Arc;
 use touchline_application::app::{Action, App, Command, EditAction, Navigation};
-use touchline_application::scene::drawing;
 use touchline_application::scene::overlay::{CHECK, click_colour};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::Click;
@@ -42,6 +40,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
             on_line_switch(panel, ui);
         });
     });
+    // The list has room for four rows even if it is empty, so that what is below it stays in place
+    // while the first points are clicked.
     let height = room.max(4.0 * theme::LIST_ROW);
     ScrollArea::vertical()
         .id_salt("points")
@@ -76,12 +76,7 @@ fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let on = panel.app.session.points.next_on_line;
     let palette = ui.palette();
     let response = symbol::toggle(ui, Symbol::OnLine, command.name(), on, palette.accent);
-    if response
-        .on_hover_text(panel.app.settings.keys.tooltip(command))
-        .clicked()
-    {
-        panel.actions.push(Action::Command(command));
-    }
+    panel.run_on_click(response, command);
 }
 
 /// Shows one point. A click selects it, a double click renames it.
@@ -149,11 +144,12 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     } else {
         ui.palette().text
     };
-    let mut galley = lay_out_name(&painter, name.clone(), strength, text_width);
+    let font = FontId::proportional(13.0);
+    let mut galley = lay_out_within(&painter, name.clone(), font.clone(), strength, text_width);
     if galley.elided {
         // Names that begin alike would be cut to the same text, so the unique code goes in front.
         let text = code(app, click).map_or_else(|| name.clone(), |code| format!("{code} · {name}"));
-        galley = lay_out_name(&painter, text, strength, text_width);
+        galley = lay_out_within(&painter, text, font, strength, text_width);
     }
     painter.galley(
         pos2(text_left, middle - galley.size().y / 2.0),
@@ -169,18 +165,15 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
         residual.colour,
     );
 
+    // A double click reports a click as well, hence the order. A right click selects the point that
+    // the commands of the menu act on.
     let response = response.on_hover_ui(|ui| tooltip(ui, app, index, click, &name));
     if response.double_clicked() {
         panel.actions.extend([
             Action::Navigate(Navigation::Select(Some(index))),
             Action::Command(Command::RenameClick),
         ]);
-    } else if response.clicked() {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::Select(Some(index))));
-    }
-    if response.secondary_clicked() {
+    } else if response.clicked() || response.secondary_clicked() {
         panel
             .actions
             .push(Action::Navigate(Navigation::Select(Some(index))));
@@ -205,13 +198,6 @@ fn has_been_selected(ui: &Ui, index: usize) -> bool {
     })
 }
 
-/// The name of a point in one line, cut to a width in points.
-fn lay_out_name(painter: &Painter, name: String, colour: Color32, width: f32) -> Arc<Galley> {
-    let mut line = LayoutJob::simple(name, FontId::proportional(13.0), colour, width);
-    line.wrap = TextWrapping::truncate_at_width(width);
-    painter.layout_job(line)
-}
-
 /// The buttons at the end of a row: delete the point, make it a check point or an ordinary one.
 fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let keys = &panel.app.settings.keys;
@@ -234,7 +220,8 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
             .push(Action::Edit(EditAction::DeleteClick(index)));
     }
     let name = format!("Check point {}", index + 1);
-    let check = symbol::toggle(ui, Symbol::Diamond, &name, click.check, to_color32(CHECK));
+    let on = labels::colour(CHECK);
+    let check = symbol::toggle(ui, Symbol::Diamond, &name, click.check, on);
     if check
         .on_hover_text(keys.tooltip(Command::ToggleCheck))
         .clicked()
@@ -262,14 +249,8 @@ fn code<'a>(app: &'a App, click: &Click) -> Option<&'a str> {
 
 /// The colour of the point in the picture.
 fn colour(app: &App, index: usize, click: &Click) -> Color32 {
-    to_color32(click_colour(
-        click,
-        app.shown_values().disputed.contains(&index),
-    ))
-}
-
-const fn to_color32(colour: drawing::Colour) -> Color32 {
-    Color32::from_rgb(colour.r, colour.g, colour.b)
+    let is_disputed = app.shown_values().disputed.contains(&index);
+    labels::colour(click_colour(click, is_disputed))
 }
 
 /// The text about a point's residual, and its colour.
@@ -318,6 +299,8 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
         let Some(check) = solved.checks.iter().find(|check| check.click == index) else {
             return Residual::quiet("–", palette);
         };
+        // The σ of a prediction contains the click noise and the uncertainty of the camera. The
+        // limit is in σ, so the one in px is chosen to be passed or kept accordingly.
         return match (check.error_px, check.z_score) {
             (Some(px), Some(z)) => Residual {
                 text: format!("{px:.1} px  {z:.1} σ"),

@@ -87,6 +87,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Whether the details were collapsed in the previous frame of the window.
 fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
+    // When the window has just opened, nothing was collapsed before: `before` is none.
     let memory = egui::Id::unique("details are shown");
     ui.data_mut(|data| {
         let before = data.get_temp::<bool>(memory);
@@ -157,6 +158,7 @@ fn evidence(ui: &mut Ui, solved: &FrameSolution) {
             let tip = "The largest distance between two landmarks. Points farther apart give a better focal length.";
             pair(ui, "Separation", format!("{separation:.0} px"), tip);
         }
+        // `residuals_are_evidence` says from how many points on a fit means anything.
         let fit = match solved.misfit() {
             Some(misfit) if solved.residuals_are_evidence() => {
                 format!("{:.1} px rms, {misfit:.1} × usual", solved.rms_px)
@@ -184,6 +186,7 @@ fn evidence(ui: &mut Ui, solved: &FrameSolution) {
 /// The residual of each point in px of the picture, and the check points. Residuals that are no
 /// evidence are not shown.
 fn residuals(ui: &mut Ui, solved: &FrameSolution) {
+    // Check points were not fitted, so they are shown even where the other residuals prove nothing.
     if !solved.residuals_are_evidence() && solved.checks.is_empty() {
         return;
     }
@@ -280,14 +283,7 @@ fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {
             "Both {:.0} and {:.0} px fit.",
             solved.ptz.focal_px, other.focal_px
         ));
-        let command = Command::SwitchRoot;
-        if ui
-            .add(Button::new("Switch").small())
-            .on_hover_text(panel.app.settings.keys.tooltip(command))
-            .clicked()
-        {
-            panel.actions.push(Action::Command(command));
-        }
+        panel.run_on_click(ui.add(Button::new("Switch").small()), Command::SwitchRoot);
     });
     ui.add_space(theme::SPACE);
 }

@@ -65,6 +65,7 @@ fn source(app: &App, frame: &Frame) -> String {
     if shown.camera.is_none() && frame.ptz.is_none() {
         return String::new();
     }
+    // A proposal that a point has corrected keeps its source, so the specific cases come first.
     match frame.source() {
         Some(SolutionSource::Clicks) => from_points(frame),
         Some(SolutionSource::Manual) => "set manually".to_owned(),
@@ -134,6 +135,8 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                     step: "Set focal length",
                     tip: "Focal length, px of the picture.",
                     value: ptz.focal_px,
+                    // In proportion to the value: a point of dragging zooms by the same factor
+                    // everywhere.
                     speed: ptz.focal_px / 500.0,
                     decimals: 1,
                     range: focal_px(WIDEST_DEG, width_px)..=focal_px(NARROWEST_DEG, width_px),
@@ -226,6 +229,8 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
 
 /// Says why there are no numbers yet, and offers to set them by hand.
 fn show_unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
+    // From what stands in the way to what the user can do: an estimated base is shown, there is no
+    // base, or nothing has been solved yet.
     if panel.app.shown_values().is_estimated {
         ui.label(
             RichText::new("No points here to solve with the estimated base.")

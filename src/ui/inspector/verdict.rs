@@ -38,9 +38,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 let colour = ui.palette().verdict(judgement.verdict);
                 ui.horizontal(|ui| {
                     // A good verdict needs no symbol.
-                    let sign = if judgement.verdict == Verdict::Good { Symbol::Landmark } else { Symbol::Warning };
                     if judgement.verdict != Verdict::Good {
-                        symbol::show(ui, sign, colour);
+                        symbol::show(ui, Symbol::Warning, colour);
                     }
                     let word = judgement.verdict.to_string();
                     ui.label(RichText::new(word).size(theme::VERDICT).color(colour).strong()).on_hover_text(
@@ -52,20 +51,20 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     ways_out(panel, ui, &judgement.reason);
                 }
             }
-            (None, Some(Err(error))) => show_weak_text(ui, &describe_error(error)),
+            (None, Some(Err(error))) => theme::weak_text(ui, describe_error(error)),
             (None, None) if shown.is_estimated => {
-                show_weak_text(ui, "This frame has no points to check the estimated base with.");
+                theme::weak_text(ui, "This frame has no points to check the estimated base with.");
             }
             (None, _) if app.frame().is_some_and(is_proposal) => proposal(panel.app, ui),
             (None, _) if app.frame().is_some_and(Frame::is_unanswered) => {
                 let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not recognise it");
-                show_weak_text(ui, &format!("No proposal: {reason}."));
+                theme::weak_text(ui, format!("No proposal: {reason}."));
                 search_lines(panel, ui);
             }
             (None, _) if app.frame().is_some_and(|frame| frame.ptz.is_some()) => {
-                show_weak_text(ui, "From the document. This frame has no points to check it with.");
+                theme::weak_text(ui, "From the document. This frame has no points to check it with.");
             }
-            (None, _) => show_weak_text(ui, "There is no verdict until there is a solution."),
+            (None, _) => theme::weak_text(ui, "There is no verdict until there is a solution."),
         }
         if !shown.is_estimated {
             paint(app, ui);
@@ -116,10 +115,8 @@ fn proposal(app: &App, ui: &mut Ui) {
         .why_unlikely()
         .map(|why| format!(" {}", sentence(why)))
         .unwrap_or_default();
-    show_weak_text(
-        ui,
-        &format!("Proposed{}. {state}{why}", certain.unwrap_or_default()),
-    );
+    let certain = certain.unwrap_or_default();
+    theme::weak_text(ui, format!("Proposed{certain}. {state}{why}"));
 }
 
 /// Shows the switch for using an accepted proposal for training.
@@ -163,27 +160,18 @@ fn paint(app: &App, ui: &mut Ui) {
     });
 }
 
-/// A weak text instead of a verdict.
-fn show_weak_text(ui: &mut Ui, text: &str) {
-    ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
-}
-
 /// Shows the button that searches the painted lines for a camera, if that is possible.
 fn search_lines(panel: &mut Panel<'_>, ui: &mut Ui) {
     let command = Command::SearchLines;
-    if panel.app.why_not(command).is_none()
-        && ui
-            .button(command.name())
-            .on_hover_text(panel.app.settings.keys.tooltip(command))
-            .clicked()
-    {
-        panel.actions.push(Action::Command(command));
+    if panel.app.why_not(command).is_none() {
+        panel.run_on_click(ui.button(command.name()), command);
     }
 }
 
 /// Describes an error. The frequent ones name the next step.
 fn describe_error(error: &CalibrationError) -> String {
     match error {
+        // Three unknowns: one named point gives two equations, so one more is missing.
         CalibrationError::Solve(SolveError::TooFewObservations { equations: 2 }) => {
             "One more point is needed.".to_owned()
         }
@@ -227,13 +215,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
                 }));
             }
         } else if let Some((command, word)) = mend {
-            if ui
-                .button(word)
-                .on_hover_text(panel.app.settings.keys.tooltip(command))
-                .clicked()
-            {
-                panel.actions.push(Action::Command(command));
-            }
+            panel.run_on_click(ui.button(word), command);
             compare(panel, ui);
         } else if let Some(way) = way
             && ui.button(way.word).on_hover_text(way.about).clicked()
@@ -267,6 +249,8 @@ struct WayOut {
 /// The remedy for the dominant warning: labels for an uncertain base, the next point where it
 /// reduces the uncertainty most, or the point that contradicts the others.
 fn way_out(app: &App, cause: &Warning) -> Option<WayOut> {
+    // Only warnings that a single action answers; a contradiction is one if it comes down to one
+    // point.
     match (cause.code, cause.clicks.as_slice()) {
         (WarningCode::BaseUncertain, _) => Some(WayOut {
             word: "Show which",

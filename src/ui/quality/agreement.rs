@@ -15,7 +15,7 @@ use egui::{Button, Label, RichText, Ui, vec2};
 use std::fmt::Write as _;
 use std::sync::Arc;
 use touchline_application::app::operations::ComparisonResult;
-use touchline_application::app::{Action, App, Command, Navigation};
+use touchline_application::app::{Action, App, Command};
 use touchline_calibration::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use touchline_documents::document::Target;
 
@@ -53,6 +53,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Shows the button that chooses the other document, and with which document the result was
 /// computed. If this document has changed since, a second button compares again.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<ComparisonResult>>) {
+    // The layout runs from right to left, so the button at the end comes first.
     let command = Command::CompareAnnotators;
     let why_not = panel.app.why_not(command);
     let button = ui.add_enabled(why_not.is_none(), Button::new("Compare with…").small());
@@ -100,6 +101,8 @@ fn show_agreement(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
                 .map(move |pair| (frame, pair))
         })
         .collect();
+    // Index 0 of each pair of indices is this document's, 1 the other one's. Frames and clicks of
+    // this document can be shown.
     ui.horizontal_top(|ui| {
         let offsets: Vec<_> = pairs.iter().map(|(_, pair)| pair.offset_px).collect();
         // The offset between two independent clicks has √2 times the σ of one click.
@@ -126,7 +129,7 @@ fn show_agreement(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
                 );
                 ui.label(RichText::new(text).color(ui.palette().strong));
                 if clicked {
-                    panel.actions.push(look_at(frame, pair.clicks[0]));
+                    panel.look_at(frame.frames[0], Some(pair.clicks[0]));
                 }
             }
             landmarks(panel, ui, agreement);
@@ -137,14 +140,6 @@ fn show_agreement(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
             frames(panel, ui, agreement);
         });
     });
-}
-
-/// The action that shows a click of a frame.
-fn look_at(frame: &FrameAgreement, click: usize) -> Action {
-    Action::Navigate(Navigation::LookAt {
-        frame: frame.frames[0],
-        click: Some(click),
-    })
 }
 
 /// Shows the summary: distances, click noise, frames that only one of the two has labelled.
@@ -249,7 +244,7 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
             .on_hover_text(format!("{}\nClick to look at it.", all.join("\n")))
             .clicked()
         {
-            panel.actions.push(look_at(frame, frame.names[0].clicks[0]));
+            panel.look_at(frame.frames[0], Some(frame.names[0].clicks[0]));
         }
     }
     ui.add_space(theme::SPACE);
@@ -267,6 +262,7 @@ fn describe_dispute(app: &App, dispute: &NameDispute) -> String {
 /// Lists the frames that differ most: by the worst corner of their cameras, or by the farthest
 /// click where a camera is missing.
 fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
+    // A frame without a distance has neither two cameras nor a common click.
     let mut sorted: Vec<&FrameAgreement> = agreement
         .frames
         .iter()
@@ -286,10 +282,7 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         },
     );
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-    // Outliers are cut off at a multiple of the median and coloured, so that the other bars remain
-    // distinguishable.
-    let usual = apart_px(sorted[sorted.len() / 2]);
-    let largest = apart_px(sorted[0]).min(BAR_LIMIT * usual).max(1e-9);
+    let largest = bar_end_px(sorted.iter().map(|frame| apart_px(frame)));
     for frame in sorted.into_iter().take(SHOWN) {
         let name = file_name(&frame.name);
         let px = apart_px(frame);
@@ -310,12 +303,20 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         }
         .show(ui);
         if response.on_hover_text(tip(frame)).clicked() {
-            panel.actions.push(Action::Navigate(Navigation::LookAt {
-                frame: frame.frames[0],
-                click: None,
-            }));
+            panel.look_at(frame.frames[0], None);
         }
     }
+}
+
+/// The distance at which bars end, px: the largest one, but at most [`BAR_LIMIT`] times the median.
+///
+/// Distances are in descending order. A frame with cameras that look in different directions has an
+/// infinite one, which does not count.
+fn bar_end_px(descending: impl Iterator<Item = f64>) -> f64 {
+    let finite: Vec<f64> = descending.filter(|px| px.is_finite()).collect();
+    let usual = finite.get(finite.len() / 2).copied().unwrap_or(0.0);
+    let largest = finite.first().copied().unwrap_or(0.0);
+    largest.min(BAR_LIMIT * usual).max(1e-9)
 }
 
 /// How far apart a frame's cameras are, px, or its clicks if one has no camera.
@@ -351,4 +352,18 @@ fn tip(frame: &FrameAgreement) -> String {
         frame.clicks.len(),
         cameras.unwrap_or_default()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bars_end_at_a_multiple_of_the_median_whatever_looks_elsewhere() {
+        let end_px = |px: &[f64]| bar_end_px(px.iter().copied());
+        assert_eq!(end_px(&[9.0, 4.0, 2.0]), 9.0);
+        assert_eq!(end_px(&[90.0, 4.0, 2.0]), 16.0);
+        assert_eq!(end_px(&[f64::INFINITY, f64::INFINITY, 3.0, 2.0]), 3.0);
+        assert_eq!(end_px(&[f64::INFINITY]), 1e-9);
+    }
 }

@@ -22,7 +22,7 @@ use touchline_application::app::quality::{
     zoom_span,
 };
 use touchline_application::app::review::{DISAGREES_PX, percent};
-use touchline_application::app::{Action, Command, Navigation, ViewAction};
+use touchline_application::app::{Action, Command, ViewAction};
 use touchline_core::geometry::Angle;
 use touchline_documents::document::Frame;
 use touchline_documents::report::figure::Ruler;
@@ -57,6 +57,8 @@ const NOTHING: &str = "Cameras are plotted here over time. Accept a few frames a
 /// Shows the card: legend and buttons, the plots, the description of the frame under the pointer,
 /// and the frames that are out of line.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    // A stored span may belong to an earlier state of the document, so it is limited to what there
+    // is.
     let app = panel.app;
     let course = &app.quality().course;
     let Some(whole) = course.whole.filter(|_| !course.points.is_empty()) else {
@@ -169,6 +171,7 @@ impl Stack {
         let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
         let size = vec2(ui.available_width(), 3.0 * (height + BETWEEN) + BELOW);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        // About one tick for each 26 points of height.
         let mut rulers = Quantity::ALL
             .map(|quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0)));
         name_directions(&mut rulers[Quantity::Pan as usize]);
@@ -269,6 +272,8 @@ impl Stack {
     /// The point nearest to the pointer on the screen, in the plot that the pointer is in. Only
     /// points within [`REACH`] in time are candidates.
     fn nearest<'a>(&self, course: &'a Course, pointer: Pos2) -> Option<&'a CoursePoint> {
+        // The gap below a plot belongs to it. Points are sorted by time, so the candidates are a
+        // slice.
         let place = self
             .plots
             .iter()
@@ -294,11 +299,9 @@ impl Stack {
     ) {
         let is_part = self.span != whole;
         if let Some(point) = under.filter(|_| self.response.clicked()) {
-            panel.actions.push(Action::Navigate(Navigation::LookAt {
-                frame: point.frame,
-                click: None,
-            }));
+            panel.look_at(point.frame, None);
         }
+        // Units of the axis for one point of the screen.
         let per_point =
             (self.span[1] - self.span[0]) / f64::from(self.plots[0].area.width().max(1.0));
         let (mut moved, mut factor) = (f64::from(self.response.drag_delta().x), 1.0);
@@ -354,6 +357,7 @@ fn name_directions(ruler: &mut Ruler) {
         .iter_mut()
         .filter(|(pan_deg, _)| pan_deg.abs() > 180.0)
     {
+        // As many decimals as the ruler gave the label, which depend on the distance of the ticks.
         let decimals = words
             .split_once('.')
             .map_or(0, |(_, decimals)| decimals.len());
@@ -378,6 +382,8 @@ fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
         .filter(|point| !point.stands_out)
         .map(|point| point.value(quantity))
         .fold(none, extend_range);
+    // An empty range is infinitely negative: then `length` is not finite. The room for outliers is
+    // the same on both sides, so that the scale is at most STRETCH times what the others need.
     let (needed, length) = (usual[1] - usual[0], all[1] - all[0]);
     match () {
         () if !length.is_finite() => [0.0, 1.0],
@@ -432,6 +438,7 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
                     Stroke::new(1.0, painter.palette().weak.gamma_multiply(0.6)),
                 );
             }
+            // One kind after the other, so that references lie above the many suggestions.
             for kind in PointKind::ALL {
                 for point in points.iter().filter(|point| point.kind == kind) {
                     legend::mark(painter, at(point), kind);
@@ -544,18 +551,11 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
                 .on_hover_text(format!("Look at frame {}.", frame.number_at(point.frame)))
                 .clicked()
             {
-                panel.actions.push(Action::Navigate(Navigation::LookAt {
-                    frame: point.frame,
-                    click: None,
-                }));
+                panel.look_at(point.frame, None);
             }
         }
-        if let Some(more) = course
-            .standing_out
-            .len()
-            .checked_sub(NAMED)
-            .filter(|more| *more > 0)
-        {
+        let more = course.standing_out.len().saturating_sub(NAMED);
+        if more > 0 {
             ui.label(
                 RichText::new(format!("and {more} more"))
                     .small()

@@ -8,7 +8,6 @@ use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
 use touchline_application::app::quality::{CoursePoint, CoverageComparison, PointKind};
 use touchline_application::app::where_to_label::whole_degrees;
-use touchline_application::app::{Action, Navigation};
 use touchline_calibration::proposals::Coverage;
 
 /// Height of the map: the minimum in points, and the share of its width above it.
@@ -143,10 +142,7 @@ fn read_pointer(
     let text = format!("{seen} Click to go to {name}, whose centre is nearest.");
     map.response.clone().on_hover_text_at_pointer(text);
     if map.response.clicked() {
-        panel.actions.push(Action::Navigate(Navigation::LookAt {
-            frame: point.frame,
-            click: None,
-        }));
+        panel.look_at(point.frame, None);
     }
 }
 

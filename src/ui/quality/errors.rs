@@ -11,7 +11,6 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::quality::{ClickErrors, Histogram, Spread};
-use touchline_application::app::{Action, Navigation};
 use touchline_documents::report::figure::Ruler;
 
 /// Height of a histogram, points.
@@ -82,7 +81,7 @@ fn without_evidence(ui: &mut Ui, errors: &ClickErrors) {
             "{count} frames are not counted: too few clicks for their errors to be evidence."
         ),
     };
-    nothing_yet(ui, &text);
+    nothing_yet(ui, text);
 }
 
 /// Shows one histogram: of the check points if `check`, else of the clicks that cameras were fitted
@@ -161,6 +160,8 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
 /// Draws the bars, and as a stepped line the histogram expected of correct clicks. The last bar
 /// counts all larger errors; it has its own colour and no expectation.
 fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
+    // A histogram always has the bin of larger errors. Bars are half a point narrower at each side,
+    // so that neighbours are distinguishable.
     let last = histogram.bins.len() - 1;
     for (place, bin) in histogram
         .bins
@@ -201,6 +202,7 @@ fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
 
 /// Writes the numbers below the bars; the last bar is labelled "more".
 fn below(painter: &Painter, plot: &Plot, step_px: f64) {
+    // The axis of the plot counts bins. Numbers that would touch the word at the end are left out.
     let last = plot.x[1] - 1.0;
     let ruler = Ruler::within([0.0, last * step_px], f64::from(plot.area.width() / 50.0));
     let ticks = ruler
@@ -252,10 +254,7 @@ fn read_pointer(
     if let Some((frame, click)) = bin.worst {
         ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
         if response.clicked() {
-            panel.actions.push(Action::Navigate(Navigation::LookAt {
-                frame,
-                click: Some(click),
-            }));
+            panel.look_at(frame, Some(click));
         }
     }
     response.on_hover_text_at_pointer(format!("{range}: {count}; {right}.{there}"));

@@ -8,7 +8,7 @@ use super::{card, nothing_yet};
 use crate::ui::bar::Bar;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Label, RichText, Ui, vec2};
-use touchline_application::app::{Action, Command, Navigation};
+use touchline_application::app::Command;
 use touchline_calibration::calibrate::OwnNoise;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{ClickNoise, Target};
@@ -64,10 +64,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                             format!("Frame {number}: {label}, {:.1} px", repeat.offset_px.norm());
                         ui.label(RichText::new(text).color(ui.palette().strong));
                         if clicked {
-                            panel.actions.push(Action::Navigate(Navigation::LookAt {
-                                frame: repeat.frame,
-                                click: repeat.click,
-                            }));
+                            panel.look_at(repeat.frame, repeat.click);
                         }
                     }
                 });
@@ -82,6 +79,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Shows the commands and the number of gold frames, from right to left.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
+    // The noise can be taken over only when there are enough blind clicks; until then its button is
+    // absent, because the text of the card says how many are missing.
     let app = panel.app;
     let in_use = app
         .open()
@@ -106,14 +105,8 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
     for (says, command) in commands {
         let why_not = app.why_not(command);
         let button = ui.add_enabled(why_not.is_none(), Button::new(says).small());
-        let tip = app.settings.keys.tooltip(command);
-        if button
-            .on_hover_text(tip)
-            .on_disabled_hover_text(why_not.unwrap_or_default())
-            .clicked()
-        {
-            panel.actions.push(Action::Command(command));
-        }
+        let button = button.on_disabled_hover_text(why_not.unwrap_or_default());
+        panel.run_on_click(button, command);
     }
     let gold = app.gold().frames;
     let plural = if gold == 1 { "" } else { "s" };
@@ -140,7 +133,8 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     ui.add(Label::new(RichText::new(said).color(ui.palette().strong)).wrap()).on_hover_text(
         "1-σ of a single click at 1920 px width. The rings are one and two σ of the distance between two clicks.",
     );
-    // Noise in each direction, and clicks that are too far off to be noise.
+    // Noise in each direction, and clicks that are too far off to be noise. Without both, the colon
+    // of the sentence goes.
     let [right, down] = own
         .noise_by_axis
         .map(|noise| noise.map(|noise| format!("{:.2} px", noise.sigma)));
@@ -229,11 +223,8 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         };
         response.on_hover_text(tip);
     }
-    if let Some(more) = sorted
-        .len()
-        .checked_sub(LANDMARKS_SHOWN)
-        .filter(|more| *more > 0)
-    {
+    let more = sorted.len().saturating_sub(LANDMARKS_SHOWN);
+    if more > 0 {
         ui.label(
             RichText::new(format!("{more} more landmarks"))
                 .small()

@@ -19,6 +19,7 @@ pub const fn colour(palette: &Palette, kind: PointKind) -> Color32 {
 /// Draws the mark of a frame: a disc for a reference, a diamond for a suggestion, a square for a
 /// draft.
 pub fn mark(painter: &Painter, at: Pos2, kind: PointKind) {
+    // Kinds differ in shape as well as in colour; the areas look about equal.
     let stroke = Stroke::new(1.2, colour(painter.palette(), kind));
     match kind {
         PointKind::Reference => {

@@ -24,15 +24,17 @@ mod targets;
 mod time;
 
 use super::heading::Heading;
+// The text of an empty card: what will appear, and how to get it.
+use super::theme::weak_text as nothing_yet;
 use super::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::layers::ShapeIdx;
 use egui::{
-    Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2,
+    Align, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2,
 };
-use touchline_application::app::{Action, Command, Navigation, ViewAction};
+use touchline_application::app::{Action, Command, ViewAction};
 
 /// Gap between two cards, points.
 const GAP: f32 = 8.0;
@@ -99,10 +101,7 @@ fn off_paint(panel: &mut Panel<'_>, ui: &mut Ui) {
         .button(says)
         .on_hover_text("The paint contradicts the camera. Click to look at the first.");
     if button.clicked() {
-        panel.actions.push(Action::Navigate(Navigation::LookAt {
-            frame: first,
-            click: None,
-        }));
+        panel.look_at(first, None);
     }
 }
 
@@ -190,9 +189,4 @@ fn card(
         });
         inside(panel, ui);
     });
-}
-
-/// The text of an empty card: what will appear, and how to get it.
-fn nothing_yet(ui: &mut Ui, text: &str) {
-    ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
 }

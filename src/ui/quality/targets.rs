@@ -9,7 +9,6 @@ use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Id, RichText, Ui};
 use touchline_application::app::quality::TargetErrors;
-use touchline_application::app::{Action, Navigation};
 
 /// Number of landmarks that are shown before the list is expanded.
 const SHOWN: usize = 11;
@@ -38,15 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             } else {
                 targets.len().min(SHOWN)
             };
-            // The scale is set by the landmarks with enough clicks and by the expected medians; one
-            // outlier must not make all other bars invisible.
-            let known = targets
-                .iter()
-                .filter(|errors| errors.is_known())
-                .map(|errors| errors.median_px);
-            let largest = known
-                .chain(targets.iter().map(|errors| 2.0 * errors.expected_px))
-                .fold(0.1, f64::max);
+            let largest = bar_end_px(targets);
             ui.spacing_mut().item_spacing.y = 0.0;
             for errors in &targets[..shown] {
                 row(panel, ui, errors, largest);
@@ -66,6 +57,20 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         },
     );
+}
+
+/// The error at which bars end, px at 1920 px width.
+///
+/// It is set by the landmarks with enough clicks and by the expected medians; one outlier must not
+/// make all other bars invisible. A median is infinite where cameras do not see what was clicked.
+fn bar_end_px(targets: &[TargetErrors]) -> f64 {
+    let known = targets
+        .iter()
+        .filter(|errors| errors.is_known() && errors.median_px.is_finite())
+        .map(|errors| errors.median_px);
+    known
+        .chain(targets.iter().map(|errors| 2.0 * errors.expected_px))
+        .fold(0.1, f64::max)
 }
 
 /// Explains the numbers and marks of the bars.
@@ -120,9 +125,29 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
         errors.most_px, errors.expected_px
     );
     if response.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::Navigate(Navigation::LookAt {
-            frame,
-            click: Some(click),
-        }));
+        panel.look_at(frame, Some(click));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_documents::document::Target;
+
+    #[test]
+    fn bars_fit_known_medians_and_no_outlier() {
+        let errors = |clicks: usize, median_px: f64| TargetErrors {
+            target: Target::Landmark("centre_mark".into()),
+            clicks,
+            median_px,
+            most_px: median_px,
+            expected_px: 1.0,
+            worst: Vec::new(),
+        };
+        let mut targets = vec![errors(5, 7.0), errors(1, 90.0)];
+        assert_eq!(bar_end_px(&targets), 7.0);
+        targets.push(errors(5, f64::INFINITY));
+        assert_eq!(bar_end_px(&targets), 7.0);
+        assert_eq!(bar_end_px(&targets[1..]), 2.0);
     }
 }

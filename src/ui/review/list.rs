@@ -18,7 +18,7 @@ use egui::{
 };
 use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
 use touchline_application::app::session::status_label;
-use touchline_application::app::{Action, Command, Navigation, ViewAction, sentence};
+use touchline_application::app::{Action, Command, ViewAction, sentence};
 
 /// Height of a row, points.
 const ROW: f32 = 44.0;
@@ -58,12 +58,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         let origin = ui.max_rect().min;
         let width = ui.available_width();
         ui.allocate_exact_size(vec2(width, ROW * rows.len() as f32 + late), Sense::hover());
+        // Rows have one height, so places are computed and only those in view are laid out.
         let top_of = |at: usize| ROW * at as f32 + if at >= on_time { late } else { 0.0 };
         let rect_of =
             |at: usize| Rect::from_min_size(origin + vec2(0.0, top_of(at)), vec2(width, ROW));
         // Scrolling, according to what has changed since the last frame of the window.
         let in_view = match moved {
             ListChange::Nothing => None,
+            // The list follows its row at once and without animation, so that the row stays where
+            // it was on the screen; but not if the user has scrolled the row out of view.
             ListChange::Row { by } => {
                 let seen =
                     place.is_some_and(|at| viewport.y_range().contains(top_of(at) - ROW * by));
@@ -88,6 +91,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         let last = ((viewport.bottom() / ROW).ceil() as usize).min(rows.len());
         for at in first..last {
             show_row(panel, ui, rows[at], rect_of(at));
+            // The threshold line stands where the confidence first reaches it, in the order of
+            // rising confidence. Late rows are not sorted in yet.
             let below = |row: &ReviewRow| row.confidence.unwrap_or(0.0) < choice.threshold;
             let begins = at > 0 && !below(&rows[at]) && below(&rows[at - 1]);
             if begins && at < on_time && choice.order == ReviewOrder::Confidence {
@@ -131,6 +136,8 @@ fn what_moved(ui: &Ui, now: Shows) -> ListChange {
         data.insert_temp(memory, now);
         before
     });
+    // A new order counts more than a new frame: it moves every row. A row that appears or vanishes
+    // with the frame unchanged is treated as another frame.
     match (before, now) {
         (Some(before), now) if before == now => ListChange::Nothing,
         (Some((_, order, _)), now) if order != now.1 => ListChange::Order,
@@ -164,7 +171,7 @@ fn late_line(ui: &Ui, first: Rect, count: usize) {
     );
 }
 
-/// Draws the line below the last row that passes the threshold.
+/// Draws the line above the first row that passes the threshold; the least certain rows come first.
 fn threshold_line(painter: &Painter, row: Rect, threshold: f64) {
     painter.hline(
         row.x_range(),
@@ -290,7 +297,8 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     if !row.gone {
         confidence_bar(painter, bar, row.confidence);
     }
-    // Second line: why the camera is unlikely, or else the distance from its neighbours.
+    // Second line: why the camera is unlikely, or else the distance from its neighbours; in the
+    // order by paint first how far mending has moved the camera.
     let is_by_paint = panel.app.session.review.order == ReviewOrder::Paint;
     let beside = mended
         .clone()
@@ -332,10 +340,9 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         frame.name(),
         facts.join(", ")
     );
+    // A right click shows the frame as well, because the commands of its menu act on the shown one.
     if response.clicked() || response.secondary_clicked() {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::GoTo(row.frame)));
+        panel.go_to(row.frame);
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     response.on_hover_text(tip);

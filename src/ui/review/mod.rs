@@ -9,7 +9,7 @@ use super::{
     Panel, inspector,
     theme::{self, Themed as _},
 };
-use egui::{Button, DragValue, Frame, Label, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Button, DragValue, Frame, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Action, Command, ViewAction};
 
@@ -28,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             } else {
                 "There are no proposals yet. The forest proposes cameras once it has been trained on a few references."
             };
-            ui.add(Label::new(RichText::new(none).color(ui.palette().weak)).wrap());
+            theme::weak_text(ui, none);
         });
         return;
     }
@@ -131,6 +131,7 @@ fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
     response.widget_info(|| {
         WidgetInfo::labeled(if leads { Role::Button } else { Role::Label }, true, &text)
     });
+    // Drawn like a link: brighter under the pointer, but only if it leads somewhere.
     let lit = leads && (response.hovered() || response.has_focus());
     let sign = egui::Rect::from_min_size(row.min, vec2(16.0, row.height()));
     symbol::paint(ui.painter(), Symbol::Info, sign, ui.palette().accent);
@@ -144,12 +145,8 @@ fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.palette().text
         },
     );
-    if leads
-        && response
-            .on_hover_text(panel.app.settings.keys.tooltip(Command::NextUnanswered))
-            .clicked()
-    {
-        panel.actions.push(Action::Command(Command::NextUnanswered));
+    if leads {
+        panel.run_on_click(response, Command::NextUnanswered);
     }
 }
 
@@ -188,6 +185,8 @@ fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// The number field of the threshold.
 pub fn threshold(panel: &mut Panel<'_>, ui: &mut Ui) {
+    // At most 99.9 %, the highest confidence that is ever shown (`percent`): a threshold of 100 %
+    // would pass nothing.
     let before = 100.0 * panel.app.session.review.threshold;
     let mut percent = before;
     let field = DragValue::new(&mut percent)

@@ -79,6 +79,8 @@ pub fn show(ui: &mut Ui, width: f32) {
         WidgetInfo::labeled(egui::Role::Image, true, "How two clicks solve a frame")
     });
     let Some(film) = film(ui.ctx()) else { return };
+    // The film begins when it is first shown. After TIMES rounds it rests at its end, without
+    // repaints; a click begins again.
     let now = ui.input(|input| input.time);
     let begun_id = Id::unique("the film began");
     if response.clicked() {
@@ -123,6 +125,8 @@ impl Film {
         painter.add(picture.with_texture(self.picture.id(), whole));
         let at = |share: Pos2| within.lerp_inside(share.to_vec2());
 
+        // The lines fade in after the second click, as in the program itself the solution follows
+        // the click that determines it.
         let [red, green, blue] = OverlayStyle::default().colour;
         let colour = Color32::from_rgb(red, green, blue);
         let shown = ((at_s - LINES_S) / FADE_S).clamp(0.0, 1.0) as f32;
@@ -143,6 +147,7 @@ impl Film {
                 paint_click(painter, at(*click), name, colour, within);
             }
         }
+        // The last picture, which stays, has no pointer.
         if at_s < END_S - FADE_S {
             paint_pointer(painter, at(self.pointer(at_s)));
         }
@@ -157,7 +162,7 @@ impl Film {
             (first, second, GOES_ON_S, SECOND_CLICK_S)
         };
         let share = ((at_s - begin_s) / (end_s - begin_s)).clamp(0.0, 1.0) as f32;
-        // It starts and stops gently, as a hand does.
+        // It starts and stops gently, as a hand does: 3 t² − 2 t³ has no speed at 0 and at 1.
         let share = share * share * (3.0 - 2.0 * share);
         from + (to - from) * share
     }
@@ -179,6 +184,7 @@ fn paint_click(painter: &Painter, at: Pos2, name: &str, colour: Color32, within:
 
 /// Draws an arrow with its tip at a point.
 fn paint_pointer(painter: &Painter, tip: Pos2) {
+    // The arrow is not convex, so it is filled as two triangles and outlined as a whole.
     let corners = [(0.0, 0.0), (0.0, 17.0), (4.5, 13.0), (12.0, 12.0)];
     let corners = corners.map(|(x, y)| tip + Vec2::new(x, y));
     painter.add(Shape::convex_polygon(
@@ -204,6 +210,7 @@ fn film(ctx: &Context) -> Option<Arc<Film>> {
     if let Some(film) = ctx.data(|data| data.get_temp::<Arc<Film>>(id)) {
         return Some(film);
     }
+    // Shares of the picture, because the film has any size on the screen.
     let order = MatchOrder::demo();
     let (width, height) = (
         order.image_size.width as f32,
@@ -225,6 +232,8 @@ fn film(ctx: &Context) -> Option<Arc<Film>> {
 
 /// The field's lines under the camera that the two clicks determine, px of the demo's pictures.
 fn lines(order: &MatchOrder) -> Option<Vec<Vec<ImagePoint>>> {
+    // Solved by the program's own two-point solver, so that the film shows what the program does.
+    // Its roots come in ascending order of focal length; the first is shown.
     let field = builtin("soccer").ok()?.default_model().ok()?;
     let base = order.shoot.main_camera(order.image_size);
     let mut world = [touchline_core::geometry::Vec3::zeros(); 2];

@@ -47,6 +47,8 @@ const ROW: f32 = 44.0;
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();
     ui.painter().rect_filled(area, 0.0, ui.palette().backdrop);
+    // The film takes 56 % of the width, the column the rest, both within their limits. A small
+    // window cuts the page at its borders.
     let free = area.width() - 3.0 * GAP;
     let film = (0.56 * free).clamp(FILM[0], FILM[1]);
     let column = (free - film).clamp(COLUMN[0], COLUMN[1]);
@@ -127,15 +129,11 @@ fn beginnings(panel: &mut Panel<'_>, ui: &mut Ui) {
             .gap(3.0 * theme::SPACE)
             .right_text(RichText::new(about).color(ui.palette().weak))
             .min_size(vec2(ui.available_width(), ROW));
+        // Whoever has opened nothing yet probably does not know the program.
         if command == Command::StartTour && panel.app.settings.recent.is_empty() {
             row = row.fill(ui.palette().accent_ground);
         }
-        let row = ui
-            .add(row)
-            .on_hover_text(panel.app.settings.keys.tooltip(command));
-        if row.clicked() {
-            panel.actions.push(Action::Command(command));
-        }
+        panel.run_on_click(ui.add(row), command);
     }
     path_field(panel, ui);
     ui.label(RichText::new(INVITATION).small().color(ui.palette().weak));
@@ -163,7 +161,8 @@ fn waiting_labels(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// A field for a typed or pasted path, for systems without file dialogs.
 fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let memory = Id::unique("typed path");
+    // Another id than that of the dialog for typing a path, which may open over this page.
+    let memory = Id::unique("typed path of the start page");
     let mut typed: String = ui.data_mut(|data| data.get_temp(memory).unwrap_or_default());
     let width = ui.available_width();
     let row = Layout::left_to_right(Align::Center);

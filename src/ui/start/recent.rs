@@ -53,6 +53,8 @@ fn row(ui: &mut Ui, document: &RecentDocument, picture: Option<egui::TextureHand
     painter.rect_filled(place, CornerRadius::same(2), ui.palette().raised);
     if let Some(picture) = picture {
         let shape = picture.size_vec2();
+        // `cut` is the scale at which the shorter side fills the box, `shown` the part of the
+        // picture that is then within the box, in texture coordinates.
         let cut = (place.size() / shape).max_elem();
         let shown = place.size() / (shape * cut);
         let seen = Rect::from_center_size(pos2(0.5, 0.5), shown);

@@ -52,8 +52,10 @@ pub fn paint_status_bar(
             fill(0.0, 0.5);
         }
         FrameStatus::Suggested => {
+            // A suggestion without a stated confidence has full dashes: the gaps between them still
+            // distinguish it from a reference.
             let certain = confidence.unwrap_or(1.0).clamp(0.0, 1.0) as f32;
-            // Five dashes, filled up to the confidence.
+            // Five dashes of 0.15 with gaps of 0.06 fill the bar: 4 · 0.21 + 0.15 = 0.99.
             for dash in 0..5 {
                 let (from, to) = (dash as f32 * 0.21, dash as f32 * 0.21 + 0.15);
                 let outline = Rect::from_x_y_ranges(
@@ -73,15 +75,15 @@ pub fn paint_status_bar(
         }
         FrameStatus::Reference => fill(0.0, 1.0),
         FrameStatus::Rejected => {
-            // Hatching.
-            let step = 2.0 * bar.height();
+            // Hatching at 45°, with lines one point farther apart than the bar is high, so that
+            // they do not overlap. Only lines that end within the bar are drawn.
             let mut x = bar.left();
             while x + bar.height() <= bar.right() {
                 painter.line_segment(
                     [pos2(x, bar.bottom()), pos2(x + bar.height(), bar.top())],
                     Stroke::new(1.5, colour),
                 );
-                x += step * 0.5 + 1.0;
+                x += bar.height() + 1.0;
             }
         }
     }
@@ -100,6 +102,7 @@ pub const fn verdict_colour(palette: &Palette, verdict: LineVerdict) -> Color32 
 /// contradicts it, a ring if it does not decide.
 pub fn paint_line_mark(painter: &Painter, centre: Pos2, verdict: LineVerdict) {
     let palette = painter.palette();
+    // The mark lies on a thumbnail, so a disc of the backdrop separates it from the picture.
     painter.circle_filled(centre, 6.0, palette.backdrop);
     match verdict {
         LineVerdict::Supports => {

@@ -28,6 +28,18 @@ pub fn title(ui: &mut egui::Ui, text: &str) {
     );
 }
 
+/// A small title with space above it.
+pub fn section(ui: &mut egui::Ui, text: &str) {
+    ui.add_space(2.0 * SPACE);
+    title(ui, text);
+}
+
+/// A secondary text that wraps.
+pub fn weak_text(ui: &mut egui::Ui, text: impl Into<String>) {
+    let text = egui::RichText::new(text).color(ui.palette().weak);
+    ui.add(egui::Label::new(text).wrap());
+}
+
 /// The ground for marks in colours that are made for pictures, which are dark: transparent in the
 /// dark theme, a dark colour in the light one.
 pub fn under_colours_of_pictures(ui: &egui::Ui) -> Color32 {
@@ -41,6 +53,7 @@ pub fn under_colours_of_pictures(ui: &egui::Ui) -> Color32 {
 /// Installs both themes in a window.
 pub fn apply(ctx: &egui::Context) {
     follow(ctx, ThemeChoice::default());
+    // Both styles are set at once, so that a change of the theme needs no further call here.
     for theme in [Theme::Dark, Theme::Light] {
         let mut style = (*ctx.style_of(theme)).clone();
         give(&mut style);
@@ -56,6 +69,8 @@ pub fn follow(ctx: &egui::Context, choice: ThemeChoice) {
         ThemeChoice::Light => ThemePreference::Light,
         ThemeChoice::System => ThemePreference::System,
     };
+    // The shell calls this in every frame of the window, so the options are written only if the
+    // choice differs.
     if ctx.options(|options| options.theme_preference) != wanted {
         ctx.set_theme(wanted);
     }
@@ -74,9 +89,14 @@ fn give(style: &mut egui::Style) {
     .map(|(name, size, family)| (name, FontId::new(size, family)))
     .collect();
     style.drag_value_text_style = TextStyle::Body;
+    // A wheel scrolls a list that has only one direction, even if the wheel itself has the other:
+    // the filmstrip scrolls sideways.
     style.always_scroll_the_only_direction = true;
+    // Egui's own explanations would stand beside the tooltips of this program.
     style.explanation_tooltips = false;
     style.animation_time = 0.08;
+    // A drag over a label must not select its text. A text that is worth copying is made
+    // selectable where it is shown.
     style.interaction.selectable_labels = false;
     style.interaction.tooltip_delay = 0.4;
     space(&mut style.spacing);

@@ -70,6 +70,8 @@ fn cached_timeline(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -
         .and_then(|frame| frame.video.as_ref())
         .map(|video| video.path.clone())
         .unwrap_or_default();
+    // The version changes with every edit. The frames that differ are then found by comparing the
+    // two states of the document, which share what is equal.
     let (of, version) = ((open.file.clone(), video, parts), open.document.version());
     let memory = Id::unique("timeline");
     let known = ctx
@@ -116,7 +118,8 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
     if near.is_some() {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
     }
-    // The handle is looked up where the button went down: by now the pointer has moved on.
+    // The handle is looked up where the button went down: by now the pointer has moved on. A drag
+    // that begins elsewhere forgets a handle that an earlier one left behind.
     if response.drag_started() {
         let origin = ui.input(|input| input.pointer.press_origin());
         let taken = origin.and_then(|origin| bar.cut_near(origin));
@@ -186,6 +189,7 @@ fn go_or_select(panel: &mut Panel<'_>, ui: &Ui, over: usize) {
         }
         return;
     }
+    // An action only if it changes something: the button may stay down over one frame for long.
     let session = &panel.app.session;
     let (is_other, any_selected) = (over != session.frame, !session.frames_selected.is_empty());
     if any_selected {
@@ -199,6 +203,7 @@ fn go_or_select(panel: &mut Panel<'_>, ui: &Ui, over: usize) {
     }
 }
 
+/// The commands on cuts and places.
 fn menu(panel: &mut Panel<'_>, response: &Response) {
     response.context_menu(|ui| {
         for command in [
@@ -227,6 +232,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
     let Some(at) = response.hover_pos() else {
         return;
     };
+    // At the pointer, because the bar is as wide as the window.
     let position = bar.frame_at(at);
     let Some(frame) = open.frame(position) else {
         return;
@@ -295,7 +301,8 @@ impl Bar<'_> {
 
     /// The cut with its handle at a place on the screen.
     fn cut_near(&self, at: Pos2) -> Option<TimelineCut> {
-        // Only the row of handles: below it a press shows a frame.
+        // Only the row of handles: below it a press shows a frame. Handles may be nearer to each
+        // other than the pointer's reach, so the nearest counts.
         if !self.area.contains(at) || at.y > self.area.top() + HANDLES {
             return None;
         }
@@ -318,6 +325,7 @@ impl Bar<'_> {
         self.paint_shots(&painter, line);
         self.paint_frames(&painter, line);
         self.paint_selected(&painter, line, &panel.app.session.frames_selected);
+        // A decoded frame is at least one point wide: in a long video it would vanish otherwise.
         for place in panel.pictures.decoded_frames() {
             let (left, right) = (
                 self.x(self.timeline.beginning_of(place)),
@@ -329,6 +337,8 @@ impl Bar<'_> {
             );
             painter.rect_filled(decoded, 0.0, ui.palette().accent);
         }
+        // The dragged cut is drawn twice: weakly where it is stored, and in the accent colour where
+        // it would go.
         for cut in &self.timeline.cuts {
             let is_held = held.is_some_and(|held| held.cut.position == cut.position);
             self.paint_cut(
@@ -366,6 +376,8 @@ impl Bar<'_> {
             .cuts
             .iter()
             .map(|cut| self.x(self.timeline.beginning_of(cut.position)));
+        // The pairs begin with the first cut, so the first shot keeps the plain ground. With an
+        // even number of cuts the end of the line is left over, and the last shot is plain, too.
         let edges: Vec<f32> = starts.chain([line.right()]).collect();
         for pair in edges.chunks(2) {
             if let [from, to] = pair {
@@ -393,6 +405,9 @@ impl Bar<'_> {
                     colour,
                 );
             };
+            // A part stands for many frames of a long video. Whatever needs attention in it is
+            // drawn, in order of importance, with heights that leave all of it visible; rejected
+            // frames only where nothing else is.
             if part.rejected == part.frames {
                 fill(
                     marks(8.0, 8.0),

@@ -44,12 +44,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     };
     let palette = ui.palette();
     let button = symbol::button(ui, symbol, name, palette.text);
-    if button
-        .on_hover_text(panel.app.settings.keys.tooltip(Command::PlayPause))
-        .clicked()
-    {
-        panel.actions.push(Action::Command(Command::PlayPause));
-    }
+    panel.run_on_click(button, Command::PlayPause);
     // The speed.
     let chosen = panel.app.session.video.speed.0;
     let label = |speed: f64| format!("{speed}×");

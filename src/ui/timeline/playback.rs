@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 use touchline_application::app::playing::PlayClock;
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, Navigation, ViewAction};
+use touchline_application::app::{Action, ViewAction};
 
 /// Interval at which a frame that is not decoded yet is looked for again.
 const LOOK_AGAIN: Duration = Duration::from_millis(20);
@@ -16,6 +16,7 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
     let memory = Id::unique("play clock");
     let (session, now_s) = (&panel.app.session, ctx.input(|input| input.time));
     let Some(open) = panel.app.open().filter(|_| session.video.playing) else {
+        // The next start begins with a new clock.
         ctx.data_mut(|data| data.remove::<PlayClock>(memory));
         return;
     };
@@ -31,10 +32,11 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
         .data(|data| data.get_temp::<PlayClock>(memory))
         .filter(|clock| clock.follows(shown, speed));
     let mut clock = before.unwrap_or_else(|| PlayClock::start(now_s, shown, speed));
+    // The clock asks for one frame after the other; a set answers in logarithmic time.
     let decoded: BTreeSet<usize> = panel.pictures.decoded_frames().into_iter().collect();
     let due = clock.frame_at(now_s, open, |frame| decoded.contains(&frame));
     if due != shown {
-        panel.actions.push(Action::Navigate(Navigation::GoTo(due)));
+        panel.go_to(due);
     }
     // Drawn again when the next frame is due, or soon, if it is still to be decoded.
     let wait = if decoded.contains(&(due + 1)) {

@@ -11,7 +11,6 @@ use egui::{
 };
 use std::sync::Arc;
 use touchline_application::app::where_to_label::whole_degrees;
-use touchline_application::app::{Action, Navigation};
 use touchline_calibration::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
 
 /// Number of the worst results that are listed.
@@ -22,6 +21,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, quality: &Quality) {
     ui.add(Label::new(summary(quality)).wrap()).on_hover_text(
         "A forest is trained without these references and tested on them. Errors are those of the worst point of the overlay, px at 1920 px width.",
     );
+    // References that were not found count as infinitely far off and come first.
     let mut worst: Vec<&LeftOut> = quality.tested.iter().collect();
     worst.sort_by(|a, b| error_px(b).total_cmp(&error_px(a)));
     for tested in worst.into_iter().take(SHOWN) {
@@ -103,9 +103,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, tested: &LeftOut) {
         .map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
     let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
     if response.on_hover_text(tip).clicked() {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::GoTo(place)));
+        panel.go_to(place);
     }
 }
 

@@ -7,6 +7,7 @@ mod map;
 use super::heading::Heading;
 use super::menu::file_name;
 use super::symbol::{self, Symbol};
+use super::theme::section;
 use super::{
     Panel,
     theme::{self, Themed as _},
@@ -15,11 +16,11 @@ use egui::{
     Button, Checkbox, Color32, Frame, Grid, Label, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };
 use touchline_application::app::{
-    Action, Command, EditAction, ForestFacts, Navigation, TrainerActivity, TrainerStatus,
-    UnusableReference, describe_left,
+    Action, Command, EditAction, ForestFacts, TrainerActivity, TrainerStatus, UnusableReference,
+    describe_left,
 };
 use touchline_calibration::proposals::Suspect;
-use touchline_core::geometry::thousands;
+use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::{FrameId, FrameStatus};
 
 /// Maximum number of unusable references in the list.
@@ -35,9 +36,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         bottom: 12,
     });
     if let Some(reason) = panel.app.no_trainer() {
-        inside.show(ui, |ui| {
-            ui.add(Label::new(RichText::new(reason).color(ui.palette().weak)).wrap())
-        });
+        inside.show(ui, |ui| theme::weak_text(ui, reason));
         return;
     }
     // A copy, because the parts below borrow the panel mutably.
@@ -61,7 +60,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             } else if status.forest.is_some() && !matches!(status.doing, TrainerActivity::Measuring(_)) {
                 section(ui, "ACCURACY");
                 let text = "Available once references from two shots, or a few seconds apart, are accepted.";
-                weak(ui, text);
+                theme::weak_text(ui, text);
             }
         });
     });
@@ -99,15 +98,10 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         );
     }
     ui.add_space(theme::SPACE);
+    // The button is shown even while nothing is to be done: a pause lasts until it is ended.
     let paused = panel.app.session.trainer.paused;
     let says = if paused { "Resume" } else { "Pause" };
-    if ui
-        .button(says)
-        .on_hover_text(panel.app.settings.keys.tooltip(Command::PauseTrainer))
-        .clicked()
-    {
-        panel.actions.push(Action::Command(Command::PauseTrainer));
-    }
+    panel.run_on_click(ui.button(says), Command::PauseTrainer);
     // Problems of the training, and of storing its result.
     if let Some(trouble) = &status.trouble {
         let palette = ui.palette();
@@ -189,18 +183,12 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
             &format!("{name} cannot be used: {error}"),
         );
         if ui.add(Button::new("Go there").small()).clicked() {
-            panel
-                .actions
-                .push(Action::Navigate(Navigation::GoTo(place)));
+            panel.go_to(place);
         }
     }
-    if let Some(more) = status
-        .failed
-        .len()
-        .checked_sub(FAILED_SHOWN)
-        .filter(|more| *more > 0)
-    {
-        weak(ui, &format!("{more} more cannot be used."));
+    let more = status.failed.len().saturating_sub(FAILED_SHOWN);
+    if more > 0 {
+        theme::weak_text(ui, format!("{more} more cannot be used."));
     }
 }
 
@@ -230,9 +218,7 @@ fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: &Suspect) {
     let palette = ui.palette();
     remark(ui, Symbol::Warning, palette.caution, &text);
     if ui.add(Button::new("Look").small()).clicked() {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::GoTo(place)));
+        panel.go_to(place);
     }
 }
 
@@ -251,6 +237,7 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
         || "loaded from disk".to_owned(),
         |took| format!("{:.1} s", took.as_secs_f64()),
     );
+    // A forest that was read from disk has no training time, and maybe no number of features.
     let mut rows = vec![("References", facts.references.to_string())];
     if facts.features > 0 {
         rows.push(("Features", thousands(facts.features)));
@@ -277,11 +264,7 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
 /// next.
 fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "PROPOSALS");
-    let cameras = if status.answered == 1 {
-        "1 camera".to_owned()
-    } else {
-        format!("{} cameras", thousands(status.answered))
-    };
+    let cameras = pluralise(status.answered, "camera");
     // Cameras that the forest proposed, and those that were tracked from frame to frame.
     let tracked = panel.app.open().map_or(0, |open| open.counts().tracked);
     ui.horizontal_wrapped(|ui| {
@@ -292,13 +275,8 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
                 thousands(tracked)
             ),
         });
-        if status.answered + tracked > 0
-            && ui
-                .add(Button::new("Review").small())
-                .on_hover_text(panel.app.settings.keys.tooltip(Command::ReviewPanel))
-                .clicked()
-        {
-            panel.actions.push(Action::Command(Command::ReviewPanel));
+        if status.answered + tracked > 0 {
+            panel.run_on_click(ui.add(Button::new("Review").small()), Command::ReviewPanel);
         }
     });
     let before = panel.app.settings.snap_suggestions;
@@ -317,14 +295,9 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let advice = &panel.app.review().advice;
     if let Some(text) = panel.app.where_to_label() {
         ui.add(Label::new(text).wrap());
-        let tip = panel.app.settings.keys.tooltip(Command::NextUnanswered);
-        if advice.next.is_some()
-            && ui
-                .add(Button::new("Go there").small())
-                .on_hover_text(tip)
-                .clicked()
-        {
-            panel.actions.push(Action::Command(Command::NextUnanswered));
+        if advice.next.is_some() {
+            let there = ui.add(Button::new("Go there").small());
+            panel.run_on_click(there, Command::NextUnanswered);
         }
     }
 }
@@ -336,15 +309,4 @@ fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
         symbol::show(ui, sign, colour);
         ui.add(Label::new(text).wrap());
     });
-}
-
-/// A weak text that wraps.
-fn weak(ui: &mut Ui, text: &str) {
-    ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
-}
-
-/// A title with space above it.
-fn section(ui: &mut Ui, text: &str) {
-    ui.add_space(2.0 * theme::SPACE);
-    theme::title(ui, text);
 }

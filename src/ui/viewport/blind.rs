@@ -72,7 +72,7 @@ pub fn show(
             beside(&painter, rect, pointer, &label, "");
         }
     }
-    // The shape of the pointer.
+    // The shape of the pointer. A dragged click has the crosshair, so the pointer is hidden.
     let icon = match hold {
         DragTarget::Picture(_) => CursorIcon::Grabbing,
         DragTarget::Click { moving: true, .. } => CursorIcon::None,

@@ -17,6 +17,8 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
     if !trainer.show_features {
         return;
     }
+    // Features kept, matched and agreeing are drawn differently in size and kind, not in colour
+    // alone.
     let visible = placement.rect;
     let shown = app.frame().map(|frame| &frame.id);
     let used = trainer

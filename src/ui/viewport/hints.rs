@@ -39,6 +39,8 @@ pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placem
 
 /// The text about the whole picture, if any; the first case that applies.
 fn banner(panel: &Panel<'_>) -> Option<String> {
+    // From what the user does at this moment (masks, a key that is down) over the state of the
+    // camera and the frame to what the next click would do.
     let session = &panel.app.session;
     let frame = panel.app.frame()?;
     let keys = &panel.app.settings.keys;
@@ -69,6 +71,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         return Some(text.to_owned());
     }
     if frame.status == FrameStatus::Rejected {
+        // A document may reject a frame without a reason; then the colon goes, too.
         let reason = frame.reason.map_or("", reason_label);
         let key = keys.key_label(Command::Reject);
         return Some(
@@ -190,6 +193,7 @@ fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter
         .frame()
         .map(|frame| frame.clicks.as_slice())
         .unwrap_or_default();
+    // Points may be aligned in one batch; the time counts from the latest.
     let newest = session.points.just_snapped.last().copied();
     if newest.is_none() || !recently(ui, "just snapped", newest) {
         return;
@@ -250,6 +254,8 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
 /// when the time is over.
 fn recently(ui: &egui::Ui, done: &str, click: Option<usize>) -> bool {
     let now = ui.input(|input| input.time);
+    // The time is measured here, because the state of the application does not depend on the clock
+    // of the window.
     let id = super::id().with(done);
     let (known, since) = ui.data_mut(|data| {
         let seen = data.get_temp_mut_or_insert_with(id, || (click, now));
@@ -267,6 +273,7 @@ fn recently(ui: &egui::Ui, done: &str, click: Option<usize>) -> bool {
 
 /// Shows in place of the picture why there is none.
 pub fn show_failure(painter: &Painter, rect: Rect, reason: &str) {
+    // A title and the reason, wrapped, in the middle of the picture's place.
     let wrap = (rect.width() - 80.0).clamp(120.0, 560.0);
     let lay_out = |text: &str, size, colour| {
         painter.layout(text.to_owned(), FontId::proportional(size), colour, wrap)

@@ -59,6 +59,12 @@ fn with_memory<T>(ctx: &egui::Context, change: impl FnOnce(&mut Remembered) -> T
     ctx.data_mut(|data| change(data.get_temp_mut_or_default::<Remembered>(id())))
 }
 
+/// Ends what the pointer drags, while something else is in the picture's place: the button goes up
+/// over that, and the picture would follow the pointer without a button.
+pub fn let_go(ctx: &egui::Context) {
+    with_memory(ctx, |remembered| remembered.pointer = Pointer::default());
+}
+
 /// Reads the pointer events of this frame of the window and makes actions of them.
 ///
 /// The rectangle is that of the previous frame of the window, because this one is not laid out yet.
@@ -91,6 +97,8 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         .filter(|_| !hidden)
         .map(|click| click.image)
         .collect();
+    // Drawn landmarks and lines are searched only where a press has found no click, because the
+    // search projects the whole field.
     let (app, reach) = (panel.app, pointer::element_reach(&placement));
     let around = Surroundings {
         placement,
@@ -115,6 +123,8 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
 /// The shown frame's picture, if points can be placed on it; otherwise the reason.
 fn shown_picture(panel: &Panel<'_>, expected: ImageSize) -> Result<(u64, media::Picture), Missing> {
     match panel.pictures.current() {
+        // Clicks are stored in px of the picture that was labelled. In a picture of another size
+        // they would all lie elsewhere.
         PictureState::Ready(_, picture) if picture.size() != expected => {
             let found = picture.size();
             Err(Missing::Never(format!(
@@ -147,6 +157,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let response = ui.interact(rect, id(), Sense::CLICK | Sense::DRAG);
     ui.advance_cursor_after_rect(rect);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
+    // The rectangle lies on whole physical pixels, so that at 100 % the pixels of picture and
+    // screen coincide.
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, theme::ON_PICTURE.backdrop);
     let Some(frame) = panel.app.frame() else {
@@ -193,6 +205,7 @@ fn show_placeholder(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement)
             *remembered.waiting_since.get_or_insert(now),
         )
     });
+    // After a jump, the decoded frame nearest to its goal resembles that more than the last one.
     let last = panel.pictures.nearest(panel.app.session.frame).or(last);
     // Short waits show the picture as it was; after that it is dimmed, with a spinner.
     let slow = now - since >= PATIENCE_S;
@@ -314,6 +327,7 @@ fn is_over_drawn_element(panel: &Panel<'_>, placement: &Placement, at: egui::Pos
 fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &DragTarget) {
     let icon = match hold {
         DragTarget::Picture(_) => CursorIcon::Grabbing,
+        // A dragged point has a marker of its own, and a pointer would hide what is below it.
         DragTarget::Click { moving: true, .. } => CursorIcon::None,
         DragTarget::Click { .. } | DragTarget::Mask { .. } => CursorIcon::Crosshair,
         DragTarget::Nothing => {
@@ -353,4 +367,20 @@ fn is_uncovered(ui: &egui::Ui, rect: Rect, at: egui::Pos2) -> bool {
             .ctx()
             .layer_id_at(at)
             .is_none_or(|on_top| on_top == ui.layer_id())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::PointerButton;
+
+    #[test]
+    fn what_the_pointer_holds_is_forgotten_behind_another_page() {
+        let ctx = egui::Context::default();
+        let picture = DragTarget::Picture(PointerButton::Middle);
+        with_memory(&ctx, |remembered| remembered.pointer.hold = picture);
+        let_go(&ctx);
+        let held = with_memory(&ctx, |remembered| remembered.pointer.hold);
+        assert_eq!(held, DragTarget::Nothing);
+    }
 }

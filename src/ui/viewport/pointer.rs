@@ -62,6 +62,8 @@ impl DragTarget {
         else {
             return None;
         };
+        // The corners may have been drawn in any direction; a box has its upper left corner and
+        // positive sides.
         let (x, y) = (from.x.min(to.x), from.y.min(to.y));
         Some((
             *of_camera,
@@ -210,6 +212,7 @@ impl Reading<'_> {
             return;
         }
         match button {
+            // The picture can be moved even while its pixels are still loading.
             PointerButton::Middle => self.pointer.hold = DragTarget::Picture(button),
             PointerButton::Primary if self.around.space => {
                 self.pointer.hold = DragTarget::Picture(button);
@@ -234,11 +237,11 @@ impl Reading<'_> {
                     None => (self.around.drawn_at)(in_image),
                     Some(_) => None,
                 };
-                // The tool that places nothing takes hold of the picture.
+                // The tool that places nothing grabs the picture. The application learns of the
+                // press all the same: it ends the selection.
                 let is_placing = matches!(self.around.mode, Mode::Placing(_));
                 if self.around.tool == Tool::Select && on.is_none() && !is_placing {
                     self.pointer.hold = DragTarget::Picture(button);
-                    let on = None;
                     self.actions
                         .push(Action::Pointer(PointerAction::Press { at: in_image, on }));
                     return;
@@ -268,6 +271,8 @@ impl Reading<'_> {
 
     /// Moves what the pointer holds.
     fn handle_move(&mut self, to: Pos2, modifiers: Modifiers) {
+        // Movements add up in px of the picture, so that a change from coarse to fine (Shift)
+        // within a drag does not make the click jump.
         let from = self.pointer.at.replace(to).unwrap_or(to);
         match self.pointer.hold {
             DragTarget::Nothing => {}
@@ -327,12 +332,13 @@ impl Reading<'_> {
     fn let_go(&mut self, modifiers: Modifiers) {
         let held = std::mem::take(&mut self.pointer.hold);
         if let DragTarget::Click { .. } = held {
-            self.actions.push(if modifiers.alt {
-                Action::Pointer(PointerAction::ReleaseExactly)
+            self.actions.push(Action::Pointer(if modifiers.alt {
+                PointerAction::ReleaseExactly
             } else {
-                Action::Pointer(PointerAction::Release)
-            });
+                PointerAction::Release
+            }));
         }
+        // A box without an extent, from a mere click, is for the application to refuse.
         if let Some((of_camera, mask)) = held.mask() {
             self.actions
                 .push(Action::Edit(EditAction::AddMask { of_camera, mask }));

@@ -60,6 +60,8 @@ impl Overlay {
                 .as_ref()
                 .or(app.current().preview.as_ref())
                 .filter(|_| proposal.is_none());
+            // While there are two cameras, the frame's own steps back and neither has the rings of
+            // the landmarks, which would be confused with each other.
             let style = app.overlay_style();
             let behind = OverlayStyle {
                 opacity: style.opacity * BEHIND_PREVIEW,
@@ -104,6 +106,8 @@ impl Overlay {
                 drawings.push(mask_overlay(&boxes));
             }
             // Clicks come last, above everything else.
+            // The marker of the dragged click is found by its position: markers do not say to which
+            // click they belong.
             let mut clicks = click_overlay(&scene);
             if let Some(held) = left_out.and_then(|click| frame.clicks.get(click)) {
                 let at = [held.image.x as f32, held.image.y as f32];

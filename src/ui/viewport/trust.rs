@@ -4,7 +4,7 @@
 //! All values are 1-σ of the overlay in px of the picture, from the covariance of the frame's
 //! solution.
 
-use crate::ui::labels::colour;
+use crate::ui::labels::{PlateStyle, colour, plate};
 use crate::ui::placement::Placement;
 use crate::ui::{Panel, theme};
 use egui::{Align2, Color32, FontId, Id, Mesh, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
@@ -34,6 +34,7 @@ const LEGEND: egui::Vec2 = vec2(284.0, 52.0);
 
 /// The band or heat map of the shown frame, if it is switched on and the frame is solved.
 pub fn layer(app: &App) -> Option<Layer> {
+    // Only a solution that was computed here has a covariance; a recorded one has a few numbers.
     let (solved, camera) = solution_and_camera(app)?;
     let image_size = app.frame()?.image_size;
     match app.session.picture.uncertainty {
@@ -132,6 +133,8 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
 
 /// Draws the colour scale of the heat map: a bar with one tick for each colour stop.
 fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
+    // A mesh with two vertices for each stop, between which the graphics card blends the colours as
+    // it does in the heat map.
     let bar = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + 8.0));
     let steps = (HEAT_STOPS.len() - 1) as f32;
     let mut mesh = Mesh::default();
@@ -179,6 +182,7 @@ fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
 /// The best landmarks that are at least [`CROWDED`] points apart on the screen, at most
 /// [`PROPOSED`]. `ranked` is in order of gain.
 fn apart<'a>(ranked: &'a [NextClick], placement: &Placement) -> Vec<&'a NextClick> {
+    // Greedy: each candidate is taken unless a better one that was taken is too near.
     let mut found: Vec<&NextClick> = Vec::new();
     for next in ranked {
         let at = placement.screen_from_image(next.at);
@@ -207,6 +211,7 @@ struct Proposing {
 pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placement) {
     let app = panel.app;
     let Some(frame) = app.frame() else { return };
+    // The limit is stated for pictures of 1920 px width.
     let limit_px = GOOD_CORNER_SIGMA_PX * frame.image_size.scale_from_1920();
     // Only a frame that is uncertain and waits for a click needs proposals.
     let unsure =
@@ -251,23 +256,18 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
             13.0 + 2.5 * phase,
             Stroke::new(if rank == 0 { 2.0 } else { 1.25 }, ring),
         );
-        let text = FontId::proportional(11.0);
         let description = if rank == 0 {
             next.gain()
         } else {
             format!("±{:.1} px", next.worst_corner_px)
         };
-        crate::ui::labels::plate(
-            painter,
-            at + vec2(0.0, 24.0),
-            Align2::CENTER_CENTER,
-            &description,
-            crate::ui::labels::PlateStyle::new(
-                text,
-                theme::ON_PICTURE.caution,
-                Color32::from_black_alpha(150),
-            ),
+        let style = PlateStyle::new(
+            FontId::proportional(11.0),
+            theme::ON_PICTURE.caution,
+            Color32::from_black_alpha(150),
         );
+        let below = at + vec2(0.0, 24.0);
+        plate(painter, below, Align2::CENTER_CENTER, &description, style);
     }
     if pulsing {
         ui.ctx().request_repaint_after_secs(0.05);

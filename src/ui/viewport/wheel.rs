@@ -42,6 +42,7 @@ impl Gesture {
                 let points = match unit {
                     MouseWheelUnit::Point => *delta,
                     MouseWheelUnit::Line => *delta * POINTS_PER_LINE,
+                    // A page counts as one notch: a whole page would move the picture out of view.
                     MouseWheelUnit::Page => {
                         Vec2::new(delta.x.signum(), delta.y.signum()) * POINTS_PER_LINE
                     }
@@ -56,6 +57,7 @@ impl Gesture {
                         by_fingers
                     }))
                 } else if is_wheel && modifiers.shift {
+                    // Some platforms report Shift and a wheel as a horizontal movement already.
                     Some(Self::Pan(Vec2::new(points.x + points.y, 0.0)))
                 } else if is_wheel && points.y != 0.0 {
                     Some(Self::Zoom(ZOOM_PER_LINE.powf(lines)))

@@ -14,6 +14,8 @@ use touchline_documents::exchange::{
 
 /// Shows the page: options above, the plan of the dataset below.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    // The controls change a copy. If it differs afterwards, one action hands it over, and the plan
+    // is made anew.
     let palette = ui.palette();
     let transfer = &panel.app.operations.transfer;
     let mut options = transfer.dataset.clone();
@@ -54,6 +56,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show(ui, |ui| match &found.look {
             PreviewResult::Dataset(Ok(plan)) => show_plan(ui, plan, &transfer.dataset),
             PreviewResult::Dataset(Err(why)) => line(ui, why, palette.bad),
+            // A result of another tab, until that of this one is there.
             PreviewResult::Export(_) | PreviewResult::Import(_) => {}
         });
 }

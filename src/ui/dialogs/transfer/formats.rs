@@ -119,11 +119,12 @@ fn show_export_preview(panel: &Panel<'_>, ui: &mut Ui) {
     match &found.look {
         PreviewResult::Export(Ok(made)) => {
             let frames = pluralise(made.frames, "frame");
-            let files = if made.files.len() == 1 {
-                "one file".to_owned()
-            } else {
-                format!("{} files", made.files.len())
+            let files = match made.files.len() {
+                1 => "one file".to_owned(),
+                count => format!("{count} files"),
             };
+            // The export has been read back and compared. A difference of exactly 0 would read as
+            // "0e0", hence the lower limit.
             let proof = if made.format.is_proved() {
                 format!(
                     " Read again, everything is within {:.0e} px.",
@@ -212,6 +213,7 @@ fn pairs(ui: &mut Ui, pairs: &[JoinedPair]) {
         return;
     }
     line(ui, "Taken for the same pictures:", palette.weak);
+    // There may be as many pairs as frames, so only those in view are laid out.
     let height = ui.text_style_height(&TextStyle::Body);
     ScrollArea::vertical()
         .id_salt("pairs")

@@ -54,6 +54,7 @@ fn confident(ui: &mut Ui, choice: &mut FrameChoice) {
     let tip = "Frames whose stated confidence is lower are left out. References that were clicked state none and stay.";
     ui.checkbox(&mut is_limited, "confidence of at least")
         .on_hover_text(tip);
+    // A share from 0 to 1 in the choice, per cent in the field.
     let mut percent = choice
         .min_confidence
         .map_or(USUAL_PERCENT, |share| 100.0 * share);
@@ -104,6 +105,8 @@ fn statuses(ui: &mut Ui, choice: &mut FrameChoice) {
             if chosen {
                 choice.statuses.push(status);
             }
+            // In one order, so that equal choices compare as equal whatever was clicked first. The
+            // last status cannot be taken away: an empty list means all of them again.
             choice.statuses.sort_unstable();
         }
     }

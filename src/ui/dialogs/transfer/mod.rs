@@ -8,14 +8,14 @@ mod options;
 mod parts;
 mod typed;
 
-use super::{has_just_opened, sheet};
+use super::{cancel, sheet};
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{
     Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2,
 };
 use touchline_application::app::transfer::{TransferAction, TransferTab};
-use touchline_application::app::{Action, Command, ViewAction};
+use touchline_application::app::{Action, Command};
 use touchline_core::progress::Share;
 
 /// Size of the dialog, points.
@@ -44,10 +44,10 @@ const TABS: [(TransferTab, &str, &str); 3] = [
 
 /// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    has_just_opened(ctx, "transfer");
     sheet(panel, ctx, "Export and import", SIZE, |panel, ui| {
         tabs(panel, ui);
         ui.separator();
+        // The pages have one height, so that tabs and buttons stay in place.
         let height = (ui.available_height() - FOOT).clamp(240.0, SIZE.y - 120.0);
         let page = vec2(ui.available_width(), height);
         ui.allocate_ui_with_layout(page, Layout::top_down(Align::Min), |ui| {
@@ -120,7 +120,8 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
             "Read them and show what they bring; nothing is changed yet.",
         ),
     };
-    // An import needs two steps, choosing the files and merging them. The others need one.
+    // An import needs two steps, choosing the files and merging them. The others need one. Enter
+    // means the button that does most: mending, where that is possible, else merging.
     if tab == TransferTab::Import {
         let can_mend = parts::can_mend(transfer);
         if can_mend {
@@ -163,13 +164,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
             push(TransferAction::Choose);
         }
     }
-    if ui
-        .button("Cancel")
-        .on_hover_text("Close without a change. (Esc)")
-        .clicked()
-    {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
-    }
+    cancel(panel, ui, "Close without a change. (Esc)");
     if is_looking {
         ui.add(Spinner::new().size(14.0));
         ui.label(RichText::new("Looking…").color(palette.weak));

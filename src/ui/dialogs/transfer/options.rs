@@ -10,6 +10,8 @@ use touchline_documents::exchange::{
 
 /// The options of an export in this format.
 pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) {
+    // Cameras can be rescaled to another size of picture. Clicked points, and the document itself,
+    // are written as they are.
     if !format.is_of_points() && format != Format::Json {
         size(
             ui,
@@ -18,6 +20,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
         );
     }
     match format {
+        // Formats of points: which points, and under which names.
         Format::SoccerNetLines
         | Format::Coco
         | Format::YoloPose
@@ -52,6 +55,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
                 }
             });
         }
+        // A homography has no lens, so it fits the picture as it is only roughly.
         Format::Wc14 | Format::TsWorldCup | Format::Homography => {
             let tip = "Homographies of pictures whose lens distortion has been taken out.";
             ui.checkbox(&mut options.undistorted, "of undistorted pictures")
@@ -61,6 +65,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
             recording(ui, &mut options.recording);
             ui.horizontal(|ui| rate(ui, &mut options.rate));
         }
+        // Tracks over time.
         Format::Csv
         | Format::Usda
         | Format::OpenTrackIo
@@ -91,7 +96,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
 /// What an export does with missing frames of a video.
 fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
     ui.label("Missing frames");
-    // The default number when interpolation is chosen.
+    // The number of frames when interpolation is chosen: the present one, else a default.
     let mut most = if let Gaps::Interpolate(most) = *gaps {
         most
     } else {

@@ -6,7 +6,8 @@ use touchline_application::app::App;
 use touchline_application::app::transfer::{PreviewResult, TransferState, in_dialog};
 use touchline_documents::document::CameraId;
 
-/// Whether there is something to write or to merge.
+/// Whether there is something to write or to merge: an export or a dataset without an error, or an
+/// import that brings labels or frames.
 pub fn is_ready(transfer: &TransferState) -> bool {
     transfer
         .found

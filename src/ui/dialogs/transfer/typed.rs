@@ -23,6 +23,8 @@ pub struct Typed<'a, T> {
 impl<T> Typed<'_, T> {
     /// Shows the field with its name. An empty field means no value.
     pub fn show(self, ui: &mut Ui, value: &mut Option<T>) {
+        // The typed text is remembered while the field has the focus, or else a value that is
+        // shorter than its text ("29.970") would be written over it at each key.
         let palette = ui.palette();
         let id = Id::unique(("typed", self.name));
         ui.label(self.name);
