@@ -90,9 +90,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
             let select = Navigation::SelectFrame { frame: index, how };
             panel.actions.push(Action::Navigate(select));
         } else {
-            panel
-                .actions
-                .push(Action::View(ViewAction::SelectNoFrames));
+            panel.actions.push(Action::View(ViewAction::SelectNoFrames));
             panel.go_to(index);
         }
     }

@@ -31,9 +31,7 @@ use super::{
     theme::{self, Themed as _},
 };
 use egui::layers::ShapeIdx;
-use egui::{
-    Align, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2,
-};
+use egui::{Align, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
 use touchline_application::app::{Action, Command, ViewAction};
 
 /// Gap between two cards, points.

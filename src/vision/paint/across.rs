@@ -94,6 +94,8 @@ pub(super) fn is_like_paint(
     ridge: &Ridge,
     reach_px: f64,
 ) -> bool {
+    // The limits are generous: the width comes from a camera that may be rough, and the blur is
+    // that of a typical picture.
     let expected_px = across.expected_width_px();
     (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px)
         && ridge.offset_px.abs() <= reach_px
@@ -103,6 +105,8 @@ pub(super) fn is_like_paint(
 /// Whether most of the points beside a ridge have the ground's colours, on every side within the
 /// playing area.
 fn is_on_ground(ground: &GroundPicture, across: &Across, ridge: &Ridge) -> bool {
+    // `outward` is the sign of the side where the ground may end, behind a touchline for example.
+    // That side is not tested.
     let mut sides = [-1.0, 1.0]
         .into_iter()
         .filter(|sign| sign * across.outward <= 0.0);

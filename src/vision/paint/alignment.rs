@@ -26,9 +26,9 @@
 //! * Geman–McClure weights nearly ignore ridges farther off than the scale of the loss, and that
 //!   scale shrinks from iteration to iteration (graduated non-convexity).
 //!
-//! The picture is not read again between iterations. The linearisation therefore has to hold over
-//! the reach of the search. `snap.rs` reads the picture again around the result, within a smaller
-//! reach, and repeats the alignment.
+//! The picture is not read again between iterations. The linearisation therefore has to be good
+//! over the reach of the search. `snap.rs` reads the picture again around the result, within a
+//! smaller reach, and repeats the alignment.
 
 use super::LineObservations;
 use nalgebra::{SMatrix, Vector1};
@@ -67,8 +67,9 @@ pub(super) struct LinearisedCamera {
 }
 
 impl LinearisedCamera {
-    /// Near the centre of the picture, 1/f rad of pan or tilt move the image by 1 px. A factor
-    /// exp(2/width) of the focal length moves the borders, width/2 from the centre, by 1 px.
+    /// Near the centre of the picture, 1/f rad of pan or tilt move the image by 1 px (a pan by
+    /// cos(tilt) of it, which is left out). A factor exp(2/width) of the focal length moves the
+    /// borders, width/2 from the centre, by 1 px.
     pub fn new(base: &CameraBase, ptz: Ptz, width_px: u32) -> Self {
         let rad_per_px = 1.0 / ptz.focal_px;
         let log_focal_per_px = 2.0 / f64::from(width_px);
@@ -82,7 +83,8 @@ impl LinearisedCamera {
     /// the step leads.
     pub fn ptz_after(&self, step: &StepPx) -> Ptz {
         const MAX_LOG_FOCAL: f64 = std::f64::consts::LN_2;
-        // The focal length changes by its logarithm, so that it stays positive.
+        // The focal length changes by its logarithm, so that it stays positive. Where the paint
+        // hardly determines the zoom, a step of it may be of any size: hence the limit.
         let change = step.component_mul(&self.ptz_per_px);
         let ptz = self.camera.ptz();
         Ptz {
@@ -114,7 +116,7 @@ impl<'a> RidgeAlignment<'a> {
     pub fn new(around: &LinearisedCamera, sightings: &'a LineObservations, scale: f64) -> Self {
         let by_step = sightings.samples.iter().map(|sample| {
             // A sample that the linearised camera cannot see gets a zero row and constrains
-            // nothing.
+            // nothing. It keeps its place, because samples are named by their index.
             let Ok((_, image_by_ptz)) = around.camera.image_from_world_by_ptz(sample.at) else {
                 return StepPx::zeros();
             };
@@ -161,6 +163,8 @@ impl<'a> RidgeAlignment<'a> {
         clicks: Option<&ClickAlignment>,
         takes_part: impl Fn(usize) -> bool,
     ) -> StepPx {
+        // With damping, only numbers that are not finite leave the equations without a solution.
+        // The camera then stays where it is.
         loss_scales_px.iter().fold(step, |step, &loss_scale_px| {
             let problem = AlignmentAtScale {
                 ridges: self,
@@ -253,12 +257,8 @@ impl Residual<1, 0, 3> for NearestRidge<'_> {
 
 /// 1-σ of every sample's ridge, px. The samples of a line share its error (see [`ridge_sigma_px`]).
 pub(super) fn sample_sigmas_px(sightings: &LineObservations, scale: f64) -> Vec<f64> {
-    let num_lines = sightings
-        .samples
-        .iter()
-        .map(|sample| sample.line + 1)
-        .max()
-        .unwrap_or(0);
+    let lines = sightings.samples.iter().map(|sample| sample.line + 1);
+    let num_lines = lines.max().unwrap_or(0);
     // Count samples with ridges, not ridges: a sample contributes at most one residual.
     let mut ridges_of_line = vec![0_u32; num_lines];
     for (index, sample) in sightings.samples.iter().enumerate() {
@@ -327,7 +327,8 @@ impl Residual<1, 0, 3> for ClickRow {
 }
 
 impl ClickAlignment {
-    /// Check clicks are left out, and so are clicks whose landmark or line the camera cannot see.
+    /// Clicks that only check the result are left out, and so are those on a landmark or line that
+    /// the camera cannot see.
     pub fn new(around: &LinearisedCamera, clicks: &[Observation]) -> Self {
         let mut rows = Vec::with_capacity(2 * clicks.len());
         for click in clicks.iter().filter(|click| !click.check) {
@@ -355,10 +356,9 @@ impl ClickAlignment {
     pub fn allows(&self, step: &StepPx, sigmas: f64) -> bool {
         // The present distance is added, because the camera may be far off before its first
         // alignment.
-        let is_allowed = |row: &ClickRow| {
-            row.residual_px(step).abs() <= sigmas * row.sigma_px + row.offset_px.abs()
-        };
-        self.rows.iter().all(is_allowed)
+        self.rows
+            .iter()
+            .all(|row| row.residual_px(step).abs() <= sigmas * row.sigma_px + row.offset_px.abs())
     }
 }
 

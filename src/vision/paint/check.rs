@@ -47,10 +47,10 @@ pub struct LineCheck {
     pub found: usize,
     /// Number of samples with open ground and no paint.
     pub bare: usize,
-    /// Median distance of the ridges from where they are predicted, px.
+    /// Median distance of the ridges from where they are predicted, px; infinite without a ridge.
     pub offset_px: f64,
     /// Median signed offset along the normals that point down in the picture, px: positive if paint
-    /// lies below the drawn line.
+    /// lies below the drawn line. Infinite without a ridge.
     pub bias_px: f64,
     /// Distance between the overlays of the cameras that two halves of the samples give, px.
     pub halves_px: f64,
@@ -118,6 +118,7 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         let near = 1.0 / (1.0 + (ridge.offset_px / (HALF_PX * scale)).powi(2));
         weighed += sample.detectability() * near;
         offsets.push(ridge.offset_px.abs());
+        // y points down in the picture: a normal of negative y points up.
         biases.push(if sample.normal.y < 0.0 {
             -ridge.offset_px
         } else {
@@ -125,7 +126,8 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         });
     }
     let (found, bare) = (offsets.len(), sightings.bare());
-    // Both halves are aligned from the camera itself.
+    // Both halves are aligned from the camera itself, with a loss from a coarse scale to a fine
+    // one.
     let around = LinearisedCamera::new(camera.base(), camera.ptz(), size.width);
     let pull = RidgeAlignment::new(&around, &sightings, scale);
     let halves_px = halves_apart_px(
@@ -140,7 +142,7 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
     let emptiest = emptiest_line(&sightings);
     let open = open_weight(&sightings);
     let agreement = if open > 0.0 { weighed / open } else { 0.0 };
-    let mut check = LineCheck {
+    LineCheck {
         predicted: sightings.samples.len(),
         found,
         bare,
@@ -150,10 +152,8 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         unexplained,
         emptiest,
         agreement,
-        score: 0.0,
-    };
-    check.score = score(&check, open, scale);
-    check
+        score: score(agreement, halves_px / scale, open),
+    }
 }
 
 /// The open samples, each by its detectability.
@@ -170,6 +170,7 @@ const LONG_LINE: f64 = 12.0;
 /// The smallest share of a line's open samples that have paint.
 fn emptiest_line(sightings: &LineObservations) -> Option<f64> {
     let mut lines: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+    // Hidden samples count for neither: they say nothing about the line.
     for (sample, seen) in sightings.samples.iter().zip(&sightings.seen) {
         let (found, bare) = lines.entry(sample.line).or_default();
         match seen {
@@ -178,7 +179,6 @@ fn emptiest_line(sightings: &LineObservations) -> Option<f64> {
             SampleContent::Hidden => {}
         }
     }
-    // Hidden samples count for neither: they say nothing about the line.
     let long = lines
         .into_values()
         .filter(|(found, bare)| found + bare >= LONG_LINE);
@@ -203,16 +203,14 @@ const HALVES_PX: (f64, f64) = (0.3, 30.0);
 /// The halves' distance that leaves the odds unchanged, px at 1920 px width.
 const NEUTRAL_HALVES_PX: f64 = 2.0;
 
-/// The probability that a camera is right, given the weight of the open samples; see
-/// [`LOG_ODDS`].
-fn score(check: &LineCheck, open: f64, scale: f64) -> f64 {
+/// The probability that a camera is right, from the agreement, the halves' distance in px at
+/// 1920 px width, and the weight of the open samples; see [`LOG_ODDS`].
+fn score(agreement: f64, halves_px: f64, open: f64) -> f64 {
     // Shrinks the evidence towards the constant where few samples are open.
     let known = open / (open + FEW);
     // The logarithm, because the halves' distance ranges over two orders of magnitude.
-    let halves =
-        ((check.halves_px / scale).clamp(HALVES_PX.0, HALVES_PX.1) / NEUTRAL_HALVES_PX).ln();
-    let log_odds =
-        LOG_ODDS[0] + known * (LOG_ODDS[1] * (check.agreement - 0.5) + LOG_ODDS[2] * halves);
+    let halves = (halves_px.clamp(HALVES_PX.0, HALVES_PX.1) / NEUTRAL_HALVES_PX).ln();
+    let log_odds = LOG_ODDS[0] + known * (LOG_ODDS[1] * (agreement - 0.5) + LOG_ODDS[2] * halves);
     1.0 / (1.0 + (-log_odds).exp())
 }
 
@@ -226,17 +224,15 @@ pub(super) fn halves_apart_px(
     size: ImageSize,
 ) -> f64 {
     // Without clicks, which both halves would share.
-    let half = |odd: usize| {
-        around.ptz_after(&pull.align(from, scales_px, None, |sample| sample / BLOCK % 2 == odd))
-    };
-    overlays_apart_px(
-        &PtzCamera::new(*around.camera.base(), half(0)),
-        half(1),
-        size,
-    )
+    let [even, odd] = [0, 1].map(|half| {
+        around.ptz_after(&pull.align(from, scales_px, None, |sample| sample / BLOCK % 2 == half))
+    });
+    overlays_apart_px(&PtzCamera::new(*around.camera.base(), even), odd, size)
 }
 
-/// Distance between the overlays of two cameras with one base, px: the median over the picture.
+/// Distance between the overlays of two cameras with one base, px: the median over a grid of 5 × 5
+/// points of the picture. Infinite if the second camera does not see most of what the first one
+/// sees.
 #[must_use]
 pub fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64 {
     const PLACES: u32 = 5;

@@ -26,8 +26,9 @@ impl ProfileSource for Picture {
     }
 }
 
-/// Red, green and blue at a point, bilinear between the centres of the four pixels around it. The
-/// border is repeated outside.
+/// Red, green and blue at a point, bilinear between the centres of the four pixels around it, as
+/// `GreyPicture::at` does for grey. The border is repeated outside; a picture without pixels is
+/// black.
 fn rgb_at(picture: &Picture, point: ImagePoint) -> Vec3 {
     let size = picture.size();
     let (Some(right), Some(bottom)) = (size.width.checked_sub(1), size.height.checked_sub(1))
@@ -50,7 +51,8 @@ fn rgb_at(picture: &Picture, point: ImagePoint) -> Vec3 {
     above * (1.0 - share_y) + below * share_y
 }
 
-/// Converts red, green and blue.
+/// Converts red, green and blue. The green difference is left out: it follows from the other two
+/// and the brightness.
 fn colour_of(rgb: Vec3) -> Colour {
     let brightness = BRIGHTNESS.dot(&rgb);
     Colour::new(

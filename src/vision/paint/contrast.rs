@@ -30,23 +30,25 @@ const ALONG_PX: [f64; 3] = [-2.0, 0.0, 2.0];
 const MAX_CONTRAST: f64 = 6.0;
 
 impl LineContrast {
-    /// Adds a place: a sample of a line, moved by `offset_px` along its normal. The turf beside it
-    /// is `scale` times as far away as in a small picture. Places with anything but turf on either
-    /// side do not count.
+    /// Adds a place: a sample of a line, moved by `offset_px` along its normal. `scale` multiplies
+    /// the distance of the turf from the paint; it is above 1 in pictures in which the blur is
+    /// wider. Places with anything but ground on either side do not count.
     pub fn add(&mut self, ground: &GroundPicture, sample: &LineSample, offset_px: f64, scale: f64) {
         let along = Vec2::new(-sample.normal.y, sample.normal.x);
         let middle = sample.image.translate(sample.normal * offset_px);
         let beside = sample.normal * (0.5 * sample.width_px + BESIDE_PX * scale);
         let sides = [middle.translate(beside), middle.translate(-beside)];
-        let is_turf = |at| ground.is_ground(at) && !ground.is_masked(at);
-        if !sides.into_iter().all(is_turf) {
+        let is_covered = |at: &ImagePoint| !ground.is_ground(*at) || ground.is_masked(*at);
+        if sides.iter().any(is_covered) {
             return;
         }
-        let level = |at: ImagePoint| {
+        let [on_line, one, other] = [middle, sides[0], sides[1]].map(|at| {
             let levels = ALONG_PX.map(|by_px| ground.grey().at(at.translate(along * by_px)));
             levels.iter().sum::<f64>() / levels.len() as f64
-        };
-        let contrast = level(middle) - 0.5 * (level(sides[0]) + level(sides[1]));
+        });
+        // Against the mean of both sides, where `ridge.rs` takes the brighter one: the brighter of
+        // two noisy sides is biased, and a mean over many places would keep that bias.
+        let contrast = on_line - 0.5 * (one + other);
         self.sum += contrast.clamp(-MAX_CONTRAST, MAX_CONTRAST);
         self.num_places += 1;
     }

@@ -78,7 +78,7 @@ pub(super) struct CrossingAtScale<'a> {
 
 impl<'a> CrossingAtScale<'a> {
     /// `scale` is the width of the picture by 1920 px; the scale of the loss is in px at 1920 px
-    /// width.
+    /// width, and so is [`RIDGE_SIGMA_PX`]: their quotient, in σ, is the same at all widths.
     pub fn new(courses: &'a [CrossingLine], loss_scale_px: f64, scale: f64) -> Self {
         Self {
             courses,
@@ -97,20 +97,13 @@ impl Problem for CrossingAtScale<'_> {
 
     fn equations(&self, state: &CrossingState) -> BlockEquations<0, PARAMETERS> {
         let mut equations = BlockEquations::zero();
-        // Priors on all lines, present or not: they keep the matrix regular.
+        // Priors on all lines, present or not: they keep the matrix regular. A shift t of the
+        // landmark and the offsets n·t of its lines move the paint alike; the priors decide for the
+        // shift and leave their 1-σ in its covariance.
         for line in 0..MOST_LINES {
-            for (of_line, sigma) in [DIRECTION_SIGMA, self.line_sigma_px]
-                .into_iter()
-                .enumerate()
-            {
-                equations.add(
-                    &LinePrior {
-                        parameter: 2 + 2 * line + of_line,
-                        sigma,
-                    },
-                    state,
-                    self.loss,
-                );
+            let sigmas = [DIRECTION_SIGMA, self.line_sigma_px];
+            for (parameter, sigma) in (2 + 2 * line..).zip(sigmas) {
+                equations.add(&LinePrior { parameter, sigma }, state, self.loss);
             }
         }
         // Each sample of a line contributes the ridge nearest to where the state puts the line.
@@ -205,18 +198,16 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
 /// Where the two lines that cross at the widest angle meet: the solution t of n₁·t = d₁, n₂·t = d₂.
 /// None if they are nearly parallel.
 pub(super) fn meeting_point(courses: &[CrossingLine]) -> Option<Vec2> {
-    // Of three lines the two at the widest angle: their crossing is the best conditioned.
+    // Of three lines the two at the widest angle: their crossing is the best conditioned. The cross
+    // product of unit normals is the sine of the angle.
     let pairs = courses
         .iter()
         .enumerate()
         .flat_map(|(index, one)| courses[..index].iter().map(move |other| (one, other)));
-    let crossing = |one: &CrossingLine, other: &CrossingLine| one.normal.perp(&other.normal);
-    let (one, other) = pairs.max_by(|a, b| {
-        crossing(a.0, a.1)
-            .abs()
-            .total_cmp(&crossing(b.0, b.1).abs())
-    })?;
-    if crossing(one, other).abs() < LEAST_CROSSING {
+    let (sine, one, other) = pairs
+        .map(|(one, other)| (one.normal.perp(&other.normal).abs(), one, other))
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    if sine < LEAST_CROSSING {
         return None;
     }
     let normals = Matrix2::from_rows(&[one.normal.transpose(), other.normal.transpose()]);

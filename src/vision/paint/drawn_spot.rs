@@ -36,6 +36,9 @@ pub(super) struct Shape {
 }
 
 impl Shape {
+    /// The template of a marking of this diameter at a landmark; `scale` is the width of the
+    /// picture by 1920 px. None if the camera does not see the landmark, or if the marking would be
+    /// too small or too large in the picture.
     pub fn render(
         field: &FieldModel,
         camera: &PtzCamera,
@@ -64,7 +67,8 @@ impl Shape {
         }
         let half = [half_x, half_y].map(|half| (half + AROUND_PX).ceil() as i32);
         let lines = lines_through(field, landmark);
-        // A margin for the blur and for offsets between pixels.
+        // A margin for the blur and for offsets between pixels. The number of cells is odd, so that
+        // one lies on the centre of the marking.
         let cells = half.map(|half| 2 * ((f64::from(half) + 4.0) * FINE) as usize + 1);
         let at = |cell: usize, cells: usize| (cell as f64 - (cells / 2) as f64) / FINE;
         // Sharp template: a sample is covered if its point on the ground lies within the marking or
@@ -95,6 +99,8 @@ impl Shape {
 
     /// Coverage at `off` from the marking's centre, px; bilinear between samples.
     pub fn covers(&self, off: Vec2) -> f64 {
+        // The last cell but one is the limit, so that there is a next one to interpolate to.
+        // Outside the template its border, where nothing or a line is painted, continues.
         let rows = self.covers.len() / self.columns;
         let x = (off.x * FINE + (self.columns / 2) as f64).clamp(0.0, (self.columns - 2) as f64);
         let y = (off.y * FINE + (rows / 2) as f64).clamp(0.0, (rows - 2) as f64);
@@ -110,6 +116,8 @@ impl Shape {
 /// Convolution with a Gaussian of [`BLUR_PX`], truncated at 3 σ, rows and columns separately; the
 /// border is repeated outside.
 fn gaussian_blur(sharp: &[f32], columns: usize) -> Vec<f32> {
+    // The marking is rendered once and read at every pixel and offset. So the blur is applied to
+    // the table, which is finer than the pixels, and not to each comparison.
     let sigma = BLUR_PX * FINE;
     let reach = (3.0 * sigma).ceil() as isize;
     let weights: Vec<f32> = (-reach..=reach)
@@ -183,6 +191,8 @@ impl Problem for SpotProblem<'_> {
     }
 
     fn apply_step(&self, from: &DrawnSpot, step: &Vector4<f64>) -> DrawnSpot {
+        // Coverage is linear in the offset only within the blurred edge of the marking, about a px.
+        // Contrast and level are linear everywhere.
         let by = step
             .fixed_rows::<2>(0)
             .map(|by| by.clamp(-MAX_STEP_PX, MAX_STEP_PX));

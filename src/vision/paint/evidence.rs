@@ -3,10 +3,11 @@
 //!
 //! As in directional chamfer matching (Liu, Tuzel, Veeraraghavan, Chellappa: "Fast directional
 //! chamfer matching", CVPR 2010), maps by direction are computed once and each camera only looks
-//! them up. Here a map holds proximity, 1 on a marking and 0 beyond the reach, and each marking is
-//! spread along its normal only. The lines are short pieces, each looked up once at its middle.
+//! them up. Here a map contains proximity, 1 on a marking and 0 beyond the reach, and each marking
+//! is spread along its normal only. The lines are short pieces, and the map is read once for each
+//! piece, at its middle.
 
-use super::directions::{DIRECTIONS, direction_of, with_neighbours};
+use super::directions::{DIRECTIONS, cell_at, direction_of, with_neighbours};
 use super::marking_pixels::{MarkingPixels, PixelContent};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -69,8 +70,8 @@ impl EvidenceMaps {
     pub fn from_marking_pixels(marking_pixels: &MarkingPixels, reach_px: f64) -> Self {
         let size = marking_pixels.size();
         let cell_px = (CELL_PX * size.scale_from_1920()).max(1.0);
-        let count = |extent: u32| (f64::from(extent) / cell_px).ceil() as usize;
-        let (columns, rows) = (count(size.width), count(size.height));
+        let [columns, rows] =
+            [size.width, size.height].map(|side_px| (f64::from(side_px) / cell_px).ceil() as usize);
         let mut near = vec![0.0_f32; DIRECTIONS * columns * rows];
         let steps = (reach_px / cell_px).round().max(1.0) as i32;
         for stroke in &marking_pixels.points {
@@ -80,12 +81,13 @@ impl EvidenceMaps {
                 let at = stroke
                     .at
                     .translate(stroke.normal * (f64::from(step) * cell_px));
-                if !size.contains(at) {
+                // `contains` includes the right and the lower border, where no cell begins.
+                let cell = cell_at(at, cell_px, [columns, rows]);
+                let Some(cell) = cell.filter(|_| size.contains(at)) else {
                     continue;
-                }
+                };
                 // Falls from 1 as a parabola, so that small errors cost little.
                 let value = (1.0 - (f64::from(step) / (f64::from(steps) + 1.0)).powi(2)) as f32;
-                let cell = (at.y / cell_px) as usize * columns + (at.x / cell_px) as usize;
                 // Neighbouring directions are marked too: a look-up must not fail at the border of
                 // two bins.
                 for direction in with_neighbours(direction) {
@@ -94,12 +96,11 @@ impl EvidenceMaps {
                 }
             }
         }
-        let middle = |index: usize| (index as f64 + 0.5) * cell_px;
+        // A cell is classified by its middle alone. At 1920 px width it covers 2 × 2 of the cells
+        // that `classify` reads.
         let open = (0..columns * rows).map(|cell| {
-            marking_pixels.classify(ImagePoint::new(
-                middle(cell % columns),
-                middle(cell / columns),
-            )) != PixelContent::Other
+            let [x, y] = [cell % columns, cell / columns].map(|at| (at as f64 + 0.5) * cell_px);
+            marking_pixels.classify(ImagePoint::new(x, y)) != PixelContent::Other
         });
         Self {
             cell_px,
@@ -137,9 +138,11 @@ impl EvidenceMaps {
         sums.hit / predicted * (sums.hit / self.length_px).min(1.0)
     }
 
-    /// The image of a direction in `base`, px. None if it lies more than one picture's extent
-    /// outside.
+    /// The image of a direction in `base`, px. None if it lies behind the camera, beyond the fold
+    /// of the lens, or more than one picture's extent outside.
     fn image(&self, camera: &PtzCamera, direction: Vec3) -> Option<ImagePoint> {
+        // A piece that ends farther out and has its middle in the picture is longer than the
+        // picture: the middle, at which it is classified, says little about the visible part.
         let (width, height) = self.extent_px();
         let image = camera
             .image_from_cam(camera.cam_from_base() * direction)
@@ -161,26 +164,25 @@ impl EvidenceMaps {
 
     /// Adds a piece of a line, classified by the maps at its middle.
     fn add(&self, from: ImagePoint, to: ImagePoint, sums: &mut Sums) {
-        let (width, height) = self.extent_px();
         let along = to.offset_from(from);
         let middle = from.translate(along * 0.5);
-        if !(middle.x >= 0.0 && middle.x < width && middle.y >= 0.0 && middle.y < height) {
+        let Some(cell) = cell_at(middle, self.cell_px, [self.columns, self.rows]) else {
             return;
-        }
-        let cell =
-            (middle.y / self.cell_px) as usize * self.columns + (middle.x / self.cell_px) as usize;
+        };
         // The normal of the piece in the picture selects the map.
         let direction = direction_of(Vec2::new(-along.y, along.x));
         let near = f64::from(self.near[direction * self.columns * self.rows + cell]);
         // A piece near the camera may be much longer than what is visible of it; the limit keeps it
         // from dominating.
-        let length_px = along.norm().min(height);
+        let length_px = along.norm().min(self.extent_px().1);
+        // The proximity divides the length: the part that is not on a marking is a missed one.
         sums.hit += near * length_px;
-        *(if self.open[cell] {
+        let missed = if self.open[cell] {
             &mut sums.bare
         } else {
             &mut sums.hidden
-        }) += (1.0 - near) * length_px;
+        };
+        *missed += (1.0 - near) * length_px;
     }
 }
 
@@ -198,8 +200,10 @@ struct Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paint::GroundPicture;
+    use crate::media::Picture;
     use crate::paint::drawn::{PICTURE, camera, soccer, truth};
+    use crate::paint::{GroundPicture, MarkingPixel};
+    use touchline_core::geometry::ImageSize;
 
     #[test]
     fn the_right_camera_has_far_more_evidence_than_others() {
@@ -217,5 +221,21 @@ mod tests {
             assert!(wrong < 0.4 * right, "{wrong}");
         }
         assert_eq!(maps.score(&chains, &camera(180.0, -14.0, 1500.0)), 0.0);
+    }
+
+    #[test]
+    fn a_marking_at_the_corner_of_the_picture_is_spread_within_it_only() {
+        let size = ImageSize::new(480, 270);
+        let turf = Picture::with_colour(size, [62, 110, 42, 255]);
+        let mut marking_pixels = MarkingPixels::detect(&GroundPicture::new(&turf, &[]));
+        marking_pixels.points = vec![MarkingPixel {
+            at: ImagePoint::new(480.0, 269.5),
+            normal: Vec2::new(1.0, 0.0),
+            length_px: 100.0,
+        }];
+        let maps = EvidenceMaps::from_marking_pixels(&marking_pixels, 2.0);
+        // Two cells of 1 px to the left of the border, in three directions.
+        let near = maps.near.iter().filter(|near| **near > 0.0);
+        assert_eq!((maps.cell_px, near.count()), (1.0, 6));
     }
 }

@@ -31,7 +31,7 @@ use touchline_core::solve::Observation;
 pub struct FindOptions {
     /// Range of focal lengths, px at 1920 px width. 800 to 3200 by default: narrower views show too
     /// few lines. The range is for a soccer pitch seen from its stands. It is scaled up for a field
-    /// that looks smaller, such as a basketball court.
+    /// that looks smaller, such as a basketball court. The lower end must be positive.
     pub focal_px: (f64, f64),
     /// Settings of the alignment of the best candidates.
     pub snap: SnapOptions,
@@ -263,6 +263,7 @@ impl Search<'_> {
 
     /// Steps 1 and 2: the best candidates, best first, none near to a better one.
     fn likely(&self, progress: &Progress<'_, f64>) -> Result<Vec<Node>, FindError> {
+        // A field without painted lines has no candidate, and `decide` says so.
         let look = self.look(COARSE_REACH_PX, COARSE_PIECE_M);
         let Some(region) = Region::from_chains(&look.chains) else {
             return Ok(Vec::new());
@@ -278,6 +279,8 @@ impl Search<'_> {
             {
                 return Err(FindError::Stopped);
             }
+            // Nodes are scored on all cores; `collect` keeps their order, so that the result does
+            // not depend on the number of threads.
             let grid = region.grid(*focal_px, GRID_PX * self.scale);
             let scored: Vec<Node> = grid
                 .into_par_iter()
@@ -303,19 +306,18 @@ impl Search<'_> {
     fn climb(&self, look: &DetailLevel, start: Ptz) -> Node {
         let width_px = self.size().width;
         let mut best = self.node(look, start);
-        for step_px in STEPS_PX {
-            let step_px = step_px * self.scale;
+        for step_px in STEPS_PX.map(|step_px| step_px * self.scale) {
+            // The score rises with every step that is taken and is 1 at most, and the maps have
+            // finitely many cells: the loop ends.
             loop {
-                let around = DIRECTIONS.map(|by| {
-                    self.node(
-                        look,
-                        Node::apply_step(best.ptz, by.map(|by| by * step_px), width_px),
-                    )
+                let around = DIRECTIONS.map(|direction| {
+                    let step = direction.map(|by| by * step_px);
+                    self.node(look, Node::apply_step(best.ptz, step, width_px))
                 });
-                match around
+                let next = around
                     .into_iter()
-                    .max_by(|a, b| a.score.total_cmp(&b.score))
-                {
+                    .max_by(|a, b| a.score.total_cmp(&b.score));
+                match next {
                     Some(next) if next.score > best.score => best = next,
                     _ => break,
                 }
@@ -334,15 +336,12 @@ impl Search<'_> {
             self.options.focal_px.0 * longer,
             self.options.focal_px.1 * longer,
         );
-        // A factor 1 + 2 d / width moves the borders, width/2 from the centre, by d px.
+        // A factor 1 + 2 d / width moves the borders, width/2 from the centre, by d px. A sequence
+        // that begins at 0 would never end.
         let ratio = 1.0 + 2.0 * GRID_PX * self.scale / f64::from(self.size().width);
-        let mut focals_px = Vec::new();
-        let mut focal_px = least_px;
-        while focal_px <= most_px {
-            focals_px.push(focal_px);
-            focal_px *= ratio;
-        }
-        focals_px
+        std::iter::successors(Some(least_px), |focal_px| Some(focal_px * ratio))
+            .take_while(|focal_px| *focal_px > 0.0 && *focal_px <= most_px)
+            .collect()
     }
 
     /// The best `most` candidates, best first, none nearer than `same_px` (at 1920 px width) to a
@@ -401,6 +400,8 @@ impl Search<'_> {
                 }
             }
         }
+        // The grid's score ranks candidates roughly; aligned cameras are compared by the agreement,
+        // which counts both the paint and the lines that are left over.
         fits.sort_by(|a, b| b.0.both().total_cmp(&a.0.both()));
         let Some((agreement, snapped)) = fits.first() else {
             let none = SnapError::TooFewSamples {
@@ -415,18 +416,19 @@ impl Search<'_> {
         // The runner-up is sought among all other cameras. A candidate that cannot be aligned
         // competes as well; it is compared where the local search left it, so only candidates
         // farther than a grid step from the result count as different.
-        let nodes = likely.iter().map(|node| {
-            let agreement = painted.agreement(self.field, &self.camera(node.ptz));
-            (agreement.both(), node.ptz)
-        });
-        let nodes = nodes.filter(|(_, ptz)| apart_px(*ptz) > GRID_PX * self.scale);
-        let others = fits[1..]
+        let nodes = likely
             .iter()
-            .map(|(agreement, other)| (agreement.both(), other.ptz));
-        let others = others
+            .filter(|node| apart_px(node.ptz) > GRID_PX * self.scale)
+            .map(|node| {
+                let agreement = painted.agreement(self.field, &self.camera(node.ptz));
+                (agreement.both(), node.ptz)
+            });
+        let runner_up = fits[1..]
+            .iter()
+            .map(|(agreement, other)| (agreement.both(), other.ptz))
             .filter(|(_, ptz)| apart_px(*ptz) > SAME_PX * self.scale)
-            .chain(nodes);
-        let runner_up = others.max_by(|a, b| a.0.total_cmp(&b.0));
+            .chain(nodes)
+            .max_by(|a, b| a.0.total_cmp(&b.0));
         let score = snapped.check.score;
         let both = agreement.both();
         // Written so that a score that is not a number is rejected.
@@ -471,24 +473,28 @@ impl Region {
     /// Cameras that look into the region at one focal length, at most `step_px` apart in the
     /// picture.
     fn grid(&self, focal_px: f64, step_px: f64) -> Vec<Ptz> {
-        // An angle times the focal length is its length in px, at the centre of the picture.
-        let steps = |range: &AngleRange| {
-            (range.width().radians() * focal_px / step_px)
-                .ceil()
-                .max(1.0) as u32
-        };
-        let (pans, tilts) = (steps(&self.pan), steps(&self.tilt));
-        let at =
-            |range: &AngleRange, index: u32, of: u32| range.at(f64::from(index) / f64::from(of));
-        let node = |pan, tilt| Ptz {
-            pan: at(&self.pan, pan, pans).wrap(),
-            tilt: at(&self.tilt, tilt, tilts).wrap(),
-            focal_px,
-        };
-        (0..=tilts)
-            .flat_map(|tilt| (0..=pans).map(move |pan| node(pan, tilt)))
+        let [pans, tilts] = [self.pan, self.tilt].map(|range| angles(range, focal_px, step_px));
+        tilts
+            .into_iter()
+            .flat_map(|tilt| pans.iter().map(move |pan| (*pan, tilt)))
+            .map(|(pan, tilt)| Ptz {
+                pan,
+                tilt,
+                focal_px,
+            })
             .collect()
     }
+}
+
+/// Angles over a range, both ends included, at most `step_px` apart in the picture.
+fn angles(range: AngleRange, focal_px: f64, step_px: f64) -> Vec<Angle> {
+    // An angle times the focal length is its length in px, at the centre of the picture.
+    let steps = (range.width().radians() * focal_px / step_px)
+        .ceil()
+        .max(1.0) as u32;
+    (0..=steps)
+        .map(|index| range.at(f64::from(index) / f64::from(steps)).wrap())
+        .collect()
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use super::GroundPicture;
 use super::across::{Across, Ridge, is_like_paint};
 use super::colours::{Colour, ColourProfile};
 use super::profile::is_local_maximum;
+use touchline_core::geometry::{Mat3, Vec3};
 
 /// Minimum distance of a line's colour from all mixtures of its sides' colours, grey levels.
 const MIN_CONTRAST: f64 = 9.0;
@@ -71,8 +72,7 @@ impl FloorRidgeFinder {
         );
         let profile = &self.profile;
         // Contrast along the profile. Its ends are read only as sides of the points in between.
-        let skipped = profile.places(margin_px - 1.0).max(0) as usize;
-        let searched = skipped..profile.len().saturating_sub(skipped);
+        let searched = profile.without_margins(margin_px - 1.0);
         self.contrast.clear();
         self.contrast.extend((0..profile.len()).map(|index| {
             if searched.contains(&index) {
@@ -84,17 +84,12 @@ impl FloorRidgeFinder {
         // Non-maximum suppression within half the expected width.
         let reach = profile.places(0.5 * across.expected_width_px()).max(1) as usize;
         for index in searched {
-            let contrast = self.contrast[index];
-            if !(contrast >= MIN_CONTRAST) {
-                continue;
-            }
-            if !is_local_maximum(&self.contrast, index, reach) {
-                continue;
-            }
-            let Some(ridge) = ridge(profile, across, index) else {
-                continue;
-            };
-            if is_like_paint(ground, across, &ridge, reach_px) {
+            let is_peak = self.contrast[index] >= MIN_CONTRAST
+                && is_local_maximum(&self.contrast, index, reach);
+            if is_peak
+                && let Some(ridge) = ridge(profile, across, index)
+                && is_like_paint(ground, across, &ridge, reach_px)
+            {
                 found.push(ridge);
             }
         }
@@ -119,13 +114,10 @@ fn sides(profile: &ColourProfile, across: &Across, index: usize) -> Sides {
     let (near, far) = (profile.places(near_px), profile.places(far_px));
     // The middle 60 % of the line's width: its own colour, hardly mixed with the sides.
     let core = profile.places(0.3 * across.width_px);
-    let (left, right) = (
-        profile.mean(index, -far, -near),
-        profile.mean(index, near, far),
-    );
+    let [left, right] = profile.beside(index, near, far);
     let here = profile.mean(index, -core, core);
-    let step = right - left;
     // Projection onto the segment left–right; clamped, because beyond an end no mixture exists.
+    let step = right - left;
     let share = if step.norm_squared() > 0.0 {
         (here - left).dot(&step) / step.norm_squared()
     } else {
@@ -146,44 +138,33 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
         right,
         excess,
     } = sides(profile, across, index);
-    // One-dimensional levels: projections onto the direction of greatest contrast.
+    // One-dimensional levels: projections onto the direction of greatest contrast. Along it the
+    // line is a maximum, whether it is darker, brighter or of another hue. The contrast of a peak
+    // has a minimum, so that nothing is divided by zero.
     let contrast = excess.norm();
     let direction = excess / contrast;
-    let level = |place: usize| direction.dot(&profile.value(place));
     let core = profile.places(0.3 * across.width_px);
-    let top = level(index).max(direction.dot(&profile.mean(index, -core, core)));
+    let own = profile.value(index);
+    let top = direction
+        .dot(&own)
+        .max(direction.dot(&profile.mean(index, -core, core)));
     let (left, right) = (direction.dot(&left), direction.dot(&right));
     // From the peak outwards, to half the contrast against that side, interpolated between samples.
-    let within = profile
-        .places(0.9 * across.expected_width_px() + 1.0)
-        .max(1) as usize;
-    let edge = |towards: isize, side: f64| {
+    let reach = profile.places(0.9 * across.expected_width_px() + 1.0);
+    let steps = reach.max(1) as usize + 1;
+    let [from_px, to_px] = [(-1, left), (1, right)].map(|(towards, side)| {
         let half = f64::midpoint(top, side);
-        let (mut last, mut place) = (level(index), index);
-        for _ in 0..=within {
-            place = place
-                .checked_add_signed(towards)
-                .filter(|place| *place < profile.len())?;
-            let here = level(place);
-            if here < half {
-                let beyond = if last > here {
-                    ((half - here) / (last - here)).min(1.0)
-                } else {
-                    0.0
-                };
-                return Some(profile.offset_px(place as f64 - towards as f64 * beyond));
-            }
-            last = here;
-        }
-        None
-    };
-    let (from_px, to_px) = (edge(-1, left)?, edge(1, right)?);
+        let edge =
+            profile.falls_below(|colour| direction.dot(&colour), index, towards, half, steps)?;
+        Some(profile.offset_px(edge))
+    });
+    let (from_px, to_px) = (from_px?, to_px?);
     let middle_px = f64::midpoint(from_px, to_px);
     // Half-contrast points of different levels are not symmetric about the centre of a blurred
     // line.
     let is_uneven = (left - right).abs() > UNEVEN * contrast;
     let offset_px = if is_uneven {
-        middle_between_uneven_sides_px(profile, across, middle_px, level)?
+        middle_between_uneven_sides_px(profile, across, middle_px, &direction)?
     } else {
         middle_px
     };
@@ -194,8 +175,9 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
     })
 }
 
-/// The centre of a line between sides of different levels, by least squares near `near_px`. None if
-/// the best centre is at an end of the search interval.
+/// The centre of a line between sides of different levels, by least squares near `near_px`. Levels
+/// are projections of colours onto `direction`. None if the best centre is at an end of the search
+/// interval.
 ///
 /// Model at offset o, for a centre m, a line of width w, blur σ and the normal distribution
 /// function Φ, with a = Φ((o − m + w/2)/σ) and b = Φ((o − m − w/2)/σ):
@@ -207,7 +189,7 @@ fn middle_between_uneven_sides_px(
     profile: &ColourProfile,
     across: &Across,
     near_px: f64,
-    level: impl Fn(usize) -> f64,
+    direction: &Colour,
 ) -> Option<f64> {
     let (_, far_px) = across.beside_px();
     let (width_px, reach_px) = (across.width_px, far_px + MOVED_PX);
@@ -215,33 +197,15 @@ fn middle_between_uneven_sides_px(
     let places = (0..profile.len()).map(|place| (profile.offset_px(place as f64), place));
     let seen: Vec<(f64, f64)> = places
         .filter(|(offset_px, _)| (offset_px - near_px).abs() <= reach_px)
-        .map(|(offset_px, place)| (offset_px, level(place)))
+        .map(|(offset_px, place)| (offset_px, direction.dot(&profile.value(place))))
         .collect();
-    // Least sum of squares for one centre. With normal equations A x = g it is Σ level² − x·g.
-    let squares = |middle_px: f64| {
-        let row = |offset_px: f64| {
-            let beyond = |edge_px: f64| normal_cdf((offset_px - edge_px) / BLUR_PX);
-            let (entered, left) = (
-                beyond(middle_px - width_px / 2.0),
-                beyond(middle_px + width_px / 2.0),
-            );
-            Colour::new(1.0 - entered, entered - left, left)
-        };
-        let (mut matrix, mut gradient, mut sum) =
-            (nalgebra::Matrix3::zeros(), Colour::zeros(), 0.0);
-        for (offset_px, level) in &seen {
-            let row = row(*offset_px);
-            matrix += row * row.transpose();
-            gradient += row * *level;
-            sum += level * level;
-        }
-        let levels = matrix.cholesky()?.solve(&gradient);
-        Some(sum - levels.dot(&gradient))
-    };
     // Grid search, then the vertex of the parabola through the minimum and its two neighbours.
     let steps = (MOVED_PX / MOVED_STEP_PX) as i32;
     let tried: Vec<f64> = (-steps..=steps)
-        .map(|step| squares(near_px + f64::from(step) * MOVED_STEP_PX))
+        .map(|step| {
+            let middle_px = near_px + f64::from(step) * MOVED_STEP_PX;
+            least_squares_of_stripe(&seen, middle_px, width_px)
+        })
         .collect::<Option<_>>()?;
     let best = (0..tried.len()).min_by(|a, b| tried[*a].total_cmp(&tried[*b]))?;
     let (less, here, more) = (
@@ -256,6 +220,24 @@ fn middle_between_uneven_sides_px(
         0.0
     };
     Some(near_px + (best as f64 - f64::from(steps) + between) * MOVED_STEP_PX)
+}
+
+/// The least sum of squares of a blurred stripe with a given centre over samples (offset px,
+/// level). None if they do not determine the three levels.
+fn least_squares_of_stripe(seen: &[(f64, f64)], middle_px: f64, width_px: f64) -> Option<f64> {
+    let (mut matrix, mut gradient, mut sum) = (Mat3::zeros(), Vec3::zeros(), 0.0);
+    for (offset_px, level) in seen {
+        // Shares of the left side, the line and the right side at this offset: 1 − a, a − b and b.
+        let [a, b] = [0.5, -0.5]
+            .map(|edge| normal_cdf((offset_px - (middle_px - edge * width_px)) / BLUR_PX));
+        let row = Vec3::new(1.0 - a, a - b, b);
+        matrix += row * row.transpose();
+        gradient += row * *level;
+        sum += level * level;
+    }
+    // With the normal equations A x = g it is Σ level² − x·g.
+    let levels = matrix.cholesky()?.solve(&gradient);
+    Some(sum - levels.dot(&gradient))
 }
 
 /// The standard normal distribution function, to 2e-4: a logistic curve with a cubic term (Bowling,

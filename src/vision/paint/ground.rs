@@ -56,6 +56,7 @@ impl GroundPicture {
 
     /// The part of the ground that the pixel at a point belongs to. None outside the picture.
     pub(super) fn part(&self, at: ImagePoint) -> Option<GroundPart> {
+        // As an integer, a negative number or NaN would be 0, a pixel of the picture.
         if !(at.x >= 0.0 && at.y >= 0.0) {
             return None;
         }

@@ -6,6 +6,7 @@
 //! mistakes; the largest component, with its holes filled, is the area.
 
 use super::GroundPicture;
+use std::ops::Range;
 use touchline_core::geometry::ImagePoint;
 
 /// Side of a block, px.
@@ -41,47 +42,16 @@ impl GroundArea {
     pub fn detect(ground: &GroundPicture) -> Self {
         let (width, height) = (ground.size().width as usize, ground.size().height as usize);
         let (columns, rows) = (width.div_ceil(BLOCK_PX), height.div_ceil(BLOCK_PX));
-        let pixels = ground.picture().rgba().as_chunks::<4>().0;
-        let colour = |index: usize| [pixels[index][0], pixels[index][1], pixels[index][2]];
-        // Pixels: the ground's colours, without masked boxes.
-        let mut of_ground: Vec<bool> = (0..width * height)
-            .map(|index| ground.surface().holds(colour(index)))
+        let of_ground = ground_pixels(ground);
+        let open: Vec<bool> = (0..columns * rows)
+            .map(|block| is_open(ground, &of_ground, block, columns))
             .collect();
-        for mask in ground.masks() {
-            let range = |from: f64, extent: f64, limit: usize| {
-                let clamp = |at: f64| (at.max(0.0) as usize).min(limit);
-                clamp(from)..clamp(from + extent)
-            };
-            for y in range(mask.y, mask.height, height) {
-                let columns = range(mask.x, mask.width, width);
-                of_ground[y * width + columns.start..y * width + columns.end].fill(false);
-            }
-        }
-        // Blocks: enough common colours, little variance (mean of squares less square of the mean).
-        let open = |block: usize| {
-            let (top, left) = (block / columns * BLOCK_PX, block % columns * BLOCK_PX);
-            let (bottom, right) = ((top + BLOCK_PX).min(height), (left + BLOCK_PX).min(width));
-            let (mut common, mut sum, mut squares) = (0.0, 0.0, 0.0);
-            let rows = (top..bottom).map(|y| y * width + left..y * width + right);
-            for index in rows.flatten() {
-                let grey = f64::from(ground.grey().values[index]);
-                (sum, squares) = (sum + grey, squares + grey * grey);
-                common += f64::from(u8::from(
-                    of_ground[index] && ground.surface().is_common(colour(index)),
-                ));
-            }
-            let count = ((bottom - top) * (right - left)) as f64;
-            let mean = sum / count;
-            let scatter = (squares / count - mean * mean).max(0.0).sqrt();
-            common >= SHARE * count && scatter < (SCATTER_SHARE * mean).max(SCATTER)
-        };
-        let open: Vec<bool> = (0..columns * rows).map(open).collect();
+        // Morphology, in blocks. Opening by 1 removes single blocks; closing by 3 covers lines and
+        // players; opening by 2 cuts narrow bridges to other green areas.
         let grid = Grid { columns, rows };
-        // Opening by 1 removes single blocks; closing by 3 covers lines and players; opening by 2
-        // cuts narrow bridges to other green areas.
         let closed = grid.shrunk(&grid.grown(&grid.grown(&grid.shrunk(&open, 1), 1), 3), 3);
         let open = grid.grown(&grid.shrunk(&closed, 2), 2);
-        // The largest component, including what it encloses.
+        // The field is the largest component. What it encloses, such as players, is a part of it.
         let mut inside = vec![false; columns * rows];
         for block in parts(&open, columns)
             .into_iter()
@@ -119,27 +89,81 @@ impl GroundArea {
         self.near.get(self.block(x, y)).copied().unwrap_or(false)
     }
 
-    /// Whether a point is near the border of the area.
+    /// Whether a point is near the border of the area. False outside the picture.
     pub fn is_near_border(&self, at: ImagePoint) -> bool {
-        at.x >= 0.0
-            && at.y >= 0.0
-            && self
-                .near_border
-                .get(self.block(at.x as usize, at.y as usize))
-                .copied()
-                .unwrap_or(false)
+        self.pixel(at)
+            .and_then(|(x, y)| self.near_border.get(self.block(x, y)).copied())
+            .unwrap_or(false)
     }
 
-    /// Whether a pixel has one of the ground's colours and is not masked.
+    /// Whether the pixel at a point has one of the ground's colours and is not masked. False
+    /// outside the picture.
     pub fn is_of_ground(&self, at: ImagePoint) -> bool {
-        let inside = at.x >= 0.0 && at.y >= 0.0 && (at.x as usize) < self.width;
-        inside
-            && self
-                .of_ground
-                .get(at.y as usize * self.width + at.x as usize)
-                .copied()
-                .unwrap_or(false)
+        self.pixel(at)
+            .and_then(|(x, y)| self.of_ground.get(y * self.width + x).copied())
+            .unwrap_or(false)
     }
+
+    /// The column and row of the pixel at a point. None above, left or right of the picture: the
+    /// index of such a pixel, or of its block, would be that of one in another row.
+    fn pixel(&self, at: ImagePoint) -> Option<(usize, usize)> {
+        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < self.width as f64;
+        inside.then_some((at.x as usize, at.y as usize))
+    }
+}
+
+/// For each pixel, whether it has the ground's colours and is not masked.
+fn ground_pixels(ground: &GroundPicture) -> Vec<bool> {
+    let (width, height) = (ground.size().width as usize, ground.size().height as usize);
+    let pixels = ground.picture().rgba().as_chunks::<4>().0;
+    let mut of_ground: Vec<bool> = pixels
+        .iter()
+        .map(|[red, green, blue, _]| ground.surface().holds([*red, *green, *blue]))
+        .collect();
+    for mask in ground.masks() {
+        let columns = pixel_range(mask.x, mask.width, width);
+        for y in pixel_range(mask.y, mask.height, height) {
+            // The range of a box of negative width, which a document may state, ends before it
+            // begins. Such a box covers nothing.
+            let row = y * width;
+            if let Some(covered) = of_ground.get_mut(row + columns.start..row + columns.end) {
+                covered.fill(false);
+            }
+        }
+    }
+    of_ground
+}
+
+/// The pixels of a side of the picture, of `limit` px, that a box covers. Both ends are rounded
+/// down.
+fn pixel_range(from: f64, extent: f64, limit: usize) -> Range<usize> {
+    let [start, end] = [from, from + extent].map(|at| (at.max(0.0) as usize).min(limit));
+    start..end
+}
+
+/// Whether a block shows ground: enough pixels of its common colours, and little variation of
+/// brightness.
+fn is_open(ground: &GroundPicture, of_ground: &[bool], block: usize, columns: usize) -> bool {
+    let (width, height) = (ground.size().width as usize, ground.size().height as usize);
+    let pixels = ground.picture().rgba().as_chunks::<4>().0;
+    // Blocks at the right and at the lower border may be smaller.
+    let (top, left) = (block / columns * BLOCK_PX, block % columns * BLOCK_PX);
+    let (bottom, right) = ((top + BLOCK_PX).min(height), (left + BLOCK_PX).min(width));
+    let (mut common, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    let rows = (top..bottom).map(|y| y * width + left..y * width + right);
+    for index in rows.flatten() {
+        let grey = f64::from(ground.grey().values[index]);
+        (sum, squares) = (sum + grey, squares + grey * grey);
+        let [red, green, blue, _] = pixels[index];
+        let is_common = of_ground[index] && ground.surface().is_common([red, green, blue]);
+        common += f64::from(u8::from(is_common));
+    }
+    // The variance as mean of squares less square of the mean. The sums are of integers and exact,
+    // so that the difference loses no digits.
+    let count = ((bottom - top) * (right - left)) as f64;
+    let mean = sum / count;
+    let scatter = (squares / count - mean * mean).max(0.0).sqrt();
+    common >= SHARE * count && scatter < (SCATTER_SHARE * mean).max(SCATTER)
 }
 
 /// Dimensions of the grid of blocks.
@@ -149,8 +173,9 @@ struct Grid {
 }
 
 impl Grid {
-    /// Dilation by a square of side 2 · `reach` + 1, rows first, then columns.
+    /// Dilation by a square of side 2 · `reach` + 1.
     fn grown(&self, set: &[bool], reach: usize) -> Vec<bool> {
+        // A square is separable: dilation along the rows, then of its result along the columns.
         let mut along = vec![false; set.len()];
         let mut both = vec![false; set.len()];
         for row in 0..self.rows {
@@ -169,7 +194,8 @@ impl Grid {
         both
     }
 
-    /// Erosion: the complement of the dilated complement. Outside the grid counts as set.
+    /// Erosion: the complement of the dilated complement. Outside the grid counts as set, so that
+    /// an area does not recede from the border of the picture.
     fn shrunk(&self, set: &[bool], reach: usize) -> Vec<bool> {
         let unset: Vec<bool> = set.iter().map(|set| !set).collect();
         self.grown(&unset, reach)
@@ -182,16 +208,17 @@ impl Grid {
     fn fill_holes(&self, set: &mut [bool]) {
         let unset: Vec<bool> = set.iter().map(|set| !set).collect();
         for hole in parts(&unset, self.columns) {
-            let at_border = |&block: &usize| {
-                let (row, column) = (block / self.columns, block % self.columns);
-                row == 0 || column == 0 || row + 1 == self.rows || column + 1 == self.columns
-            };
-            if !hole.iter().any(at_border) {
+            if !hole.iter().any(|&block| self.is_at_border(block)) {
                 for block in hole {
                     set[block] = true;
                 }
             }
         }
+    }
+
+    fn is_at_border(&self, block: usize) -> bool {
+        let (row, column) = (block / self.columns, block % self.columns);
+        row == 0 || column == 0 || row + 1 == self.rows || column + 1 == self.columns
     }
 }
 
@@ -223,4 +250,52 @@ pub(super) fn parts(set: &[bool], columns: usize) -> Vec<Vec<usize>> {
         parts.push(part);
     }
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::media::Picture;
+    use touchline_core::geometry::{ImageSize, PixelBox};
+
+    /// Turf, with 32 px of sky on the left.
+    fn turf_beside_sky() -> Picture {
+        let row: Vec<u8> = (0..320)
+            .flat_map(|x| {
+                if x < 32 {
+                    [150, 180, 220, 255]
+                } else {
+                    [62, 110, 42, 255]
+                }
+            })
+            .collect();
+        Picture::new(ImageSize::new(320, 180), row.repeat(180)).unwrap()
+    }
+
+    #[test]
+    fn what_lies_right_of_the_picture_is_not_its_next_row() {
+        let area = GroundArea::detect(&GroundPicture::new(&turf_beside_sky(), &[]));
+        assert!(area.holds(40, 50) && !area.holds(8, 50));
+        assert!(area.is_near_border(ImagePoint::new(40.0, 50.0)));
+        assert!(!area.is_near_border(ImagePoint::new(310.0, 50.0)));
+        for outside in [ImagePoint::new(320.5, 50.0), ImagePoint::new(-0.5, 50.0)] {
+            assert!(!area.is_near_border(outside) && !area.is_of_ground(outside));
+        }
+    }
+
+    #[test]
+    fn a_mask_covers_its_pixels_and_one_of_negative_width_covers_none() {
+        let mask = |width: f64| PixelBox {
+            x: 100.0,
+            y: 10.0,
+            width,
+            height: 30.0,
+        };
+        let is_of_ground = |mask: PixelBox, x: f64| {
+            GroundArea::detect(&GroundPicture::new(&turf_beside_sky(), &[mask]))
+                .is_of_ground(ImagePoint::new(x, 20.5))
+        };
+        assert!(!is_of_ground(mask(20.0), 110.5));
+        assert!(is_of_ground(mask(-20.0), 90.5));
+    }
 }

@@ -49,6 +49,8 @@ pub(super) fn own_lens(
     near: &PtzCamera,
     clicks: &[Observation],
 ) -> Result<OwnLens, SnapError> {
+    // A constant k₁: the frame has one focal length, so that its paint says nothing about the slope
+    // of a curve.
     let mut k1 = near.base().distortion.at(near.ptz().focal_px);
     let mut found = *near;
     for _ in 0..LOOKS {
@@ -63,14 +65,16 @@ pub(super) fn own_lens(
             .copied()
             .chain(paint)
             .collect();
-        let fitted = |k1: f64| -> Refined {
-            refine(&with_k1(near.base(), k1), found.ptz(), &seen, LOSS, None)
-        };
-        // The profile of the cost. The ends of the grid are no candidates: they lack a neighbour.
+        // The profile of the cost: every k₁ of the grid has its own pan, tilt and focal length. The
+        // ends of the grid are no candidates: they lack a neighbour. If the minimum lies beyond,
+        // the next pass begins nearer to it.
         let values: Vec<f64> = (-STEPS..=STEPS)
             .map(|step| k1 + f64::from(step) * STEP)
             .collect();
-        let costs: Vec<f64> = values.iter().map(|k1| fitted(*k1).cost).collect();
+        let costs: Vec<f64> = values
+            .iter()
+            .map(|k1| refine_with_k1(&found, *k1, &seen).cost)
+            .collect();
         let inner = 1..values.len() - 1;
         let best = inner
             .min_by(|a, b| costs[*a].total_cmp(&costs[*b]))
@@ -92,12 +96,18 @@ pub(super) fn own_lens(
         }
         // Newton step to the vertex of the parabola, at most one grid step.
         k1 = (values[best] + (-slope / curvature).clamp(-STEP, STEP)).clamp(-MOST, MOST);
-        found = PtzCamera::new(with_k1(near.base(), k1), fitted(k1).ptz);
+        let ptz = refine_with_k1(&found, k1, &seen).ptz;
+        found = PtzCamera::new(with_k1(near.base(), k1), ptz);
     }
     Ok(OwnLens {
         base: *found.base(),
         ptz: found.ptz(),
     })
+}
+
+/// Pan, tilt and focal length for a given k₁, from those of a camera near by, and their cost.
+fn refine_with_k1(near: &PtzCamera, k1: f64, seen: &[Observation]) -> Refined {
+    refine(&with_k1(near.base(), k1), near.ptz(), seen, LOSS, None)
 }
 
 /// The base with a constant k₁, the same at all focal lengths, in place of its own curve.

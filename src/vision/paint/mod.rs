@@ -13,6 +13,23 @@
 //!
 //! All functions work on one picture with a known base, and none is randomised. The exception is
 //! [`persistent_paint`], which combines the pictures of one rotating camera.
+//!
+//! # Files, from the pixels up
+//!
+//! * What is ground: `surface.rs` (its colours), `ground_area.rs` (its extent), `turf_levels.rs`
+//!   (its brightness).
+//! * With a camera: `ridge.rs` and `floor_ridge.rs` search across one line (geometry: `across.rs`)
+//!   on a profile (`profile.rs`, `colours.rs`). `sightings.rs` does it for all lines. `check.rs`,
+//!   `search.rs`, `alignment.rs`, `snap.rs`, `lens.rs` and `places.rs` use that.
+//! * Without a camera: `marking_pixels` finds markings; `evidence.rs` and `agreement.rs` compare
+//!   them with many cameras for `find.rs`; `persistent.rs` combines frames.
+//! * At a click: `point.rs` with `crossing.rs`, and `spot.rs` with `drawn_spot.rs`.
+//!
+//! # Lengths
+//!
+//! A constant in px at 1920 px width is multiplied by `ImageSize::scale_from_1920`. One in plain px
+//! is not: blur by optics and encoder, and the distances that keep clear of it, are about as many
+//! pixels in pictures of every width.
 
 mod across;
 mod agreement;

@@ -16,7 +16,7 @@ const MIN_SHARE: f64 = 0.3;
 /// Maximum number of marking pixels per frame that are tested.
 const MAX_TESTED: usize = 2500;
 
-/// Maximum number of other frames in which a marking pixel is looked up.
+/// Maximum number of other frames in which a marking pixel is searched.
 const MAX_FRAMES: usize = 60;
 
 /// Side of a cell of [`GroundDirections`] in pan and in the angle below the horizon, degrees.
@@ -37,41 +37,51 @@ pub struct PersistentPoint {
 /// markings of pictures from one position.
 #[must_use]
 pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<PersistentPoint> {
-    let needed = min_frames(frames.len());
-    let of_frame = |frame: usize| -> Vec<PersistentPoint> {
-        let (camera, marking_pixels) = &frames[frame];
-        let others = others_of(frames, frame);
-        let keep = |stroke: &MarkingPixel| {
-            let direction = camera
-                .world_direction_from_image(stroke.at)
-                .ok()?
-                .try_normalize(0.0)?;
-            // The frame itself shows the marking. The other frames show it, or ground, or neither
-            // and are then not counted.
-            let (mut seen, mut painted) = (1_usize, 1_usize);
-            for &other in &others {
-                match classify_world_point(&frames[other], camera.base().position_m + direction) {
-                    PixelContent::Stroke => (seen, painted) = (seen + 1, painted + 1),
-                    PixelContent::Ground => seen += 1,
-                    PixelContent::Other => {}
-                }
-            }
-            // The absolute minimum guards against chance in directions that few frames show.
-            let stays = painted >= needed && painted as f64 >= MIN_SHARE * seen as f64;
-            stays.then_some(PersistentPoint {
-                direction,
-                frame,
-                stroke: *stroke,
-            })
-        };
-        subsample(&marking_pixels.points, MAX_TESTED)
-            .filter_map(keep)
-            .collect()
-    };
+    // Every marking pixel is projected into the other frames. A raster of directions, as for a
+    // panorama, would round all of them to its cells. Frames are independent of each other, and
+    // `collect` keeps their order.
     (0..frames.len())
         .into_par_iter()
-        .flat_map_iter(of_frame)
+        .flat_map_iter(|frame| {
+            let others = others_of(frames, frame);
+            subsample(&frames[frame].1.points, MAX_TESTED)
+                .filter_map(|stroke| persistent_point(frames, frame, &others, stroke))
+                .collect::<Vec<_>>()
+        })
         .collect()
+}
+
+/// A marking pixel of a frame with its direction, if enough of the other frames show it.
+fn persistent_point(
+    frames: &[(PtzCamera, MarkingPixels)],
+    frame: usize,
+    others: &[usize],
+    stroke: &MarkingPixel,
+) -> Option<PersistentPoint> {
+    let camera = &frames[frame].0;
+    let direction = camera
+        .world_direction_from_image(stroke.at)
+        .ok()?
+        .try_normalize(0.0)?;
+    // All cameras have one position, so that any point in the direction will do; this one is 1 m
+    // away. The frame itself shows the marking. The other frames show it, or ground, or neither and
+    // are then not counted.
+    let point_in_world = camera.base().position_m + direction;
+    let (mut seen, mut painted) = (1_usize, 1_usize);
+    for &other in others {
+        match classify_world_point(&frames[other], point_in_world) {
+            PixelContent::Stroke => (seen, painted) = (seen + 1, painted + 1),
+            PixelContent::Ground => seen += 1,
+            PixelContent::Other => {}
+        }
+    }
+    // The absolute minimum guards against chance in directions that few frames show.
+    let stays = painted >= min_frames(frames.len()) && painted as f64 >= MIN_SHARE * seen as f64;
+    stays.then_some(PersistentPoint {
+        direction,
+        frame,
+        stroke: *stroke,
+    })
 }
 
 /// Minimum number of frames that must show paint, or ground, in a direction, for a set of this many
@@ -97,17 +107,20 @@ fn classify_world_point(
 /// The indices of the other frames, those with the nearest optical axes first, at most
 /// [`MAX_FRAMES`].
 fn others_of(frames: &[(PtzCamera, MarkingPixels)], frame: usize) -> Vec<usize> {
-    // The third row of cam_from_world is the optical axis in `world`.
-    let ahead = |of: &PtzCamera| of.cam_from_world().row(2).transpose();
-    let here = ahead(&frames[frame].0);
+    let here = optical_axis(&frames[frame].0);
     let mut others: Vec<(usize, f64)> = (0..frames.len())
         .filter(|other| *other != frame)
-        .map(|other| (other, 1.0 - here.dot(&ahead(&frames[other].0))))
+        .map(|other| (other, 1.0 - here.dot(&optical_axis(&frames[other].0))))
         .collect();
     // Equal ones are ordered by index, so that the result is the same in every run.
     others.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     others.truncate(MAX_FRAMES);
     others.into_iter().map(|(other, _)| other).collect()
+}
+
+/// The direction of the optical axis in `world`, unit: the third row of `cam_from_world`.
+fn optical_axis(camera: &PtzCamera) -> Vec3 {
+    camera.cam_from_world().row(2).transpose()
 }
 
 /// The directions in which enough frames show ground for [`persistent_paint`] to find paint: a grid
@@ -130,20 +143,25 @@ impl GroundDirections {
             (90.0 / SEEN_CELL_DEG) as usize,
         );
         // The cells that a frame shows, each once, however many samples hit it.
-        let cells_of = |(camera, marking_pixels): &(PtzCamera, MarkingPixels)| -> BTreeSet<usize> {
-            let size = marking_pixels.size();
-            let step = f64::from(size.width) / ACROSS as f64;
-            let places = (0..ACROSS * (f64::from(size.height) / step) as usize).map(|place| {
-                let [column, row] =
-                    [place % ACROSS, place / ACROSS].map(|at| (at as f64 + 0.5) * step);
-                ImagePoint::new(column, row)
-            });
-            let is_ground = |at: &ImagePoint| marking_pixels.classify(*at) != PixelContent::Other;
-            let cell = |at| Self::cell(columns, rows, camera.world_direction_from_image(at).ok()?);
-            places.filter(is_ground).filter_map(cell).collect()
-        };
+        let of_frames: Vec<BTreeSet<usize>> = frames
+            .par_iter()
+            .map(|(camera, marking_pixels)| {
+                let size = marking_pixels.size();
+                let step = f64::from(size.width) / ACROSS as f64;
+                let places = (0..ACROSS * (f64::from(size.height) / step) as usize).map(|place| {
+                    let [x, y] =
+                        [place % ACROSS, place / ACROSS].map(|at| (at as f64 + 0.5) * step);
+                    ImagePoint::new(x, y)
+                });
+                places
+                    .filter(|at| marking_pixels.classify(*at) != PixelContent::Other)
+                    .filter_map(|at| {
+                        Self::cell(columns, rows, camera.world_direction_from_image(at).ok()?)
+                    })
+                    .collect::<BTreeSet<usize>>()
+            })
+            .collect();
         // Number of frames that show ground in each cell.
-        let of_frames: Vec<BTreeSet<usize>> = frames.par_iter().map(cells_of).collect();
         let mut counts = vec![0_usize; columns * rows];
         for cell in of_frames.into_iter().flatten() {
             counts[cell] += 1;

@@ -51,8 +51,8 @@ pub fn paint_places(
         ..LOOK
     };
     let seen = LineObservations::search(ground, field, camera, look);
-    let mut of_line: Vec<Vec<ImagePoint>> = vec![Vec::new(); field.lines.len()];
     // The nearest ridge of each sample, if it is near enough.
+    let mut of_line: Vec<Vec<ImagePoint>> = vec![Vec::new(); field.lines.len()];
     for (index, sample) in seen.samples.iter().enumerate() {
         let near = seen
             .nearest(index, 0.0)
@@ -60,21 +60,22 @@ pub fn paint_places(
         of_line[sample.line]
             .extend(near.map(|ridge| sample.image.translate(sample.normal * ridge.offset_px)));
     }
-    let kept = of_line
+    // Points are spread over the line's whole length. Their common error counts once for the line
+    // (see `ridge_sigma_px`), so that the 1-σ of each depends on how many of them there are.
+    of_line
         .into_iter()
         .enumerate()
-        .filter(|(_, places)| places.len() >= FEWEST_OF_LINE);
-    // Points are spread over the line's whole length; 1-σ depends on how many of them are kept.
-    let spread = |(line, places): (usize, Vec<ImagePoint>)| {
-        let places = subsample(places, MOST_OF_LINE);
-        let sigma_px = ridge_sigma_px(places.len() as u32, scale);
-        places.map(move |image| PaintPlace {
-            line,
-            image,
-            sigma_px,
+        .filter(|(_, places)| places.len() >= FEWEST_OF_LINE)
+        .flat_map(|(line, places)| {
+            let places = subsample(places, MOST_OF_LINE);
+            let sigma_px = ridge_sigma_px(places.len() as u32, scale);
+            places.map(move |image| PaintPlace {
+                line,
+                image,
+                sigma_px,
+            })
         })
-    };
-    kept.flat_map(spread).collect()
+        .collect()
 }
 
 #[cfg(test)]

@@ -111,7 +111,7 @@ pub fn snap_point(
         let of_line = samples.iter().filter(|sample| sample.line == line);
         courses.push(crossing.course(of_line, &mut finder)?);
     }
-    // Step 3. The 1-σ is the root mean square of the two axes.
+    // Step 3. The 1-σ is the root mean square of the two axes. If it is NaN, the comparisons fail.
     let (shift, covariance) = crossing.solve(&courses)?;
     let sigma_px = (covariance.trace() / 2.0).sqrt();
     let certain = shift.norm() <= crossing.reach_px && sigma_px <= options.max_sigma_px * scale;
@@ -140,13 +140,13 @@ impl Crossing<'_> {
         samples: impl Iterator<Item = &'s LineSample>,
         finder: &mut RidgeFinder,
     ) -> Option<CrossingLine> {
-        let distance_px = |sample: &LineSample| sample.image.distance_px(self.predicted);
-        let mut near: Vec<&LineSample> = samples
-            .filter(|sample| distance_px(sample) <= FOLLOWED_PX * self.scale)
+        let mut near: Vec<(f64, &LineSample)> = samples
+            .map(|sample| (sample.image.distance_px(self.predicted), sample))
+            .filter(|(distance_px, _)| *distance_px <= FOLLOWED_PX * self.scale)
             .collect();
-        near.sort_by(|a, b| distance_px(a).total_cmp(&distance_px(b)));
-        // The direction of the line where it meets the landmark.
-        let normal = near.first()?.normal;
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // The direction of the line where it meets the landmark; of a circle, its tangent.
+        let normal = near.first()?.1.normal;
         let direction = Vec2::new(-normal.y, normal.x);
         let mut course = CrossingLine {
             places: Vec::new(),
@@ -154,14 +154,14 @@ impl Crossing<'_> {
             offset_px: 0.0,
             normal,
         };
-        for sample in near {
+        for (distance_px, sample) in near {
             let clear_px = CLEAR_PX * self.scale + 0.5 * sample.width_px;
             // The predicted line, moved to the placed point.
             let across = Across {
                 at: sample.image.translate(self.by),
                 ..Across::from(sample)
             };
-            if distance_px(sample) < clear_px || self.ground.is_masked(across.at) {
+            if distance_px < clear_px || self.ground.is_masked(across.at) {
                 continue;
             }
             let mut ridges = Vec::new();
@@ -185,22 +185,11 @@ impl Crossing<'_> {
     /// The offset at the landmark that most samples of a line vote for. None if too few do, or if
     /// another offset has nearly as many votes.
     fn likely_offset_px(&self, course: &CrossingLine) -> Option<f64> {
-        let agreeing = |offset_px: f64| {
-            let agrees = |place: &&PaintedSample| {
-                let within_px = WITHIN_PX * self.scale + WITHIN_SLOPE * place.along_px.abs();
-                CrossingLine::nearest(place, offset_px)
-                    .is_some_and(|nearest| (nearest - offset_px).abs() <= within_px)
-            };
-            course.places.iter().filter(agrees).count()
-        };
-        // Every ridge proposes its own offset; exhaustive, so that no ridge is missed by chance.
-        let all = course
-            .places
-            .iter()
-            .flat_map(|place| &place.ridges)
-            .map(|ridge| ridge.offset_px);
-        let counted: Vec<(f64, usize)> = all
-            .map(|offset_px| (offset_px, agreeing(offset_px)))
+        // Every ridge proposes its own offset; exhaustive, so that no ridge is missed by chance. A
+        // line has up to 45 samples, so that the square of their number is small.
+        let ridges = course.places.iter().flat_map(|place| &place.ridges);
+        let counted: Vec<(f64, usize)> = ridges
+            .map(|ridge| (ridge.offset_px, self.votes(course, ridge.offset_px)))
             .collect();
         let (_, most) = *counted.iter().max_by_key(|(_, count)| *count)?;
         // Several proposals may have equally many votes; their mean is taken.
@@ -219,6 +208,17 @@ impl Crossing<'_> {
         (seen && (second as f64) < AS_GOOD * most as f64).then_some(offset_px)
     }
 
+    /// Number of samples of a line with a ridge at an offset. The tolerance grows along the line,
+    /// because its direction is not exact.
+    fn votes(&self, course: &CrossingLine, offset_px: f64) -> usize {
+        let votes = course.places.iter().filter(|place| {
+            let within_px = WITHIN_PX * self.scale + WITHIN_SLOPE * place.along_px.abs();
+            CrossingLine::nearest(place, offset_px)
+                .is_some_and(|nearest| (nearest - offset_px).abs() <= within_px)
+        });
+        votes.count()
+    }
+
     /// The landmark's shift from the placed point, px, on which the ridges of all lines agree, and
     /// its covariance, px². None if the lines do not cross or their ridges do not agree.
     fn solve(&self, courses: &[CrossingLine]) -> Option<(Vec2, Matrix2<f64>)> {
@@ -232,13 +232,13 @@ impl Crossing<'_> {
                 gauss_newton_step(&CrossingAtScale::new(courses, scale_px, self.scale), &state)?;
         }
         let shift = state.fixed_rows::<2>(0).into_owned();
-        // Each line must keep enough ridges at the solution, not only in the vote.
+        // Each line must keep enough ridges at the solution, not only in the vote. There the
+        // rotation of the line is solved for, and the tolerance does not grow along it.
         for (line, course) in courses.iter().enumerate() {
             let agreeing = course
                 .places
                 .iter()
-                .filter_map(|place| residual_px(place, line, &state));
-            let agreeing = agreeing
+                .filter_map(|place| residual_px(place, line, &state))
                 .filter(|residual| residual.abs() <= WITHIN_PX * self.scale)
                 .count();
             if agreeing < FEWEST || (agreeing as f64) < SEEN_SHARE * course.open as f64 {

@@ -1,18 +1,18 @@
 //! The brightness or the colour along the normal of a line.
 
 use crate::media::GreyPicture;
-use std::ops::{AddAssign, Div, Sub};
+use std::ops::{AddAssign, Div, Range, Sub};
 use touchline_core::geometry::{ImagePoint, Vec2};
 
 /// Each sample is the mean of points at these distances along the line, px, against noise.
 const ALONG_PX: [f64; 3] = [-3.0, 0.0, 3.0];
 
-/// A picture along whose normals a profile is read.
+/// A picture from which a profile is read.
 pub(super) trait ProfileSource {
-    /// What the profile has of it.
+    /// What a sample of the profile is: a grey level, or a colour.
     type Value;
 
-    /// The mean of its values at some points.
+    /// The mean of its values at some points, px.
     fn mean_at(&self, points: [ImagePoint; 3]) -> Self::Value;
 }
 
@@ -39,7 +39,8 @@ impl<T> Profile<T>
 where
     T: Copy + Default + AddAssign + Sub<Output = T> + Div<f64, Output = T>,
 {
-    /// Reads the values every `step_px`, to at least `reach_px` on both sides of a point.
+    /// Reads the values every `step_px`, to at least `reach_px` on both sides of a point. Outside
+    /// the picture its border is repeated.
     pub fn read(
         &mut self,
         picture: &impl ProfileSource<Value = T>,
@@ -80,6 +81,17 @@ where
         (distance_px / self.step_px).round() as isize
     }
 
+    /// Number of steps from a sample that reach a distance: rounded up.
+    pub fn steps_within(&self, distance_px: f64) -> usize {
+        (distance_px / self.step_px).ceil() as usize
+    }
+
+    /// The samples that are at least `margin_px` away from both ends.
+    pub fn without_margins(&self, margin_px: f64) -> Range<usize> {
+        let skipped = self.places(margin_px).max(0) as usize;
+        skipped..self.len().saturating_sub(skipped)
+    }
+
     /// The value of a sample.
     pub fn value(&self, index: usize) -> T {
         self.values[index]
@@ -87,32 +99,38 @@ where
 
     /// Mean of the samples `index + from` to `index + to`, both included, clipped to the profile.
     pub fn mean(&self, index: usize, from: isize, to: isize) -> T {
+        // A profile that was read has at least one sample.
         let last = self.values.len() - 1;
         let from = index.saturating_add_signed(from).min(last);
         let to = index.saturating_add_signed(to).min(last);
         (self.sums[to + 1] - self.sums[from]) / (to + 1 - from) as f64
     }
-}
 
-impl Profile<f64> {
-    /// The fractional index at which the brightness first falls below a level, going from a sample
-    /// in one direction; linear between samples. None within `within_px`.
+    /// The means of the bands from `near` to `far` samples before and behind a sample.
+    pub fn beside(&self, index: usize, near: isize, far: isize) -> [T; 2] {
+        [self.mean(index, -far, -near), self.mean(index, near, far)]
+    }
+
+    /// The fractional index at which the level of the values first falls below a limit, going from
+    /// a sample in one direction (1 or −1); linear between samples. None within that many steps.
     pub fn falls_below(
         &self,
+        level_of: impl Fn(T) -> f64,
         from: usize,
         direction: isize,
-        level: f64,
-        within_px: f64,
+        limit: f64,
+        steps: usize,
     ) -> Option<f64> {
-        let mut last = self.values[from];
+        let mut last = level_of(self.values[from]);
         let mut index = from;
-        for _ in 0..(within_px / self.step_px).ceil() as usize {
+        for _ in 0..steps {
             index = index.checked_add_signed(direction)?;
-            let here = *self.values.get(index)?;
-            if here < level {
-                // Share of the last step that lies beyond the crossing of the level.
+            let here = level_of(*self.values.get(index)?);
+            if here < limit {
+                // Share of the last step that lies beyond the crossing of the limit; at most 1,
+                // because the search may begin below the limit.
                 let beyond = if last > here {
-                    ((level - here) / (last - here)).min(1.0)
+                    ((limit - here) / (last - here)).min(1.0)
                 } else {
                     0.0
                 };

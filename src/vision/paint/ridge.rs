@@ -40,7 +40,8 @@ impl RidgeFinder {
                 .find(ground, across, reach_px, step_px, found);
             return;
         }
-        // The profile extends beyond the reach, so that ridges at its ends have sides.
+        // The profile extends beyond the reach, so that ridges at its ends have sides. One px of
+        // the margin is searched as well: the maximum of a ridge within reach may lie there.
         let (near_px, far_px) = across.beside_px();
         let margin_px = across.margin_px();
         self.profile.read(
@@ -57,26 +58,22 @@ impl RidgeFinder {
         // brightness must not count.
         let core = profile.places(0.3 * across.width_px);
         let (near, far) = (profile.places(near_px), profile.places(far_px));
-        let sides = |index: usize| {
-            (
-                profile.mean(index, -far, -near),
-                profile.mean(index, near, far),
-            )
-        };
-        let skipped = profile.places(margin_px - 1.0).max(0) as usize;
-        let searched = skipped..profile.len().saturating_sub(skipped);
+        let searched = profile.without_margins(margin_px - 1.0);
         self.contrast.clear();
         self.contrast.extend((0..profile.len()).map(|index| {
             if !searched.contains(&index) {
                 return f64::NEG_INFINITY;
             }
-            let (left, right) = sides(index);
+            let [left, right] = profile.beside(index, near, far);
             profile.mean(index, -core, core) - left.max(right)
         }));
         let reach = profile.places(0.5 * expected_px).max(1) as usize;
+        let steps = profile.steps_within(0.9 * expected_px + 1.0);
         for index in searched {
+            // Two limits: one in grey levels, against noise, and one relative to the brightness,
+            // because the contrast of texture scales with the light.
             let contrast = self.contrast[index];
-            let (left, right) = sides(index);
+            let [left, right] = profile.beside(index, near, far);
             if !(contrast >= MIN_CONTRAST && contrast >= MIN_CONTRAST_SHARE * left.max(right)) {
                 continue;
             }
@@ -85,11 +82,12 @@ impl RidgeFinder {
                 continue;
             }
             // Edges at half the contrast, each against its own side, interpolated between samples.
+            // Where the sides differ, the maximum is shifted to the brighter one; the midpoint of
+            // such edges is not.
             let top = profile.value(index).max(profile.mean(index, -core, core));
-            let within_px = 0.9 * expected_px + 1.0;
             let (Some(from), Some(to)) = (
-                profile.falls_below(index, -1, f64::midpoint(top, left), within_px),
-                profile.falls_below(index, 1, f64::midpoint(top, right), within_px),
+                profile.falls_below(|grey| grey, index, -1, f64::midpoint(top, left), steps),
+                profile.falls_below(|grey| grey, index, 1, f64::midpoint(top, right), steps),
             ) else {
                 continue;
             };

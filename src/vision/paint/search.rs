@@ -27,7 +27,10 @@ const CLICK_SIGMAS: f64 = 5.0;
 /// Maximum number of steps that are returned.
 const MOST: usize = 3;
 
-/// The distinct steps after which most samples find a ridge, best first.
+/// The distinct steps after which most samples find a ridge, best first; at most [`MOST`].
+///
+/// A vote instead of a descent: within reach of a search there are parallel lines, and each is a
+/// minimum of its own. The start alone does not say which one is right.
 pub(super) fn likely_steps(
     ridges: &RidgeAlignment,
     clicks: &ClickAlignment,
@@ -36,7 +39,8 @@ pub(super) fn likely_steps(
     let grid_px = reach_px / f64::from(ANGLE_STEPS);
     let zoom_px = reach_px * ZOOM_SHARE / f64::from(ZOOMS);
     let mut votes = Vec::new();
-    // All 13 × 13 × 5 steps that the clicks allow.
+    // All 13 × 13 × 5 steps that the clicks allow. The picture is not read for them: a step moves
+    // the lines by their derivatives, and the ridges found once are compared with the moved lines.
     for pan in -ANGLE_STEPS..=ANGLE_STEPS {
         for tilt in -ANGLE_STEPS..=ANGLE_STEPS {
             for zoom in -ZOOMS..=ZOOMS {
@@ -51,8 +55,11 @@ pub(super) fn likely_steps(
             }
         }
     }
+    // The sort is stable: steps of equal votes stay in the order of the grid, the same in every
+    // run.
     votes.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // Greedy non-maximum suppression over the votes.
+    // Greedy non-maximum suppression over the votes: the alignment that follows mostly ends in one
+    // minimum from steps that are near to each other.
     let worth = WORTH * votes.first().map_or(0.0, |best| best.0);
     let mut likely: Vec<StepPx> = Vec::new();
     for (_, step) in votes

@@ -49,7 +49,8 @@ pub(super) struct SamplingDistances {
 }
 
 impl LineObservations {
-    /// Searches a picture for the paint that a camera predicts.
+    /// Searches a picture for the paint that a camera predicts. Lengths of `look` are px of the
+    /// picture.
     #[must_use]
     pub(super) fn search(
         ground: &GroundPicture,
@@ -70,6 +71,8 @@ impl LineObservations {
                 if ground.is_masked(sample.image) {
                     return SampleContent::Hidden;
                 }
+                // The finder appends to one list for all samples, so that a sample stores a range
+                // instead of a vector of its own.
                 let across = Across::from(sample);
                 let first = ridges.len();
                 finder.find(ground, &across, look.reach_px, look.step_px, &mut ridges);
@@ -127,7 +130,8 @@ fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
     const STEP_PX: usize = 2;
     let reach = (reach_px + across.width_px).ceil() as i32;
     let (mut all, mut bare, mut areas) = (0_u32, 0_u32, 0_u32);
-    // Every other px over the reach of the search and the width of the line.
+    // Every other px over the reach of the search and the width of the line. Points outside the
+    // picture are counted and show no ground, so that samples at the border tend to be hidden.
     for offset in (-reach..=reach).step_by(STEP_PX) {
         all += 1;
         match ground.part(across.point(f64::from(offset))) {

@@ -140,10 +140,11 @@ const FINE: SamplingDistances = SamplingDistances {
 /// farther away belong to something else.
 const TAKES_PART_PX: f64 = 4.0;
 
-/// A fit is ambiguous if another one reaches this share of its agreement
+/// A fit is ambiguous if another one reaches this share of its agreement and lies farther away than
+/// [`ELSEWHERE_PX`].
 const AS_WELL: f64 = 0.9;
 
-/// and is at least this far away, px at 1920 px width. Nearer fits use the same lines.
+/// Fits nearer to the best one than this use the same lines, px at 1920 px width.
 const ELSEWHERE_PX: f64 = 10.0;
 
 /// Fits nearer to each other than this count as one, px at 1920 px width.
@@ -196,7 +197,7 @@ pub fn snap(
         return problem.verify(best);
     }
     // A new k₁ moves the predicted lines, so the picture is read again and the camera aligned once
-    // more.
+    // more. The test for ambiguity is not repeated. A camera that diverges has no samples.
     let OwnLens { base, ptz } = own_lens(ground, field, &PtzCamera::new(*base, best.ptz), clicks)?;
     let problem = Problem {
         base: &base,
@@ -236,6 +237,8 @@ struct Fit {
 }
 
 impl Problem<'_> {
+    /// The picture's paint near the lines that a camera predicts. Reach and spacing are px at 1920
+    /// px width; the step of the profiles is px, because blur does not scale with the picture.
     fn look(&self, ptz: Ptz, look: SamplingDistances) -> (LinearisedCamera, LineObservations) {
         let around = LinearisedCamera::new(self.base, ptz, self.ground.size().width);
         let scaled = SamplingDistances {
@@ -247,6 +250,7 @@ impl Problem<'_> {
         (around, seen)
     }
 
+    /// The scales of the loss in a stage (0: coarse), px of the picture.
     fn scales_px(&self, stage: usize) -> Vec<f64> {
         SCALES_PX[stage]
             .iter()
@@ -258,6 +262,25 @@ impl Problem<'_> {
         overlays_apart_px(&PtzCamera::new(*self.base, one), other, self.ground.size())
     }
 
+    /// Observes the paint around a camera and aligns the camera to it and to the clicks. The step
+    /// leads from the linearised camera to the aligned one. None if the start is not finite.
+    fn align(
+        &self,
+        start: Ptz,
+        look: SamplingDistances,
+        stage: usize,
+    ) -> Option<(LinearisedCamera, LineObservations, StepPx)> {
+        let (around, seen) = self.look(Some(start).filter(Ptz::is_finite)?, look);
+        let clicks = ClickAlignment::new(&around, self.clicks);
+        let step = RidgeAlignment::new(&around, &seen, self.scale).align(
+            StepPx::zeros(),
+            &self.scales_px(stage),
+            Some(&clicks),
+            |_| true,
+        );
+        Some((around, seen, step))
+    }
+
     /// The distinct results of aligning from every likely step within reach of `start`.
     fn fits(&self, start: Ptz) -> Vec<Fit> {
         let coarse = SamplingDistances {
@@ -266,7 +289,7 @@ impl Problem<'_> {
             step_px: 1.0,
         };
         // Coarse stage. The picture is read once; every likely step is aligned within the same
-        // observations.
+        // observations, the widest that are made.
         let (around, seen) = self.look(start, coarse);
         let ridges = RidgeAlignment::new(&around, &seen, self.scale);
         let clicks = ClickAlignment::new(&around, self.clicks);
@@ -290,30 +313,16 @@ impl Problem<'_> {
 
     /// The middle and the fine stage. None if the camera diverges.
     fn refine(&self, start: Ptz) -> Option<Fit> {
-        // Middle stage. The picture is read again around the new camera, within a smaller reach,
-        // because the linearisation was exact at the old camera only.
-        let (around, seen) = self.look(Some(start).filter(Ptz::is_finite)?, MIDDLE);
-        let (ridges, clicks) = (
-            RidgeAlignment::new(&around, &seen, self.scale),
-            ClickAlignment::new(&around, self.clicks),
-        );
-        let middle = around.ptz_after(&ridges.align(
-            StepPx::zeros(),
-            &self.scales_px(1),
-            Some(&clicks),
-            |_| true,
-        ));
-        // Fine stage: denser samples, half-pixel profiles.
-        let (around, seen) = self.look(Some(middle).filter(Ptz::is_finite)?, FINE);
-        let (ridges, clicks) = (
-            RidgeAlignment::new(&around, &seen, self.scale),
-            ClickAlignment::new(&around, self.clicks),
-        );
-        let step = ridges.align(StepPx::zeros(), &self.scales_px(2), Some(&clicks), |_| true);
+        // In each stage the picture is read again around the new camera, within a smaller reach,
+        // because the linearisation was exact at the old camera only. The fine stage has denser
+        // samples and half-pixel profiles.
+        let (around, _, step) = self.align(start, MIDDLE, 1)?;
+        let (around, seen, step) = self.align(around.ptz_after(&step), FINE, 2)?;
         let ptz = Some(around.ptz_after(&step)).filter(Ptz::is_finite)?;
         // Agreement: a sample counts 1 for a ridge on its line, 1/2 for one 2 px away (at 1920 px
         // width), 0 for open ground without paint. Hidden samples do not count. The 1 in the
         // denominator lowers the score of fits with few samples.
+        let ridges = RidgeAlignment::new(&around, &seen, self.scale);
         let residuals =
             (0..ridges.num_samples()).filter_map(|sample| ridges.residual_px(sample, &step));
         let (count, sum) = residuals.fold((0.0, 0.0), |(count, sum), residual| {
@@ -351,8 +360,9 @@ impl Problem<'_> {
         let size = self.ground.size();
         // Two halves of the samples, each aligned alone with the last scale of the loss, must
         // agree.
-        let last_scales = &self.scales_px(2)[2..];
-        let halves_px = halves_apart_px(&ridges, &fit.around, fit.step, last_scales, size);
+        let last_scales_px = &self.scales_px(2)[2..];
+        let halves_px = halves_apart_px(&ridges, &fit.around, fit.step, last_scales_px, size);
+        // This and the comparisons below are negated, so that NaN fails them.
         let allowed_px = options.halves_px * self.scale;
         if !(halves_px <= allowed_px) {
             return Err(SnapError::HalvesDisagree {
@@ -386,6 +396,7 @@ impl Problem<'_> {
             return Err(SnapError::Undetermined { sigma_px });
         }
         // The line check samples the picture again, independently of the pairs that the fit used.
+        // It comes last: it is the most expensive test, and the error names the first that fails.
         let check = check_lines(self.ground, self.field, &camera);
         if !(check.score >= options.min_score) {
             return Err(SnapError::NotBorneOut { score: check.score });
@@ -414,6 +425,7 @@ impl Problem<'_> {
     ) -> Result<Uncertainty, SolveError> {
         let sigmas_px = sample_sigmas_px(&fit.seen, self.scale);
         // Every s-th sample stands for s samples: dividing its σ by √s keeps the total information.
+        // The σ are those of all samples, so that the common error of a line stays what it is.
         let stands_for =
             (stride_of_subsample(taking_part.len(), UNCERTAINTY_SAMPLES) as f64).sqrt();
         let of_paint = subsample(taking_part, UNCERTAINTY_SAMPLES).filter_map(|(index, _)| {

@@ -4,10 +4,11 @@
 //! # Method
 //!
 //! Template matching by least squares. The template is the marking and the lines through it, as the
-//! camera sees them, blurred (`drawn_spot.rs`), in four sizes. At every whole pixel within reach,
-//! contrast and background level are fitted in closed form; the offset that explains most of the
-//! variance wins. Gauss–Newton then refines the offset below the pixel. There is no result if the
-//! contrast is weak, if the template explains too little, or if another offset is nearly as good.
+//! camera predicts them, blurred (`drawn_spot.rs`), in four sizes. At every whole pixel within
+//! reach, contrast and background level are fitted in closed form; the offset that explains most of
+//! the variance wins. Gauss–Newton then refines the offset below the pixel. There is no result if
+//! the contrast is weak, if the template explains too little, or if another offset is nearly as
+//! good.
 
 use super::GroundPicture;
 use super::drawn_spot::{DrawnSpot, Shape, SpotProblem};
@@ -65,37 +66,37 @@ pub(super) fn snap_spot(
 ) -> Option<SnappedPoint> {
     let scale = ground.size().scale_from_1920();
     let diameter_m = landmark.spot_diameter_m?;
-    let shapes = SIZES
-        .into_iter()
-        .filter_map(|size| Shape::render(field, camera, landmark, size * diameter_m, scale));
-    // Best offset over all sizes and all pixels within reach.
+    // Best offset over all sizes and all pixels within reach, by the sum of squares explained.
     let reach = (options.reach_px * scale).ceil() as i32;
-    let looked: Vec<TemplateScan> = shapes
+    let scans: Vec<TemplateScan> = SIZES
+        .into_iter()
+        .filter_map(|size| Shape::render(field, camera, landmark, size * diameter_m, scale))
         .map(|shape| TemplateScan::search(ground, placed, shape, reach))
         .collect();
-    let all = || {
-        looked
-            .iter()
-            .flat_map(|look| look.fits.iter().map(move |fit| (look, fit)))
-    };
-    let (look, best) = all().max_by(|a, b| a.1.explained.total_cmp(&b.1.explained))?;
+    let all = scans
+        .iter()
+        .flat_map(|scan| scan.fits.iter().map(move |fit| (scan, fit)));
+    let (scan, best) = all
+        .clone()
+        .max_by(|a, b| a.1.explained.total_cmp(&b.1.explained))?;
     // Reject if a second marking within reach is nearly as good. On a line this test is skipped:
     // the template contains the line, so that every offset along the line explains much.
-    let another = |fit: &Fit| {
-        (look.shape.metres_a_px * (fit.shift - best.shift)).norm() > ANOTHER * diameter_m
-    };
-    let is_alone = lines_through(field, landmark).is_empty();
-    if is_alone && all().any(|(_, fit)| another(fit) && fit.explained > RUNNER_UP * best.explained)
-    {
-        return None;
+    if lines_through(field, landmark).is_empty() {
+        let mut good = all.filter(|(_, fit)| fit.explained > RUNNER_UP * best.explained);
+        if good.any(|(_, fit)| {
+            (scan.shape.metres_a_px * (fit.shift - best.shift)).norm() > ANOTHER * diameter_m
+        }) {
+            return None;
+        }
     }
-    // Refine, then test contrast, fit, surroundings and precision.
-    let refined = look.refine(ground, best, BESIDE_PX * scale.max(0.5))?;
+    // Refine, then test contrast, fit, surroundings and precision. Paint is not quite where the
+    // rules put it; this error, which no picture shows, is added in quadrature.
+    let refined = scan.refine(ground, best, BESIDE_PX * scale.max(0.5))?;
     let (shift, sigma_px) = (refined.shift, refined.sigma_px.hypot(LINE_SIGMA_PX * scale));
     let is_paint = refined.contrast.abs() >= MIN_CONTRAST
         && (refined.contrast > 0.0 || !ground.surface().is_turf())
         && refined.explained >= MIN_EXPLAINED
-        && look.lies_on_ground(ground, shift);
+        && scan.lies_on_ground(ground, shift);
     let is_certain =
         shift.norm() <= options.reach_px * scale && sigma_px <= options.max_sigma_px * scale;
     (is_paint && is_certain).then(|| SnappedPoint {
@@ -137,9 +138,17 @@ struct TemplateFit {
     explained: f64,
 }
 
+impl CoverageRegression {
+    /// Residual sum of squares, grey levels².
+    fn unexplained(&self) -> f64 {
+        self.about_mean - self.squares
+    }
+}
+
 impl TemplateScan {
+    /// Fits a template at every whole-pixel offset within reach, px.
     fn search(ground: &GroundPicture, placed: ImagePoint, shape: Shape, reach: i32) -> Self {
-        let mut look = Self {
+        let mut scan = Self {
             placed,
             shape,
             fits: Vec::new(),
@@ -149,22 +158,18 @@ impl TemplateScan {
                 let shift = Vec2::new(f64::from(column), f64::from(row));
                 // Only where no pixel is hidden: otherwise the sums of different offsets are not
                 // comparable.
-                let whole = look.pixels(ground, shift);
-                if let Some(seen) = look
-                    .is_whole(&whole)
-                    .then(|| look.fit_contrast(&whole, Vec2::zeros()))
-                {
-                    // On turf paint is bright.
-                    let explained = if seen.contrast > 0.0 || !ground.surface().is_turf() {
-                        seen.squares
-                    } else {
-                        0.0
-                    };
-                    look.fits.push(Fit { shift, explained });
+                let pixels = scan.pixels(ground, shift);
+                if !scan.is_whole(&pixels) {
+                    continue;
                 }
+                // On turf paint is bright.
+                let fit = scan.fit_contrast(&pixels, Vec2::zeros());
+                let is_possible = fit.contrast > 0.0 || !ground.surface().is_turf();
+                let explained = if is_possible { fit.squares } else { 0.0 };
+                scan.fits.push(Fit { shift, explained });
             }
         }
-        look
+        scan
     }
 
     /// The pixels under a template at an offset: centre relative to the template's centre, px, and
@@ -172,16 +177,18 @@ impl TemplateScan {
     fn pixels(&self, ground: &GroundPicture, shift: Vec2) -> Vec<(Vec2, f64)> {
         let middle = self.placed.translate(shift);
         let [half_x, half_y] = self.shape.half;
+        // At the centres of pixels no grey level is interpolated. They lie at the same offsets from
+        // the template's centre for every whole-pixel shift.
         let (left, top) = (middle.x.floor(), middle.y.floor());
-        let size = ground.size();
         let offsets =
             (-half_y..=half_y).flat_map(|row| (-half_x..=half_x).map(move |column| (column, row)));
-        let pixel = |(column, row): (i32, i32)| {
-            let at = ImagePoint::new(left + f64::from(column) + 0.5, top + f64::from(row) + 0.5);
-            let seen = size.contains(at) && !ground.is_masked(at);
-            seen.then(|| (at.offset_from(middle), ground.grey().at(at)))
-        };
-        offsets.filter_map(pixel).collect()
+        offsets
+            .map(|(column, row)| {
+                ImagePoint::new(left + f64::from(column) + 0.5, top + f64::from(row) + 0.5)
+            })
+            .filter(|at| ground.size().contains(*at) && !ground.is_masked(*at))
+            .map(|at| (at.offset_from(middle), ground.grey().at(at)))
+            .collect()
     }
 
     /// Whether none of the template's pixels is hidden.
@@ -243,8 +250,10 @@ impl TemplateScan {
             contrast,
             level,
         };
+        // Offset, contrast and level are refined together; the set of pixels stays. The result is
+        // that of the last equations, for which the residuals are known; the step after it is
+        // small.
         let mut result = None;
-        // Offset, contrast and level are refined together; the set of pixels stays.
         for _ in 0..STEPS {
             let equations = problem.equations(&spot);
             let inverse = equations.own.try_inverse()?;
@@ -278,15 +287,12 @@ impl TemplateScan {
         const DIRECTIONS: u32 = 16;
         let noise = pixels.len() as f64 * LEAST_NOISE.powi(2);
         // Noise is added on both sides: the ratio of two very small residuals says nothing.
-        let left = |by: Vec2| {
-            let explained = self.fit_contrast(pixels, by);
-            explained.about_mean - explained.squares + noise
-        };
-        let least = MUCH_WORSE * left(by);
+        let least = MUCH_WORSE * (self.fit_contrast(pixels, by).unexplained() + noise);
         (0..DIRECTIONS).all(|index| {
             let (y, x) =
                 (std::f64::consts::TAU * f64::from(index) / f64::from(DIRECTIONS)).sin_cos();
-            left(by + Vec2::new(x, y) * beside_px) >= least
+            let beside = by + Vec2::new(x, y) * beside_px;
+            self.fit_contrast(pixels, beside).unexplained() + noise >= least
         })
     }
 

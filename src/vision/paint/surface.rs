@@ -29,7 +29,8 @@ const LEAST_COMMON: f64 = 0.03;
 /// The same for the ground's most common colours, which hardly anything outside the field has.
 const LEAST_COMMON_BARE: f64 = 0.08;
 
-/// Pixels with a smaller sum of the three channels have no reliable chromaticity.
+/// Pixels with a smaller sum of the three channels have no reliable chromaticity: there one grey
+/// level changes a share by 1/36, which is nearly four bins.
 const DARK: u32 = 36;
 
 /// Ground is turf if its share of green exceeds those of red and of blue by this.
@@ -88,12 +89,12 @@ fn bin([red, green, blue]: [u8; 3]) -> Option<usize> {
         return None;
     }
     // The shares of red and green; blue's is the rest.
-    let step = |channel: u8| {
+    let [red, green] = [red, green].map(|channel| {
         let share = f64::from(channel) / f64::from(sum);
         let at = (share - SHARES.0) / (SHARES.1 - SHARES.0) * BINS as f64;
         (at.max(0.0) as usize).min(BINS - 1)
-    };
-    Some(step(red) * BINS + step(green))
+    });
+    Some(red * BINS + green)
 }
 
 impl Surface {
@@ -108,6 +109,9 @@ impl Surface {
         }
         let counts = smooth_histogram(&counts);
         let peak = peak_of(&counts);
+        // Two limits: the wide one for the ground beside paint, in all its shades; the narrow one,
+        // with colours that hardly anything else has, for the extent of the field
+        // (`ground_area.rs`).
         let of_ground = flood_fill_from_peak(&counts, LEAST_COMMON);
         let of_bare_ground = flood_fill_from_peak(&counts, LEAST_COMMON_BARE);
         let sum: f64 = counts
@@ -195,14 +199,16 @@ impl Bins {
     }
 
     /// The bins of areas painted on a floor of `floor` sampled pixels.
+    ///
+    /// Position decides, because colour cannot: stands and boards may have the colours of areas,
+    /// but they do not lie between two pieces of floor in a column of the picture.
     fn areas(&self, of_ground: &[bool], floor: f64) -> Vec<bool> {
         let mut between = vec![0_f64; BINS * BINS];
         for column in 0..self.rows.first().map_or(0, Vec::len) {
-            // A column shows floor from its first run of floor samples to its last.
-            let of_floor = |row: usize| self.rows[row][column].is_some_and(|bin| of_ground[bin]);
-            let runs =
-                |row: &usize| (*row..*row + RUN).filter(|row| of_floor(*row)).count() + 1 >= RUN;
-            let mut starts = (0..(self.rows.len() + 1).saturating_sub(RUN)).filter(runs);
+            // A column shows floor from its first run of floor samples to its last. With a single
+            // run nothing lies in between.
+            let mut starts = (0..(self.rows.len() + 1).saturating_sub(RUN))
+                .filter(|row| self.is_run_of_floor(*row, column, of_ground));
             let (Some(first), last) = (starts.next(), starts.next_back()) else {
                 continue;
             };
@@ -217,7 +223,8 @@ impl Bins {
             }
         }
         // The most common of these colours, with what is connected to it, is an area; then the
-        // next.
+        // next. Taking the counts of an area away leaves the peak of the next one. Smoothing has
+        // spread counts into bins of the ground; these stay ground.
         let mut left = smooth_histogram(&between);
         let mut areas = vec![false; BINS * BINS];
         for _ in 0..MOST_AREAS {
@@ -229,22 +236,25 @@ impl Bins {
             if !(sum >= LEAST_AREA * floor && sum > 0.0) {
                 break;
             }
-            for (bin, _) in area
-                .iter()
-                .enumerate()
-                .filter(|(bin, of)| **of && !of_ground[*bin])
-            {
-                areas[bin] = true;
+            for (bin, is_area) in areas.iter_mut().enumerate() {
+                *is_area |= area[bin] && !of_ground[bin];
             }
         }
         areas
+    }
+
+    /// Whether [`RUN`] samples of a column, from a row on, are floor, with one exception at most.
+    fn is_run_of_floor(&self, row: usize, column: usize, of_ground: &[bool]) -> bool {
+        let samples = self.rows[row..row + RUN].iter();
+        let floor = samples.filter(|row| row[column].is_some_and(|bin| of_ground[bin]));
+        floor.count() + 1 >= RUN
     }
 }
 
 /// Whether the bin's chromaticity is near that of grey.
 fn is_grey(bin: usize) -> bool {
-    let off = |step: usize| (share_of(step) - 1.0 / 3.0).abs();
-    off(bin / BINS) < GREY && off(bin % BINS) < GREY
+    let mut shares = [bin / BINS, bin % BINS].into_iter().map(share_of);
+    shares.all(|share| (share - 1.0 / 3.0).abs() < GREY)
 }
 
 /// The most common bin.
@@ -256,18 +266,17 @@ fn peak_of(counts: &[f64]) -> usize {
 
 /// Every count averaged with its eight neighbours; neighbours outside count as empty.
 fn smooth_histogram(counts: &[f64]) -> Vec<f64> {
-    let at = |row: usize, column: usize| {
-        let mut sum = 0.0;
-        for r in row.saturating_sub(1)..=(row + 1).min(BINS - 1) {
-            for c in column.saturating_sub(1)..=(column + 1).min(BINS - 1) {
-                sum += counts[r * BINS + c];
-            }
-        }
-        sum / 9.0
-    };
     (0..BINS * BINS)
-        .map(|index| at(index / BINS, index % BINS))
+        .map(|bin| bins_around(bin).map(|bin| counts[bin]).sum::<f64>() / 9.0)
         .collect()
+}
+
+/// A bin and its up to eight neighbours, row by row.
+fn bins_around(bin: usize) -> impl Iterator<Item = usize> {
+    let (row, column) = (bin / BINS, bin % BINS);
+    let columns = column.saturating_sub(1)..=(column + 1).min(BINS - 1);
+    (row.saturating_sub(1)..=(row + 1).min(BINS - 1))
+        .flat_map(move |row| columns.clone().map(move |column| row * BINS + column))
 }
 
 /// Flood fill from the most common bin through bins with more than `least_common` of its count,
@@ -283,12 +292,7 @@ fn flood_fill_from_peak(counts: &[f64], least_common: f64) -> Vec<bool> {
             continue;
         }
         reached[bin] = true;
-        let (row, column) = (bin / BINS, bin % BINS);
-        for r in row.saturating_sub(1)..=(row + 1).min(BINS - 1) {
-            for c in column.saturating_sub(1)..=(column + 1).min(BINS - 1) {
-                open.push(r * BINS + c);
-            }
-        }
+        open.extend(bins_around(bin));
     }
     reached
 }

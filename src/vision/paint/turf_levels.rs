@@ -17,8 +17,8 @@ const BLOCK_PX: usize = 32;
 const MIN_PIXELS: u32 = 256;
 
 /// Paint is brighter than the upper quartile of the turf by at least this share of the distance
-/// between the quartiles. The middle of a stripe is 0.2 above it for a sinusoidal profile, less for
-/// a rectangular one.
+/// between the quartiles. The middle of a stripe is 0.2 above it for a sinusoidal profile (its
+/// quartiles are at ±1/√2 of the amplitude), and less for a rectangular one.
 const MIN_EXCESS: f64 = 0.5;
 
 /// Brightness of turf around a point, grey levels.
@@ -46,8 +46,9 @@ impl TurfLevels {
     pub fn measure(ground: &GroundPicture, area: &GroundArea) -> Self {
         let (width, height) = (ground.size().width as usize, ground.size().height as usize);
         let (columns, rows) = (width.div_ceil(BLOCK_PX), height.div_ceil(BLOCK_PX));
-        // Brightness is counted once by block; the nine blocks around a point add their counts, so that
-        // the levels of neighbouring points are alike.
+        // Brightness is counted once by block; the nine blocks around a point add their counts, so
+        // that the levels of neighbouring points are alike. The paint is counted, too: it covers
+        // few of the pixels and hardly moves a quartile.
         let mut counts = vec![[0_u32; 256]; columns * rows];
         for y in 0..height {
             for x in 0..width {
@@ -57,23 +58,14 @@ impl TurfLevels {
                 }
             }
         }
-        let around = |block: usize| {
-            let (column, row) = (block % columns, block / columns);
-            let mut sum = [0_u32; 256];
-            for row in row.saturating_sub(1)..(row + 2).min(rows) {
-                for column in column.saturating_sub(1)..(column + 2).min(columns) {
-                    for (sum, count) in sum.iter_mut().zip(&counts[row * columns + column]) {
-                        *sum += count;
-                    }
-                }
-            }
-            quartiles(&sum)
-        };
-        let quartiles = (0..columns * rows).map(around).collect();
+        let quartiles = (0..columns * rows)
+            .map(|block| quartiles(&counts_around(&counts, block, [columns, rows])))
+            .collect();
         Self { columns, quartiles }
     }
 
-    /// How much brighter a pixel is than the turf around it.
+    /// How much brighter a pixel is than the turf around it, and how widely that turf scatters.
+    /// Both are zero where the turf has no levels; a marking there is not light turf.
     pub fn excess(&self, x: usize, y: usize, level: f64) -> TurfExcess {
         let block = y / BLOCK_PX * self.columns + x / BLOCK_PX;
         let around = self.quartiles.get(block).copied().flatten();
@@ -96,22 +88,40 @@ impl TurfExcess {
     }
 }
 
+/// The counts of a block and of the blocks around it, by grey level.
+fn counts_around(counts: &[[u32; 256]], block: usize, [columns, rows]: [usize; 2]) -> [u32; 256] {
+    let (column, row) = (block % columns, block / columns);
+    let mut sum = [0_u32; 256];
+    for row in row.saturating_sub(1)..(row + 2).min(rows) {
+        for column in column.saturating_sub(1)..(column + 2).min(columns) {
+            for (sum, count) in sum.iter_mut().zip(&counts[row * columns + column]) {
+                *sum += count;
+            }
+        }
+    }
+    sum
+}
+
 /// The quartiles of brightness; none of too few pixels.
 fn quartiles(counts: &[u32; 256]) -> Option<Quartiles> {
     let all: u32 = counts.iter().sum();
-    let level_of = |share: f64| {
-        let wanted = share * f64::from(all);
-        let mut below = 0.0;
-        counts.iter().position(|count| {
-            below += f64::from(*count);
-            below >= wanted
-        })
-    };
-    (all >= MIN_PIXELS).then_some(())?;
+    if all < MIN_PIXELS {
+        return None;
+    }
     Some(Quartiles {
-        lower: level_of(0.25)? as f64,
-        upper: level_of(0.75)? as f64,
+        lower: level_at(counts, 0.25 * f64::from(all))?,
+        upper: level_at(counts, 0.75 * f64::from(all))?,
     })
+}
+
+/// The lowest grey level up to which at least `wanted` pixels are counted.
+fn level_at(counts: &[u32; 256], wanted: f64) -> Option<f64> {
+    let mut below = 0.0;
+    let level = counts.iter().position(|count| {
+        below += f64::from(*count);
+        below >= wanted
+    })?;
+    Some(level as f64)
 }
 
 #[cfg(test)]

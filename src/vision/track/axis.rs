@@ -13,6 +13,7 @@ const WEIGHT: f64 = 1e-4;
 /// The rotation from the common frame to the one whose y axis is the pan axis, pointing down, and
 /// whose z axis is the horizontal part of the mean viewing direction; `None` without frames.
 pub(super) fn upright_from_common(cams_from_common: &[Mat3]) -> Option<Mat3> {
+    // The sums of the frames' axes, in the common frame: their mean right, down and forward.
     let (right, down, forward) = (
         axis_sum(cams_from_common, 0).try_normalize(1e-9)?,
         axis_sum(cams_from_common, 1).try_normalize(1e-9)?,

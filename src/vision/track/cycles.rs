@@ -20,7 +20,8 @@ pub(super) fn cycle_consistent_edges(
     edges: &[ViewGraphEdge],
     size: ImageSize,
 ) -> Vec<ViewGraphEdge> {
-    // Homographies in both directions, and the neighbours of each frame in the view graph.
+    // Homographies in both directions, and the neighbours of each frame in the view graph. A match
+    // without points or with a singular homography is in neither, and is dropped below.
     let mut between: BTreeMap<(usize, usize), Mat3> = BTreeMap::new();
     let mut beside: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for edge in edges {
@@ -59,6 +60,8 @@ fn is_cycle_consistent(
     let Some(direct) = between.get(&(edge.first, edge.second)) else {
         return false;
     };
+    // The homography to a third frame, and from there to the second one, is the direct one if all
+    // three are right. The neighbours of the first frame are tried as the third.
     let agree_px = AGREE_PX * size.scale_from_1920();
     let (mut ways, mut agreeing) = (0, 0);
     for third in beside.get(&edge.first).into_iter().flatten() {
@@ -73,6 +76,7 @@ fn is_cycle_consistent(
             agreeing += i32::from(apart_px < agree_px);
         }
     }
+    // A match that too few others can contradict stays.
     ways < MIN_WAYS || f64::from(agreeing) >= MIN_SHARE * f64::from(ways)
 }
 

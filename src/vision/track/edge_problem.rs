@@ -40,12 +40,13 @@ pub(super) struct EdgeProblem<'a> {
     pub edges: &'a [ViewGraphEdge],
     pub freedom: Freedom,
     pub loss: Loss,
-    /// Image px per px at 1920 px width.
+    /// Image px per px at 1920 px width; it is also the 1-σ of a match.
     pub px: f64,
+    /// The lens prior, in px of these frames.
     pub expected: FocalCurve,
     /// 1-σ of k₁ and of its slope per 1000 px of these frames.
     pub sigma: [f64; 2],
-    /// Whether the mean of the log focal lengths is held fixed.
+    /// Whether the mean of the log focal lengths is fixed.
     pub fixed_scale: bool,
 }
 
@@ -145,10 +146,11 @@ impl Problem for EdgeProblem<'_> {
 impl EdgeProblem<'_> {
     /// Adds the priors: the lens, the gauge, and a weak one of the tilt.
     fn add_priors(&self, at: &EdgeState, equations: &mut DenseEquations) {
-        /// 1-σ that holds a gauge parameter at its value, rad or ln px.
+        /// 1-σ that fixes a gauge parameter at its value, rad or ln px.
         const FIXED: f64 = 1e-6;
         /// Squared loss: a robust one would let the solution escape its gauge.
         const SURE: Loss = Loss::Squared;
+        // The lens: its two parameters against their prior.
         let own = self.freedom.parameters();
         let one = Vector1::new(1.0);
         let off = [
@@ -159,7 +161,8 @@ impl EdgeProblem<'_> {
             equations.add(&Vector1::new(off), sigma, &[(place, one)], SURE);
         }
         // Gauge: matches do not change with a common rotation of all frames. The first frame keeps
-        // its rotation, or, with the axis fixed, its pan.
+        // its rotation, or, with the axis fixed, its pan. These residuals are zero wherever the
+        // frame is: they are of the step, and stop it without drawing the frame anywhere.
         let gauge = match self.freedom {
             Freedom::Any => 0..3,
             Freedom::PanTilt => 0..1,
@@ -180,7 +183,7 @@ impl EdgeProblem<'_> {
                 );
             }
         }
-        // The sum of all steps in ln f is zero.
+        // The sum of all steps in ln f is zero, likewise a residual of the step.
         if self.fixed_scale {
             let share = Vector1::new(1.0 / at.views.len() as f64);
             let of_all: Vec<_> = (0..at.views.len())
@@ -195,6 +198,7 @@ impl EdgeState {
     /// Rotates the common frame so that the pan axis is its y axis, and removes the remaining roll
     /// of every frame.
     pub fn upright(mut self) -> Self {
+        // Degenerate frames have no axis and stay as they are.
         let rotations: Vec<Mat3> = self.views.iter().map(|view| view.cam_from_common).collect();
         if let Some(upright) = upright_from_common(&rotations) {
             for view in &mut self.views {

@@ -37,6 +37,7 @@ impl View {
     pub fn direction(&self, at: ImagePoint, lens: &FocalCurve) -> Option<PointDirection> {
         // Remove the distortion: the ideal point u solves D(u) = d for the distorted point d = (x −
         // pp) / f.
+        // Solved by iteration in `undistort`; the derivatives below need its result only.
         let radial = lens.radial_at(self.focal_px);
         let distorted = at.offset_from(self.principal_point) / self.focal_px;
         let ideal: Vec2 = undistort(distorted, radial).ok()?;
@@ -155,6 +156,8 @@ impl MatchByFrame {
 impl MatchJacobian {
     /// The residual of the match `at`, one pixel per frame; `None` beyond the fold of a lens.
     pub fn new(views: [&View; 2], lenses: [&FocalCurve; 2], at: [ImagePoint; 2]) -> Option<Self> {
+        // In which direction each frame sees the point, and by how many px a rotation moves it
+        // there.
         let [one, other] = views;
         let (here, there) = (
             one.direction(at[0], lenses[0])?,
@@ -163,6 +166,8 @@ impl MatchJacobian {
         let ranges_px = [one.range_px(at[0]), other.range_px(at[1])];
         let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
         let value_px = (here.direction - there.direction) * range_px;
+        // For frames that share one lens curve: it acts at two focal lengths, and its parts are
+        // subtracted as the directions are.
         let (by_here, by_there) = (
             here.by_lens(one.focal_px, lenses[0]),
             there.by_lens(other.focal_px, lenses[1]),

@@ -102,6 +102,8 @@ impl Envelope {
         let mut least_pivot_share = 1.0_f64;
         let mut diagonal_inverses: Vec<Mat3> = Vec::with_capacity(self.len());
         for i in 0..self.len() {
+            // Row i is computed in place, left to right: what it has of A right of column j is
+            // still needed, what is left of it is L already.
             let (finished, rest) = self.rows.split_at_mut(i);
             let row = &mut rest[0];
             for j in row.first_column..i {
@@ -117,6 +119,8 @@ impl Envelope {
             for block in row.off_diagonal() {
                 diagonal -= block * block.transpose();
             }
+            // What elimination has left of the diagonal, as a share of what was there; see
+            // `least_pivot_share`. The block of A is read before L takes its place.
             let lower = diagonal.cholesky()?.l();
             for axis in 0..3 {
                 let share = lower[(axis, axis)].powi(2) / row.block(i)[(axis, axis)];
@@ -174,6 +178,8 @@ impl CholeskyFactor {
 
     /// The diagonal blocks of A⁻¹, by Takahashi's recursion.
     pub fn diagonal_blocks_of_inverse(&self) -> Vec<Mat3> {
+        // Z has the envelope of L. Its columns are computed from the last to the first; column j
+        // needs only blocks of Z between rows that reach to j, which are in columns after j.
         let num_rows = self.lower.len();
         let first_columns: Vec<usize> =
             self.lower.rows.iter().map(|row| row.first_column).collect();
@@ -202,7 +208,7 @@ impl CholeskyFactor {
             for (&k, gain) in rows.iter().zip(&gains) {
                 diagonal -= inverse.block(k, j).transpose() * gain;
             }
-            // Symmetric but for rounding; kept exactly so.
+            // Symmetric but for rounding; made exactly so.
             *inverse.block_mut(j, j) = (diagonal + diagonal.transpose()) * 0.5;
         }
         (0..num_rows).map(|i| *inverse.block(i, i)).collect()

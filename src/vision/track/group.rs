@@ -6,7 +6,8 @@ use super::ViewGraphEdge;
 /// ascending; a frame without a match is a component of its own.
 #[must_use]
 pub fn groups(count: usize, edges: &[ViewGraphEdge]) -> Vec<Vec<usize>> {
-    // Union–find; the root of a component is its smallest frame.
+    // Union–find; the root of a component is its smallest frame, so that the result does not depend
+    // on the order of the edges.
     let mut group_of: Vec<usize> = (0..count).collect();
     for edge in edges {
         let (one, other) = (

@@ -19,6 +19,7 @@ pub(super) fn robust_homography(
     pairs: &[(ImagePoint, ImagePoint)],
     within_px: f64,
 ) -> Result<Option<(Mat3, Vec<bool>)>, TrackError> {
+    // Four pairs determine a homography; with fewer OpenCV fails, which is no error here.
     if pairs.len() < 4 {
         return Ok(None);
     }
@@ -31,6 +32,7 @@ pub(super) fn robust_homography(
         within_px,
     )
     .map_err(|error| TrackError::from_opencv(&error))?;
+    // Without a model OpenCV returns an empty matrix, else 3 × 3 numbers, row by row.
     if found.empty() {
         return Ok(None);
     }

@@ -35,7 +35,7 @@ pub fn adjust_matched_frames(
         .iter()
         .map(|edge| ViewGraphEdge {
             matches: subsample(&edge.matches, OF_EDGE).copied().collect(),
-            ..edge.clone()
+            ..*edge
         })
         .collect();
     // The envelope: each row reaches left to the earliest frame it has a match with.
@@ -103,6 +103,8 @@ pub fn fill_missing_cameras(
             if let Some(ptz) = known[frame] {
                 return Some(ptz);
             }
+            // A direct match with a known frame is best: relative rotations drift with the length
+            // of the chain of matches.
             let beside = nearest_known_frame(frame, known, edges)?;
             let there = known[beside]?;
             // The known neighbour's camera relates the common frame to `base`. The optical axis is

@@ -19,6 +19,7 @@ pub(super) fn mutual_matches(
     // of 128 products of bytes stay below 2²⁴, so `f32` represents them exactly. `tr_mul` would
     // compute one scalar product at a time.
     let products = first.descriptors.transpose() * &second.descriptors;
+    // One pass over the products finds the two nearest neighbours in both directions.
     for (to, there) in back.iter_mut().enumerate() {
         let length = second.lengths[to];
         for ((from, here), product) in forth.iter_mut().enumerate().zip(products.column(to)) {
@@ -78,6 +79,7 @@ impl Nearest {
         second: f32::INFINITY,
     };
 
+    /// Takes another neighbour into account; of equally near ones the first stays.
     fn see(&mut self, index: usize, distance: f32) {
         if distance < self.first {
             *self = Self {
@@ -91,7 +93,7 @@ impl Nearest {
     }
 
     /// The nearest neighbour if it passes the ratio test. Distances are squared, and so is the
-    /// ratio.
+    /// ratio. A single candidate passes: the second nearest is infinitely far away.
     fn distinctive_match(&self) -> Option<usize> {
         (self.best != usize::MAX && self.first < RATIO * RATIO * self.second).then_some(self.best)
     }

@@ -11,6 +11,19 @@
 //! | [`PosePrior`] | a prior of one frame in a joint adjustment |
 //! | [`adjust_rotations`], [`RelativeRotations`] | pan, tilt and focal length of every frame of a connected group, from matches alone |
 //!
+//! # Files
+//!
+//! * Matching: `pairs.rs` (two frames) with `matches.rs` (descriptors) and `homography.rs`
+//!   (OpenCV), `cycles.rs` (pairs against each other), `group.rs`.
+//! * Without a base: `relative_rotations.rs` from a start by `start.rs`, with the problem in
+//!   `edge_problem.rs`, its residual in `edge_residual.rs`, and the pan axis in `axis.rs`.
+//! * With a base: `pose_problem.rs` states the problem of `matched_frames.rs` and of
+//!   `clip/adjust.rs`; `pose_equations.rs` and `envelope.rs` solve it; `pose_prior.rs` is its
+//!   prior.
+//!
+//! Parameters of a frame are pan (rad), tilt (rad) and ln f: a zoom by a factor is then a step of
+//! the same length everywhere, and the focal length stays positive.
+//!
 //! Nothing here knows a field. Without a known base, pan is measured from the mean viewing
 //! direction, and the pan axis is taken as vertical.
 //!

@@ -41,6 +41,8 @@ pub fn match_frames_pairwise(
     frames: &[Features],
     progress: &Progress<'_, Share>,
 ) -> Result<Vec<ViewGraphEdge>, TrackError> {
+    // All pairs, because frames sampled from a match have no order in which neighbours overlap.
+    // Descriptors are converted once per frame, not once per pair.
     let pairs: Vec<(usize, usize)> = (0..frames.len())
         .flat_map(|first| (first + 1..frames.len()).map(move |second| (first, second)))
         .collect();
@@ -64,6 +66,7 @@ pub fn match_frames_pairwise(
             edge
         })
         .collect::<Result<_, _>>()?;
+    // Cycles are compared at the size of the first frame: frames of one camera have one size.
     let edges: Vec<ViewGraphEdge> = edges.into_iter().flatten().collect();
     Ok(frames.first().map_or_else(Vec::new, |first| {
         cycle_consistent_edges(&edges, first.image_size)
@@ -149,6 +152,8 @@ fn count_in_view(from: &Features, to: &Features, to_from: &Mat3) -> usize {
         .count()
 }
 
+/// Whether a homography zooms and rotates the image, at its centre, as little as a camera on a pan
+/// axis does.
 fn is_of_a_turning_camera(second_from_first: &Mat3, centre: ImagePoint) -> bool {
     zoom_and_turn(second_from_first, centre).is_some_and(|(zoom, turn_deg)| {
         (1.0 / MAX_ZOOM..=MAX_ZOOM).contains(&zoom) && turn_deg.abs() < MAX_TURN_DEG

@@ -28,16 +28,18 @@ pub(super) struct PointEquations {
 }
 
 impl PointEquations {
+    /// No observation yet, with memory for this many.
     pub fn with_room(sightings: usize) -> Self {
-        let frames = Vec::with_capacity(sightings);
         Self {
-            frames,
+            frames: Vec::with_capacity(sightings),
             point: Matrix2::zeros(),
             gradient: Vec2::zeros(),
             cost: 0.0,
         }
     }
 
+    /// Adds an observation that the state cannot predict: a constant cost, so that a step that
+    /// causes it is rejected, and no gradient.
     pub fn beyond_the_lens(&mut self, loss: Loss) {
         self.cost += loss.evaluate(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
     }
@@ -68,7 +70,8 @@ impl PointEquations {
         self.gradient += point_weighted * value;
     }
 
-    /// V⁻¹ with Marquardt damping; `None` if the observations do not determine the point.
+    /// V⁻¹ with Marquardt damping; `None` if the observations do not determine the point. One
+    /// observation does, so that this is a point without any.
     fn inverse(&self, damping: f64) -> Option<Matrix2<f64>> {
         let mut point = self.point;
         point[(0, 0)] *= 1.0 + damping;
@@ -200,6 +203,7 @@ impl PoseEquations {
         // U and g: priors and pairwise residuals first, then the parts of the points.
         let mut matrix = Envelope::zeros(&self.first);
         let mut gradient: Vec<Vec3> = self.frames.iter().map(|(_, gradient)| *gradient).collect();
+        // All lie in the envelope, which the caller has built from the same points and pairs.
         for (row, (block, _)) in self.frames.iter().enumerate() {
             *matrix.block_mut(row, row) += block;
         }
@@ -219,7 +223,8 @@ impl PoseEquations {
             }
         }
         for point in &self.points {
-            // An undetermined point contributes nothing; its own step is zero, too.
+            // An undetermined point has no observation, hence nothing in U to eliminate it from;
+            // its own step is zero.
             let Some(inverse) = point.inverse(damping) else {
                 continue;
             };
@@ -240,8 +245,9 @@ impl PoseEquations {
     /// `None` if a parameter is undetermined.
     pub fn covariances(&self) -> Option<Vec<Mat3>> {
         /// A parameter is undetermined if elimination leaves less than this share of its diagonal
-        /// entry.
+        /// entry. Rounding leaves about 1e-16.
         const OPEN: f64 = 1e-12;
+        // Undamped: damping would add information that no observation has.
         let (factor, _) = self.eliminate_points(0.0)?;
         (factor.least_pivot_share() >= OPEN).then(|| factor.diagonal_blocks_of_inverse())
     }

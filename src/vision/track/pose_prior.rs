@@ -60,6 +60,8 @@ impl PosePrior {
     /// yields a prior without information.
     #[must_use]
     pub fn from_covariance(frame: usize, ptz: Ptz, covariance: &Mat3, source: PriorSource) -> Self {
+        // A covariance without an inverse states that a parameter is exact; its information would
+        // be infinite. No information is the safe reading; `adjust_clip` leaves such a prior out.
         let inverse = by_log_focal(covariance, ptz.focal_px).try_inverse();
         let information = inverse.filter(|inverse| inverse.iter().all(|value| value.is_finite()));
         Self::new(frame, ptz, information.unwrap_or_else(Mat3::zeros), source)
@@ -80,6 +82,7 @@ impl PosePrior {
     /// the mean.
     #[must_use]
     pub fn towards(&self, ptz: Ptz, sigmas: f64) -> Ptz {
+        // A covariance that could not be inverted has no region; the camera stays at the mean.
         if !self.is_informative() {
             return self.ptz;
         }
@@ -111,8 +114,10 @@ pub(super) fn apply_offset(ptz: Ptz, by: Vec3) -> Ptz {
     }
 }
 
-/// Converts a covariance of (pan rad, tilt rad, focal length px) to (pan rad, tilt rad, ln f).
+/// Converts a covariance of (pan rad, tilt rad, focal length px) to (pan rad, tilt rad, ln f), to
+/// first order.
 pub(super) fn by_log_focal(covariance: &Mat3, focal_px: f64) -> Mat3 {
+    // J Σ Jᵀ, with d ln f = df / f.
     let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 1.0 / focal_px));
     scale * covariance * scale
 }

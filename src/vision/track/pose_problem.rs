@@ -103,6 +103,7 @@ impl PoseProblem<'_> {
             })
     }
 
+    /// Adds the residuals of pairwise matches; a match beyond the fold of a lens has none.
     fn add_matches(
         &self,
         matches: &PairwiseMatches<'_>,
@@ -121,7 +122,9 @@ impl PoseProblem<'_> {
                 rows.map(|row| &views[row]),
                 rows.map(|row| &self.bases[row].distortion),
             );
-            // One residual per match; its derivatives are columns for (pan, tilt, ln f).
+            // One residual per match; its derivatives are columns for (pan, tilt, ln f). The
+            // derivatives by the lens are not used: the base is known here.
+            let precision = matches.sigma_px.powi(-2);
             for &(first, second) in &edge.matches {
                 let Some(seen) = MatchJacobian::new(views, lenses, [first, second]) else {
                     equations.add_without_value(matches.loss);
@@ -130,7 +133,6 @@ impl PoseProblem<'_> {
                 let by_frame = seen
                     .by_frame
                     .map(|by| Mat3::from_columns(&[by.pan, by.tilt, by.log_focal]));
-                let precision = matches.sigma_px.powi(-2);
                 equations.add_pair(
                     &PairResidual {
                         value: seen.value_px,
@@ -144,6 +146,7 @@ impl PoseProblem<'_> {
         }
     }
 
+    /// The part of the normal equations of one tracked point.
     fn point_equations(
         &self,
         cameras: &[PtzCamera],

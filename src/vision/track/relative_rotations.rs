@@ -106,65 +106,46 @@ pub fn adjust_rotations(
         per_1000_px: options.lens.per_1000_px / px,
         ..options.lens
     };
-    let problem = |freedom, loss_px, fixed_scale| EdgeProblem {
+    let mut problem = EdgeProblem {
         edges,
-        freedom,
-        loss: Loss::Cauchy { c: loss_px },
+        freedom: Freedom::Any,
+        loss: Loss::Cauchy { c: 20.0 },
         px,
         expected,
         sigma: [options.k1_sigma, options.slope_sigma / px],
-        fixed_scale,
+        fixed_scale: false,
     };
     // 1. Self-calibration from matches has local minima in the focal length. Descend briefly from
-    //    each start value and keep the one of least robust cost.
-    let start = FOCAL_WIDTHS.iter().map(|widths| {
+    //    each start value and keep the one of least robust cost. There is always one.
+    let descents = FOCAL_WIDTHS.iter().map(|widths| {
         let focal_px = widths * f64::from(image_size.width);
         let start = EdgeState {
             views: views(count, &along, centre, focal_px),
             lens: expected,
         };
-        minimise(&problem(Freedom::Any, 20.0, false), start, stop_after(8))
+        minimise(&problem, start, stop_after(8))
     });
-    let best = start.min_by(|a, b| a.equations.cost().total_cmp(&b.equations.cost()));
+    let best = descents.min_by(|a, b| a.equations.cost().total_cmp(&b.equations.cost()));
     let Some(best) = best else {
         return Err(TrackError::TooFew {
             frames: count,
             edges: edges.len(),
         });
     };
-    // 2. Free rotations, with the robust loss from coarse to fine.
-    let mut state = best.state;
-    for loss_px in [20.0, 6.0] {
-        state = minimise(
-            &problem(Freedom::Any, loss_px, false),
-            state,
-            stop_after(30),
-        )
-        .state;
-    }
+    // 2. Free rotations, with the robust loss from coarse to fine. Roll is free as well, because
+    //    the pan axis is not known yet.
+    let state = descend(&mut problem, best.state, [20.0, 6.0]);
     // 3. Make the pan axis the y axis of the common frame; then every frame has pan, tilt and focal
     //    length only, and no roll.
-    state = state.upright();
-    for loss_px in [6.0, 3.0] {
-        state = minimise(
-            &problem(Freedom::PanTilt, loss_px, false),
-            state,
-            stop_after(30),
-        )
-        .state;
-    }
-    // 4. Impose the focal scale and let everything else follow. The scale itself is held fixed,
-    //    since the matches would pull it back.
+    problem.freedom = Freedom::PanTilt;
+    let mut state = descend(&mut problem, state.upright(), [6.0, 3.0]);
+    // 4. Impose the focal scale and let everything else follow. The scale itself is fixed, since
+    //    the matches would pull it back. The loss begins coarse again: scaled angles fit only
+    //    roughly.
     if options.focal_scale != 1.0 {
-        state = state.scale_focal_lengths(options.focal_scale);
-        for loss_px in [20.0, 4.0] {
-            state = minimise(
-                &problem(Freedom::PanTilt, loss_px, true),
-                state,
-                stop_after(30),
-            )
-            .state;
-        }
+        problem.fixed_scale = true;
+        let scaled = state.scale_focal_lengths(options.focal_scale);
+        state = descend(&mut problem, scaled, [20.0, 4.0]);
     }
     let residual_px = residual_px(edges, &state) / px;
     // A scale other than 1 leaves residuals even if the camera rotates; allow for them. The negated
@@ -182,6 +163,14 @@ pub fn adjust_rotations(
         lens: state.lens,
         image_size,
         residual_px,
+    })
+}
+
+/// Descends under a Cauchy loss of each of two scales, px at 1920 px width, coarse to fine.
+fn descend(problem: &mut EdgeProblem<'_>, start: EdgeState, loss_scales_px: [f64; 2]) -> EdgeState {
+    loss_scales_px.into_iter().fold(start, |state, c| {
+        problem.loss = Loss::Cauchy { c };
+        minimise(problem, state, stop_after(30)).state
     })
 }
 

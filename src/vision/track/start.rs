@@ -51,6 +51,9 @@ pub(super) fn steps(count: usize, edges: &[ViewGraphEdge], centre: ImagePoint) -
             (edge.second, edge.first)
         };
         reached[frame] = true;
+        // A homography without an inverse, or of no sensible zoom, gives a start without that
+        // motion or zoom: the adjustment that follows has to mend it, and its residual tells if it
+        // did not.
         let to_from = if forth {
             edge.second_from_first
         } else {

@@ -26,6 +26,8 @@ pub(super) fn brought(to_from: &Mat3, at: ImagePoint) -> Option<ImagePoint> {
 /// Zoom and image rotation, degrees, of a homography at a point. `None` if the map reverses
 /// orientation there.
 pub(super) fn zoom_and_turn(second_from_first: &Mat3, at: ImagePoint) -> Option<(f64, f64)> {
+    // The image (x, y) of the point, dehomogenised by w. A homography has no sign: w may be
+    // negative, and x, y and the Jacobian are the same for H and −H.
     let h = second_from_first;
     let w = h[(2, 0)] * at.x + h[(2, 1)] * at.y + h[(2, 2)];
     let x = (h[(0, 0)] * at.x + h[(0, 1)] * at.y + h[(0, 2)]) / w;

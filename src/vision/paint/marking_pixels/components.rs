@@ -45,7 +45,8 @@ pub(super) fn long_ones(
     is_turf: bool,
 ) -> Vec<MarkingPixel> {
     let (width, height) = (size.width as usize, size.height as usize);
-    // Dilating by one pixel joins pixels across gaps of up to two pixels.
+    // Dilating by one pixel joins pixels across gaps of up to two pixels. A thin or worn line
+    // breaks up into such pieces, and each alone would be too short.
     let mut set = vec![false; width * height];
     for ridge in ridges {
         let (x, y) = (ridge.index % width, ridge.index / width);
@@ -53,20 +54,13 @@ pub(super) fn long_ones(
             set[y * width + x.saturating_sub(1)..y * width + (x + 2).min(width)].fill(true);
         }
     }
-    // Extent of each connected component: the diagonal of its bounding box, px.
+    // The component of each pixel, and the extent of each component: the diagonal of its bounding
+    // box, px, which for a straight line is its length. A component is never empty.
     let mut of_part = vec![0_usize; width * height];
     let mut components: Vec<Component> = Vec::new();
     for part in parts(&set, width) {
-        let extent = |of: &dyn Fn(usize) -> usize| {
-            let (least, most) = part
-                .iter()
-                .map(|&index| of(index))
-                .fold((usize::MAX, 0), |(least, most), at| {
-                    (least.min(at), most.max(at))
-                });
-            (most - least) as f32
-        };
-        let length = extent(&|index| index % width).hypot(extent(&|index| index / width));
+        let length = extent(part.iter().map(|index| index % width))
+            .hypot(extent(part.iter().map(|index| index / width)));
         for index in part {
             of_part[index] = components.len();
         }
@@ -95,4 +89,12 @@ pub(super) fn long_ones(
             length_px: components[of_part[ridge.index]].length_px,
         })
         .collect()
+}
+
+/// The difference of the largest and the smallest of some coordinates.
+fn extent(coordinates: impl Iterator<Item = usize>) -> f32 {
+    let (least, most) = coordinates.fold((usize::MAX, 0), |(least, most), at| {
+        (least.min(at), most.max(at))
+    });
+    (most - least) as f32
 }

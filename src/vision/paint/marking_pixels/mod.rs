@@ -68,6 +68,7 @@ impl MarkingPixels {
                 }
             }
         }
+        // Ridges are pixels; which of them are paint is decided for whole components.
         let ridges = ridges(ground, &area);
         let points = long_ones(&ridges, size, ground.surface().is_turf());
         for point in &points {
@@ -121,15 +122,18 @@ impl Cells {
         }
     }
 
+    /// The flags of the cell that contains a point; none set outside the picture.
     fn at(&self, at: ImagePoint) -> u8 {
         if !self.size.contains(at) {
             return 0;
         }
+        // The picture includes its right and lower border, where the last cells end.
         let (column, row) = (at.x as usize / CELL_PX, at.y as usize / CELL_PX);
         self.flags[row.min(self.rows - 1) * self.columns + column.min(self.columns - 1)]
     }
 
-    /// Marks the 5 × 5 cells around a marking pixel.
+    /// Marks the 5 × 5 cells around a marking pixel: a point counts as paint within 4 to 6 px of
+    /// it.
     fn mark_stroke(&mut self, at: ImagePoint) {
         const REACH: usize = 2;
         let (column, row) = (at.x as usize / CELL_PX, at.y as usize / CELL_PX);

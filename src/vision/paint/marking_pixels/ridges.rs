@@ -74,6 +74,8 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixe
         &[Tone::Bright, Tone::Dark]
     };
     let levels = is_turf.then(|| TurfLevels::measure(ground, area));
+    // The tests of a pixel are in the order of their cost. The first, a few sums over neighbours,
+    // leaves few of all pixels. The outermost pixels have no Hessian.
     let mut found = Vec::new();
     let mut profile = Profile::default();
     for y in 1..height.saturating_sub(1) {
@@ -129,6 +131,7 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixe
 /// As in Steger 1998: n is the eigenvector of the Hessian H with the most negative eigenvalue, and
 /// the maximum along n lies at t = −(n·∇I) / (nᵀ H n).
 fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2, f64)> {
+    // The index does not wrap: the caller leaves out the outermost pixels.
     let sign = tone.sign();
     let at =
         |dx: isize, dy: isize| sign * smooth[index.wrapping_add_signed(dy * width as isize + dx)];
@@ -212,15 +215,14 @@ fn between_edges(
         profile.mean(middle, side, 2 * side),
     );
     // An edge is where the profile falls to half the contrast against that side.
-    let edge = |direction: isize, ground: f64| {
-        profile.falls_below(
-            brightest,
-            direction,
-            f64::midpoint(profile.value(brightest), ground),
-            2.0 * side_px,
-        )
-    };
-    match (edge(-1, before), edge(1, behind)) {
+    // Without both edges the point stays where it is.
+    let top = profile.value(brightest);
+    let steps = profile.steps_within(2.0 * side_px);
+    let [from, to] = [(-1, before), (1, behind)].map(|(direction, ground)| {
+        let half = f64::midpoint(top, ground);
+        profile.falls_below(|grey| grey, brightest, direction, half, steps)
+    });
+    match (from, to) {
         (Some(from), Some(to)) => at.translate(normal * profile.offset_px(f64::midpoint(from, to))),
         _ => at,
     }
@@ -229,15 +231,17 @@ fn between_edges(
 /// The smallest of [`SIDES_PX`] at which both sides are darker, or for dark markings brighter, than
 /// the centre by the minimum contrast.
 fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Option<f64> {
+    // The nearest distance that suffices: farther away the sides may show another line.
     let here = grey.at(at);
     SIDES_PX.into_iter().find(|side_px| {
         let (one, other) = (
             grey.at(at.translate(normal * *side_px)),
             grey.at(at.translate(normal * -side_px)),
         );
-        let (stands_out, brighter) = match tone {
-            Tone::Bright => (here - one.max(other), one.max(other)),
-            Tone::Dark => (one.min(other) - here, one.max(other)),
+        let brighter = one.max(other);
+        let stands_out = match tone {
+            Tone::Bright => here - brighter,
+            Tone::Dark => one.min(other) - here,
         };
         stands_out > MIN_CONTRAST.max(MIN_CONTRAST_SHARE * brighter)
     })
@@ -246,15 +250,15 @@ fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Op
 /// Whether both sides of a point have the ground's colour. Near the border of the ground area one
 /// side is enough: a boundary line may have a board beyond it.
 fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
-    let side = |sign: f64| {
+    let sides = [1.0, -1.0].into_iter().filter(|sign| {
         COLOURS_PX
-            .into_iter()
+            .iter()
             .any(|beside_px| area.is_of_ground(at.translate(normal * (sign * beside_px))))
-    };
-    match (side(1.0), side(-1.0)) {
-        (true, true) => true,
-        (false, false) => false,
-        _ => area.is_near_border(at),
+    });
+    match sides.count() {
+        2 => true,
+        1 => area.is_near_border(at),
+        _ => false,
     }
 }
 
@@ -263,14 +267,9 @@ fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
 fn gaussian_blur(grey: &GreyPicture) -> Vec<f32> {
     let (width, height) = (grey.size.width as usize, grey.size.height as usize);
     let reach = (3.0 * BLUR_PX).ceil() as isize;
-    let weight = |offset: isize| (-0.5 * (offset as f32 / BLUR_PX).powi(2)).exp();
-    let sum: f32 = (-reach..=reach).map(weight).sum();
-    let kernel: Vec<f32> = (-reach..=reach)
-        .map(|offset| weight(offset) / sum)
-        .collect();
-    let clamped = |at: usize, step: usize, last: usize| {
-        (at as isize + step as isize - reach).clamp(0, last as isize) as usize
-    };
+    let weights = (-reach..=reach).map(|offset| (-0.5 * (offset as f32 / BLUR_PX).powi(2)).exp());
+    let sum: f32 = weights.clone().sum();
+    let kernel: Vec<f32> = weights.map(|weight| weight / sum).collect();
     // The Gaussian is separable: first along rows. The inner loop runs over contiguous memory.
     let mut across = vec![0.0_f32; width * height];
     for (row, out) in grey
@@ -279,7 +278,7 @@ fn gaussian_blur(grey: &GreyPicture) -> Vec<f32> {
         .zip(across.chunks_exact_mut(width.max(1)))
     {
         let padded: Vec<f32> = (0..width + 2 * reach as usize)
-            .map(|at| f32::from(row[clamped(at, 0, width - 1)]))
+            .map(|at| f32::from(row[clamp_index(at as isize - reach, width)]))
             .collect();
         for (step, weight) in kernel.iter().enumerate() {
             for (out, value) in out.iter_mut().zip(&padded[step..]) {
@@ -291,11 +290,16 @@ fn gaussian_blur(grey: &GreyPicture) -> Vec<f32> {
     let mut both = vec![0.0_f32; width * height];
     for (y, out) in both.chunks_exact_mut(width.max(1)).enumerate() {
         for (step, weight) in kernel.iter().enumerate() {
-            let from = clamped(y, step, height - 1) * width;
+            let from = clamp_index((y + step) as isize - reach, height) * width;
             for (out, value) in out.iter_mut().zip(&across[from..from + width]) {
                 *out += weight * value;
             }
         }
     }
     both
+}
+
+/// The nearest of `count` indices.
+fn clamp_index(index: isize, count: usize) -> usize {
+    index.clamp(0, count as isize - 1) as usize
 }

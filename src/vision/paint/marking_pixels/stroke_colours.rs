@@ -19,18 +19,16 @@ pub(super) struct Colours {
 impl Colours {
     /// The colours at the centre of a marking and, averaged, `side_px` to both sides of it.
     pub fn at(picture: &Picture, at: ImagePoint, normal: Vec2, side_px: f64) -> Self {
-        let colour = |at: ImagePoint| {
-            let pixel = picture
-                .pixel(at.x.max(0.0) as u32, at.y.max(0.0) as u32)
-                .unwrap_or_default();
-            [0, 1, 2].map(|channel| f64::from(pixel[channel]))
-        };
-        let (one, other) = (
-            colour(at.translate(normal * side_px)),
-            colour(at.translate(normal * -side_px)),
-        );
+        // Whole pixels without interpolation: the sums over a component average their noise. Left
+        // of and above the picture the border pixel counts, right of and below it black.
+        let [stroke, one, other] = [0.0, side_px, -side_px].map(|beside_px| {
+            let at = at.translate(normal * beside_px);
+            let pixel = picture.pixel(at.x.max(0.0) as u32, at.y.max(0.0) as u32);
+            let [red, green, blue, _] = pixel.unwrap_or_default();
+            [red, green, blue].map(f64::from)
+        });
         Self {
-            stroke: colour(at),
+            stroke,
             ground: [0, 1, 2].map(|channel| f64::midpoint(one[channel], other[channel])),
             pixels: 1.0,
         }
@@ -54,6 +52,9 @@ impl Colours {
         const WHITE: f64 = 255.0;
         let mean = |colour: [f64; 3]| colour.iter().sum::<f64>() / 3.0;
         // The sums are over many pixels, so they are compared as shares of the ground's brightness.
+        // A pixel of the share p of white paint is brighter by p (255 − ground) and less green by p
+        // times the ground's greenness: `white` is the ratio of the two. On black ground all is NaN
+        // or infinite, and the answer is no.
         let ground = mean(self.ground);
         let brighter = (mean(self.stroke) - ground) / ground;
         let less_green = (greenness(self.ground) - greenness(self.stroke)) / ground;
@@ -74,6 +75,8 @@ impl Colours {
         /// Yellow paint has at least this much more red than blue, as a share of the colour that it
         /// adds.
         const YELLOW: f64 = 0.35;
+        // Greenness is taken as a share of the brightness, so that the ratio of the two does not
+        // depend on how much is added.
         let added = [0, 1, 2].map(|channel| self.stroke[channel] - self.ground[channel]);
         let green = |colour: [f64; 3]| greenness(colour) / colour.iter().sum::<f64>();
         let [red, _, blue] = added;

@@ -75,6 +75,7 @@ pub fn adjust_clip(
         }
     }
     let points = static_points(tracks, &propagated.moving, &row_of);
+    // Without a prior only relative motion would be known, and pan and tilt of all frames open.
     let priors: Vec<PosePrior> = priors
         .iter()
         .filter(|prior| prior.is_informative())
@@ -143,14 +144,15 @@ pub fn adjust_clip(
         .into_iter()
         .map(|in_row_px| in_row_px * alike * (in_row_px / sigma_px))
         .collect();
-    // Second pass with the estimated σ. Its cameras follow the motion of the points most closely
-    // and are kept as `straight`, for the drift correction below.
+    // Second pass with the estimated σ. Its cameras follow the motion of the points most closely;
+    // `straight` stores them for the drift correction below.
     problem.sigma_px.clone_from(&row_sigmas_px);
     let mut fine = minimise(&problem, rough.state, until);
     let straight = fine.state.ptz.clone();
     // Inflate the σ of the points until the priors of persons and paint scatter as they state, and
     // the covariance of proposals until proposals do. The loss scale stays constant in px, so that
-    // inflation does not readmit outliers.
+    // inflation does not readmit outliers. Each pass starts from the last one's result. After the
+    // maximum number of passes a contradiction may be left, and the covariance is as it is.
     let mut inflation = 1.0;
     for _ in 0..MAX_INFLATIONS {
         let points = inflation_factor(&problem.priors, &fine.state, |source| {
@@ -170,6 +172,7 @@ pub fn adjust_clip(
         problem.loss = Loss::Cauchy {
             c: options.loss_sigmas / (alike * inflation),
         };
+        // Information is the inverse of a variance, hence the square.
         let of_proposals = proposals.unwrap_or(1.0).powi(-2);
         for prior in problem
             .priors
@@ -180,7 +183,8 @@ pub fn adjust_clip(
         }
         fine = minimise(&problem, fine.state, until);
     }
-    // If the points were inflated, their cameras jump at every prior; see `drift_corrected`.
+    // If the points were inflated, their cameras jump at every prior; see `drift_corrected`. The
+    // covariance is that of the inflated adjustment in any case.
     let covariances = fine.equations.covariances()?;
     let ptz = if inflation > 1.0 {
         drift_corrected(&straight, &fine.state.ptz, &covariances)

@@ -40,7 +40,8 @@ pub(super) struct FlowPicture {
 impl FlowPicture {
     pub fn from_grey(grey: &GreyPicture) -> opencv::Result<Self> {
         let size = grey.size;
-        // `rows` borrows the pixels; the clone owns them.
+        // `rows` borrows the pixels; the clone owns them. The pyramid is built once and serves
+        // four flows: forth and back, with the picture before it and with the next one.
         let rows = Mat::new_rows_cols_with_bytes::<u8>(
             size.height as i32,
             size.width as i32,
@@ -65,7 +66,7 @@ impl FlowPicture {
     }
 
     /// The strongest corners of each cell of the picture, outside the masks. Each cell gets an
-    /// equal share of `limit`, less the points in `taken` that it already holds. Corners keep
+    /// equal share of `limit`, less the points in `taken` that it already contains. Corners keep
     /// `distance_px` from all of `taken`, and from each other within a cell.
     pub fn corners(
         &self,
@@ -81,35 +82,23 @@ impl FlowPicture {
             opencv::core::CV_8UC1,
             Scalar::all(255.0),
         )?;
+        // A mask that begins within a pixel ends one pixel later, hence the + 1. The conversions to
+        // integers saturate, and so does this sum: a document may state any number.
+        let (closed, filled) = (Scalar::all(0.0), opencv::imgproc::FILLED);
         for mask in masks {
             let whole = Rect::new(
                 mask.x.floor() as i32,
                 mask.y.floor() as i32,
-                mask.width.ceil() as i32 + 1,
-                mask.height.ceil() as i32 + 1,
+                (mask.width.ceil() as i32).saturating_add(1),
+                (mask.height.ceil() as i32).saturating_add(1),
             );
-            let filled = opencv::imgproc::FILLED;
-            opencv::imgproc::rectangle(
-                &mut open,
-                whole,
-                Scalar::all(0.0),
-                filled,
-                opencv::imgproc::LINE_8,
-                0,
-            )?;
+            let line = opencv::imgproc::LINE_8;
+            opencv::imgproc::rectangle(&mut open, whole, closed, filled, line, 0)?;
         }
         for point in taken {
-            let centre = Point::new(point.x as i32, point.y as i32);
-            let (radius, filled) = (distance_px as i32, opencv::imgproc::FILLED);
-            opencv::imgproc::circle(
-                &mut open,
-                centre,
-                radius,
-                Scalar::all(0.0),
-                filled,
-                opencv::imgproc::LINE_8,
-                0,
-            )?;
+            let centre = pixel_of(*point);
+            let (radius, line) = (distance_px as i32, opencv::imgproc::LINE_8);
+            opencv::imgproc::circle(&mut open, centre, radius, closed, filled, line, 0)?;
         }
         // Equal numbers per cell, so that points cover the picture.
         let mut corners = Vec::new();
@@ -120,9 +109,7 @@ impl FlowPicture {
                     cell_range_px(row, ROWS, self.size.height),
                 );
                 let area = Rect::new(left, top, right - left, bottom - top);
-                let inside = taken
-                    .iter()
-                    .filter(|at| area.contains(Point::new(at.x as i32, at.y as i32)));
+                let inside = taken.iter().filter(|at| area.contains(pixel_of(**at)));
                 let wanted = (limit / (ROWS * COLUMNS) as usize).saturating_sub(inside.count());
                 if wanted > 0 {
                     corners.extend(self.strongest(area, &open, wanted, distance_px)?);
@@ -173,6 +160,8 @@ impl FlowPicture {
             return Ok(Vec::new());
         }
         // Track forth from the guess, then back from where that ended, and compare with the start.
+        // A point that is covered or that has changed seldom returns. The search back begins at the
+        // start, which is where it ends if the point is the same.
         let from: Vector<Point2f> = points.iter().map(|(from, _)| to_opencv(*from)).collect();
         let guess: Vector<Point2f> = points.iter().map(|(_, guess)| to_opencv(*guess)).collect();
         let (there, found) = flow(&self.levels, &into.levels, &from, guess)?;
@@ -207,6 +196,8 @@ fn flow(
     points: &Vector<Point2f>,
     guess: Vector<Point2f>,
 ) -> opencv::Result<(Vector<Point2f>, Vector<u8>)> {
+    // `there` is the guess on the way in and the result on the way out. A search ends after 20
+    // steps or one shorter than 0.01 px.
     let (mut there, mut found) = (guess, Vector::<u8>::new());
     let until = TermCriteria::new(
         opencv::core::TermCriteria_COUNT + opencv::core::TermCriteria_EPS,
@@ -228,6 +219,12 @@ fn flow(
         MIN_TEXTURE,
     )?;
     Ok((there, found))
+}
+
+/// The pixel that contains a point, as OpenCV counts it. In the corner convention its index is the
+/// integer part.
+fn pixel_of(at: ImagePoint) -> Point {
+    Point::new(at.x as i32, at.y as i32)
 }
 
 fn to_opencv(at: ImagePoint) -> Point2f {

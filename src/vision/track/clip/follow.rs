@@ -117,7 +117,10 @@ impl PointFollower {
             .map_err(|error| TrackError::from_opencv(&error))
     }
 
+    /// [`Self::add`], with OpenCV's error.
     fn follow(&mut self, picture: &Picture, masks: &[PixelBox]) -> opencv::Result<usize> {
+        // Reduce and normalise the picture. The work is in px of the reduced one; only tracks are
+        // in px of the full picture.
         let factor = picture.size().width.div_ceil(self.options.max_width).max(1);
         let full_px = f64::from(factor);
         let masks: Vec<PixelBox> = masks
@@ -129,8 +132,8 @@ impl PointFollower {
         let picture = FlowPicture::from_grey(&grey)?;
         let frame = self.tracks.frames;
         self.tracks.frames += 1;
-        // Track the points into this picture and append them to their tracks, in px of the full
-        // picture.
+        // Track the points into this picture and append them to their tracks. A point that is lost
+        // ends its track: without a gap, a track is a list of positions of consecutive frames.
         let mut alive = match self.last.take() {
             Some(last) => last.track_into(&picture, &masks)?,
             None => Vec::new(),
@@ -176,6 +179,7 @@ impl Last {
     /// The points that are found in the next picture outside the masks.
     fn track_into(self, into: &FlowPicture, masks: &[PixelBox]) -> opencv::Result<Vec<Alive>> {
         // Guess: the point moves on as it did last; a new point moves as the median of the others.
+        // So the search begins near the point in a fast pan, too.
         let usual = Vec2::new(self.median_motion_px(0), self.median_motion_px(1));
         let points: Vec<_> = self
             .alive
@@ -225,7 +229,8 @@ const CONTRAST: f64 = 45.0;
 #[cfg(feature = "opencv")]
 fn even_out(grey: &mut crate::media::GreyPicture) {
     let count = grey.values.len().max(1) as f64;
-    // By the histogram: 256 values instead of every pixel.
+    // By the histogram: 256 values instead of every pixel, and a table for the new levels. A
+    // picture of one colour has no contrast to stretch, hence the minimum of one grey level.
     let mut numbers = [0_u32; 256];
     for value in &grey.values {
         numbers[usize::from(*value)] += 1;

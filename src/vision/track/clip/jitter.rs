@@ -32,11 +32,13 @@ impl Jitter {
             let focal = c.focal_px - 2.0 * b.focal_px + a.focal_px;
             let centre =
                 b.focal_px * (pan.to_radians() * b.tilt.radians().cos()).hypot(tilt.to_radians());
+            // A steady turn has no second difference; what is left is noise and acceleration.
             for (sum, value) in squares.iter_mut().zip([pan, tilt, focal, centre]) {
                 *sum += value * value;
             }
             count += 1.0;
         }
+        // Without three consecutive cameras this is 0/0; the result below is then `None`.
         let [pan_deg, tilt_deg, focal_px, centre_px] = squares.map(|sum: f64| (sum / count).sqrt());
         (count > 0.0).then_some(Self {
             pan_deg,

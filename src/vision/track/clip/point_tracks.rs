@@ -28,14 +28,15 @@ impl PointTracks {
     /// tracked reliably.
     #[must_use]
     pub fn outside(&self, masks: &[Vec<PixelBox>]) -> Self {
+        // One pass over the observations. `is_followed` says whether the last one of this track was
+        // outside the masks; then the last of the new tracks is its continuation.
         let mut tracks: Vec<PointTrack> = Vec::with_capacity(self.tracks.len());
         for track in &self.tracks {
             let mut is_followed = false;
             for (frame, point) in (track.first..).zip(&track.points) {
-                let is_covered = masks
+                let is_open = masks
                     .get(frame)
-                    .is_some_and(|masks| masks.iter().any(|mask| mask.contains(*point)));
-                let is_open = !is_covered;
+                    .is_none_or(|masks| !masks.iter().any(|mask| mask.contains(*point)));
                 match tracks.last_mut().filter(|_| is_followed) {
                     Some(last) if is_open => last.points.push(*point),
                     None if is_open => tracks.push(PointTrack {
@@ -47,6 +48,7 @@ impl PointTracks {
                 is_followed = is_open;
             }
         }
+        // A part of a track begins later than the track; the order by begin is restored.
         tracks.sort_by_key(|track| track.first);
         Self { tracks, ..*self }
     }

@@ -59,7 +59,8 @@ pub fn smooth(frames: &[UnsmoothedFrame], options: &SmoothOptions) -> Vec<Ptz> {
         .iter()
         .map(|frame| by_log_focal(&frame.covariance, frame.ptz.focal_px))
         .collect();
-    // Noise parameters per axis by maximum likelihood, correlations between the axes ignored.
+    // Noise parameters per axis by maximum likelihood, correlations between the axes ignored: in
+    // one dimension the filter is a few products, and the search runs it a few hundred times.
     let axes = [0, 1, 2].map(|axis| {
         let values: Vec<f64> = seen.iter().map(|at| at[axis]).collect();
         let variances: Vec<f64> = scatter
@@ -83,6 +84,8 @@ pub fn smooth(frames: &[UnsmoothedFrame], options: &SmoothOptions) -> Vec<Ptz> {
         smoothed = smoothed_offsets(&seen, &measured, &unrest);
         let mut moved_too_far = false;
         for place in (0..frames.len()).filter(|&place| frames[place].is_reference) {
+            // Mahalanobis distance in the stated covariance, not in the one that the fit has
+            // scaled. A reference of singular covariance is not checked.
             let by = smoothed[place] - seen[place];
             let sigmas = scatter[place]
                 .try_inverse()
@@ -126,6 +129,8 @@ impl Motion {
     /// A grid over both logarithms, then a pattern search whose step halves from 0.75 to 0.05: the
     /// likelihood has plateaus, and the filter has no simple derivative.
     fn likeliest(values: &[f64], variances: &[f64]) -> Self {
+        // The unrest is searched relative to the variance of a measurement, so that the grid serves
+        // clips of every precision: from e⁻¹⁵ to e⁹ of it, and the scatter from e⁻¹⁰ to e³.
         let typical = variances.iter().sum::<f64>() / variances.len() as f64;
         let mut best = ([0.0, 0.0], f64::INFINITY);
         for unrest in -10..=6 {
@@ -141,7 +146,7 @@ impl Motion {
         while step > 0.05 {
             let around = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
             // The likelihood of a clip without any scatter has no maximum: it rises as the
-            // parameters go to zero.
+            // parameters go to zero. The lower bound ends the search.
             let tried = around.map(|by| {
                 let log = [0, 1].map(|at| (best.0[at] + by[at]).max(LEAST_LOG));
                 let value = Self::from_logs(log, typical).surprise(values, variances);
@@ -172,6 +177,7 @@ impl Motion {
     /// decomposition; Schweppe: "Evaluation of likelihood functions for Gaussian signals", IEEE
     /// Trans. Information Theory 11, 1965): Σ ln Sₖ + eₖ²/Sₖ.
     fn surprise(self, values: &[f64], variances: &[f64]) -> f64 {
+        // Mean squared step: how fast the camera moves, without regard to the direction.
         let speed = values
             .windows(2)
             .map(|two| (two[1] - two[0]).powi(2))
@@ -181,6 +187,7 @@ impl Motion {
         // Filter covariance [[place, both], [both, pace]] of (position, rate). The rate is
         // initially almost unknown: ten mean squared steps.
         let (mut place, mut both, mut pace) = (variances[0], 0.0, 10.0 * speed + self.unrest);
+        // The first measurement starts the filter and is no innovation.
         let mut surprise = 0.0;
         for (value, variance) in values.iter().zip(variances).skip(1) {
             // Prediction P ← F P Fᵀ + Q with F = [[1, 1], [0, 1]] and Q = q [[1/3, 1/2], [1/2, 1]],
@@ -244,6 +251,7 @@ pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -
             state = turn * state;
             covariance = turn * covariance * turn.transpose() + noise;
         }
+        // A measurement without an invertible covariance is passed over: the prediction stays.
         let before = (state, covariance);
         let spread: Mat3 = covariance.fixed_view::<3, 3>(0, 0) + scatter[place];
         if let Some(inverse) = spread.try_inverse() {
@@ -254,7 +262,7 @@ pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -
         passes.push([before, (state, covariance)]);
     }
     // Backward pass: C = P Fᵀ P⁻ₖ₊₁⁻¹ and x ← xₖ + C (xₖ₊₁ − x⁻ₖ₊₁). The smoothed covariances are
-    // not needed and not computed.
+    // not needed and not computed. The last frame has its filtered state already.
     let mut smoothed = vec![state.fixed_rows::<3>(0).into_owned(); seen.len()];
     for place in (0..seen.len() - 1).rev() {
         let (own, own_covariance) = passes[place][1];

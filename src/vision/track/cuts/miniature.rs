@@ -62,7 +62,9 @@ impl Miniature {
     /// remains.
     #[must_use]
     pub fn difference(&self, other: &Self) -> f32 {
-        // Exhaustive search at half the size, then refinement by one cell at full size.
+        // Exhaustive search at half the size, then refinement by one cell at full size: 153 and 9
+        // comparisons, where full size alone would take 561 of four times as many cells. A shift of
+        // one cell at half the size is two at full size; the refinement covers those in between.
         let (small, small_other) = (self.halve(), other.halve());
         let half = (WIDTH / 2, HEIGHT / 2);
         let shifts = (-COARSE_SHIFT.0..=COARSE_SHIFT.0)
@@ -176,6 +178,8 @@ fn shifted_difference(
 /// The columns, or rows, of a miniature that overlap another one which is shifted against it;
 /// `side` is their number.
 fn overlap(side: usize, shift: i32) -> Range<usize> {
+    // With a negative shift the first columns lie before the other's first one, with a positive one
+    // the last columns behind its last.
     let (from, cut) = (shift.min(0).unsigned_abs() as usize, shift.max(0) as usize);
     from..side - cut
 }

@@ -69,7 +69,8 @@ struct CutMeasurements {
 pub fn find_cuts(pictures: impl IntoIterator<Item = Option<Picture>>) -> Vec<FoundCut> {
     let mut finder = CutFinder::default();
     let mut last: Option<Miniature> = None;
-    // Pictures missing at the start are not pushed, so the finder counts from the first one there.
+    // A repeated picture keeps the numbers of the frames that follow, and is no cut. Pictures
+    // missing at the start have nothing to repeat: the finder counts from the first one there.
     let mut missing = 0;
     for picture in pictures {
         last = picture.as_ref().map(Miniature::from_picture).or(last);
@@ -91,6 +92,8 @@ pub fn find_cuts(pictures: impl IntoIterator<Item = Option<Picture>>) -> Vec<Fou
 impl CutFinder {
     /// Adds the next frame.
     pub fn push(&mut self, frame: Miniature) {
+        // The first frame has no predecessor and is no cut: its difference is 0. Other differences
+        // that do not exist are ∞, so that they are no minimum.
         let step = self.difference_from(1, &frame).unwrap_or(0.0);
         let over_two = self.difference_from(2, &frame).unwrap_or(f32::INFINITY);
         let over_three = self.difference_from(3, &frame).unwrap_or(f32::INFINITY);
@@ -130,19 +133,19 @@ impl CutFinder {
     /// The cuts among the frames added so far, in frame order.
     #[must_use]
     pub fn cuts(&self) -> Vec<FoundCut> {
-        let empty = self.empty_runs();
-        let mut cuts: Vec<FoundCut> = empty
-            .iter()
-            .map(|&frame| FoundCut {
+        // Fades over empty frames come first: a fade to black and back is one cut, not one on each
+        // side.
+        let mut cuts: Vec<FoundCut> = self
+            .empty_runs()
+            .into_iter()
+            .map(|frame| FoundCut {
                 frame,
                 is_fade: true,
             })
             .collect();
-        // Fades over empty frames come first: a fade to black and back is one cut, not one on each
-        // side.
-        let hard =
-            (1..self.measured.len()).filter(|&frame| self.is_cut(frame) && is_apart(&cuts, frame));
-        let hard: Vec<FoundCut> = hard
+        // Hard cuts have to be apart from these fades, but not from each other.
+        let hard: Vec<FoundCut> = (1..self.measured.len())
+            .filter(|&frame| self.is_cut(frame) && is_apart(&cuts, frame))
             .map(|frame| FoundCut {
                 frame,
                 is_fade: false,
@@ -166,6 +169,8 @@ impl CutFinder {
         cuts
     }
 
+    /// Whether a frame differs from those before it for good, and by far more than the motion
+    /// around.
     fn is_cut(&self, frame: usize) -> bool {
         // Compare with the usual motion around the frame; the frame itself and its two neighbours
         // are part of the event.

@@ -85,6 +85,8 @@ impl<'a> March<'a> {
         let mut directions: Vec<Direction> = vec![Direction::default(); self.tracks.tracks.len()];
         self.learn(&mut directions, from, ptz, &[]);
         let (mut last, mut found) = ((from, ptz), Vec::new());
+        // The last camera is the start for the next frame. The first frame that is not reached ends
+        // the run: from a wrong start the frames after it would be wrong as well.
         for frame in frames {
             match self.next(&mut directions, frame, last.1) {
                 Ok(ptz) => {
@@ -118,35 +120,31 @@ impl<'a> March<'a> {
         frame: usize,
         from: Ptz,
     ) -> Result<Ptz, (usize, usize)> {
-        // Correspondences: points whose direction is known and that are not known to move.
+        // Correspondences: points that have a direction and are not known to move, in the order of
+        // their tracks.
         let known: Vec<(usize, Correspondence)> = self.by_frame[frame]
             .iter()
             .filter(|(track, _)| directions[*track].sum != Vec3::zeros() && !self.moving[*track])
             .map(|&seen| {
-                let direction = directions[seen.0].sum.normalize();
-                (
-                    seen.0,
-                    Correspondence {
-                        direction,
-                        image: self.point(seen),
-                        sigma_px: self.px,
-                    },
-                )
+                let correspondence = Correspondence {
+                    direction: directions[seen.0].sum.normalize(),
+                    image: self.point(seen),
+                    sigma_px: self.px,
+                };
+                (seen.0, correspondence)
             })
             .collect();
         // Separate points that moved in the image since they were first seen from those that did
         // not; see `fit_turning_camera`.
-        let correspondences: Vec<Correspondence> = known
-            .iter()
-            .map(|(_, correspondence)| *correspondence)
-            .collect();
-        let (moving, still): (Vec<_>, Vec<_>) =
-            known.iter().partition(|(track, correspondence)| {
-                self.moved_px(&directions[*track], correspondence) > MOVED_PX
-            });
-        let [moving, still] = [moving, still].map(|some: Vec<(usize, Correspondence)>| {
-            some.into_iter().map(|(_, it)| it).collect::<Vec<_>>()
-        });
+        let (mut correspondences, mut moving, mut still) = (Vec::new(), Vec::new(), Vec::new());
+        for (track, correspondence) in &known {
+            correspondences.push(*correspondence);
+            if self.moved_px(&directions[*track], correspondence) > MOVED_PX {
+                moving.push(*correspondence);
+            } else {
+                still.push(*correspondence);
+            }
+        }
         // Image motion decides whether the camera rotates. A rotating camera is fitted to the
         // moving points alone: points that stand still in the image are partly of burnt-in graphics
         // and would pull the fit towards no motion. A camera at rest is fitted to all points.
@@ -156,7 +154,8 @@ impl<'a> March<'a> {
         let ptz = turned.unwrap_or_else(|| self.fit_camera(frame, from, &correspondences));
         let camera = self.camera.at_origin(frame, ptz);
         // Accept the frame only if the inliers are many, a large share, and spread over the
-        // picture: a few points in a corner do not determine the focal length.
+        // picture: a few points in a corner do not determine the focal length. A frame of another
+        // shot fails here.
         let agreeing: Vec<ImagePoint> = correspondences
             .iter()
             .filter(|it| self.agrees(&camera, it))
@@ -313,7 +312,8 @@ impl<'a> March<'a> {
         {
             let direction = &mut directions[seen.0];
             let at = self.point(seen);
-            // Rays of all frames so far are summed; the direction is normalised when it is used.
+            // Rays of all frames so far are summed; the direction is normalised when it is used. A
+            // point beyond the lens model adds none.
             if let Ok(ray) = camera.ray_from_image(at) {
                 if direction.sum == Vec3::zeros() {
                     direction.first = at;

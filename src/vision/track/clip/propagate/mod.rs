@@ -83,7 +83,8 @@ pub fn propagate(
 ) -> PropagatedClip {
     let frames = tracks.frames;
     let mut march = March::new(camera, tracks, options);
-    // Known cameras, sorted by frame. Priors of frames outside the clip are ignored.
+    // Known cameras, sorted by frame. Priors of frames outside the clip are ignored. The sort is
+    // stable: of several priors of one frame the first stays.
     let within = priors.iter().filter(|prior| prior.frame < frames);
     let mut known: Vec<(usize, Ptz)> = within
         .map(|prior| (prior.frame, camera.with_known_focal(prior.frame, prior.ptz)))
@@ -113,18 +114,14 @@ pub fn propagate(
         moving: Vec::new(),
     };
     for frame in 0..frames {
-        let nearer = match (forth[frame], back[frame]) {
+        propagated.ptz[frame] = match (forth[frame], back[frame]) {
             (Some(forth), Some(back)) => {
                 propagated.apart_px[frame] = Some(march.apart_px(frame, forth.1, back.1));
-                if frame - forth.0 <= back.0 - frame {
-                    Some(forth.1)
-                } else {
-                    Some(back.1)
-                }
+                let is_forth_nearer = frame - forth.0 <= back.0 - frame;
+                Some(if is_forth_nearer { forth.1 } else { back.1 })
             }
             (one, other) => one.or(other).map(|(_, ptz)| ptz),
         };
-        propagated.ptz[frame] = nearer;
     }
     // Known frames keep their cameras. A stop is worth reporting only if no other known frame
     // reached that frame.

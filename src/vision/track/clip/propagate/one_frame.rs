@@ -27,6 +27,7 @@ impl Problem for OneFrame<'_> {
     type Equations = BlockEquations<0, 3>;
 
     fn equations(&self, at: &Ptz) -> BlockEquations<0, 3> {
+        // The state of the residuals is the camera, so that it is built once for all points.
         let camera = PtzCamera::new(*self.base, *at);
         let mut equations = BlockEquations::zero();
         if let Some(known) = &self.known_focal {
