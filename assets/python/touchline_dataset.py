@@ -77,7 +77,7 @@ class Dataset:
         covariances = [np.array(s["covariance"], float) if s.get("covariance") else np.full((3, 3), np.nan) for s in solutions]
         self.sigma = np.sqrt(np.array([np.diag(c) for c in covariances], float).reshape(-1, 3))
         self.confidence = np.array([s.get("confidence", np.nan) for s in solutions], float)
-        known = {row["id"]: row for row in rows}
+        known = {_cell(row["id"]): row for row in rows}
         self.split = [known.get(f.get("id"), {}).get("split", "") for f in frames]
         self.label = [known.get(f.get("id"), {}).get("label", "") for f in frames]
         self.clicks = [[_click(c) for c in f.get("clicks", []) if "landmark" in c or "line" in c] for f in frames]
@@ -146,6 +146,12 @@ def load(path):
             fields = json.load(file)
     with open(path, encoding="utf-8") as file:
         return Dataset(json.load(file), folder, rows, fields)
+
+
+def _cell(text):
+    """The text of a cell, without the apostrophe that keeps a spreadsheet from calculating it."""
+    guarded = text.startswith("'") and text.lstrip("'")[:1] in ("=", "+", "-", "@", "\t", "\r")
+    return text[1:] if guarded else text
 
 
 def _lens(camera, frame):

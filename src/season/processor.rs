@@ -84,10 +84,20 @@ fn hash_of_libraries() -> String {
             LIBRARIES.iter().any(|library| name.starts_with(library))
         })
         .collect();
-    // Sorted hashes, without names and paths: where a system keeps its libraries does not matter.
-    let hashes: BTreeSet<String> = libraries
+    hash_of_files(&libraries)
+}
+
+/// A hash of the contents of files; `none` of no file.
+fn hash_of_files(files: &BTreeSet<PathBuf>) -> String {
+    // Sorted hashes, without names and paths: where a system keeps its libraries does not matter. A
+    // library that cannot be read, such as one that was replaced since the program began, counts by
+    // its name: this machine must not be of the class of those without it.
+    let hashes: BTreeSet<String> = files
         .iter()
-        .filter_map(|library| sha256_of_file(library).ok())
+        .map(|file| {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            sha256_of_file(file).unwrap_or_else(|_| format!("unread {name}"))
+        })
         .collect();
     if hashes.is_empty() {
         return "none".to_owned();
@@ -117,6 +127,18 @@ fn ffmpeg_version() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_library_that_cannot_be_read_is_not_the_same_as_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let (there, missing) = (folder.path().join("a.so"), folder.path().join("b.so"));
+        fs::write(&there, "code").unwrap();
+        let one = hash_of_files(&BTreeSet::from([there.clone()]));
+        let both = hash_of_files(&BTreeSet::from([there, missing]));
+        assert_eq!(both.len(), HASH_DIGITS);
+        assert_ne!(one, both);
+        assert_eq!(hash_of_files(&BTreeSet::new()), "none");
+    }
 
     #[test]
     fn a_machine_has_one_class_with_three_parts() {

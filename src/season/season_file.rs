@@ -40,6 +40,10 @@ const MAX_BYTES: u64 = 16 << 20;
 /// Maximum length of a match's name, bytes: it becomes the name of a folder.
 const MAX_NAME_BYTES: usize = 100;
 
+/// Files that lie beside the folders of the matches once the season is collected.
+pub(crate) const FILES_BESIDE_MATCHES: [&str; 4] =
+    ["queue.json", "season.csv", "season.md", "collect.lock"];
+
 /// The field of a match without a venue.
 const USUAL_FIELD: &str = "soccer";
 
@@ -471,8 +475,13 @@ struct Lines {
 
 /// Whether a folder of any system may have this name: no separators, no signs that Windows
 /// reserves, and neither blanks nor dots at the ends, which Windows drops or which hide a folder.
+/// Nor may a file of the collected season have it; some systems do not tell letters by their case.
 fn is_folder_name(name: &str) -> bool {
+    let is_taken = FILES_BESIDE_MATCHES
+        .iter()
+        .any(|file| name.eq_ignore_ascii_case(file));
     !name.is_empty()
+        && !is_taken
         && name.len() <= MAX_NAME_BYTES
         && !name.starts_with(['.', ' '])
         && !name.ends_with(['.', ' '])
@@ -585,6 +594,10 @@ mod tests {
             (
                 format!("{a}name = '../x'"),
                 "line 3: \"../x\" cannot be the name of a match",
+            ),
+            (
+                format!("{a}name = 'Queue.json'"),
+                "line 3: \"Queue.json\" cannot be the name of a match",
             ),
             (
                 format!("{a}forest = 'b.mp4'"),

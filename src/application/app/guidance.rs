@@ -213,18 +213,22 @@ fn guide_base_estimate(app: &App) -> Option<Guidance> {
     app.operations.proposed_base()?;
     let proposal = app.current().proposal.as_ref();
     let is_drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
-    Some(Guidance::say(match (proposal, app.current().base) {
+    let key = app.settings.keys.key_label(Command::Compare);
+    let text = match (proposal, app.current().base) {
         (None, _) => "The estimated base is of another camera. Go to one of its frames to see it.",
         _ if !is_drawn => {
             "This frame has no points to draw the estimated base with. Step to one that has."
         }
-        (_, Some(_)) => {
-            "Lines and numbers are those of the estimated base. Hold B for the current one."
+        (_, Some(_)) if !key.is_empty() => {
+            return Some(Guidance::say(format!(
+                "Lines and numbers are those of the estimated base. Hold {key} for the current one."
+            )));
         }
-        (_, None) => {
+        _ => {
             "Lines and numbers are those of the estimated base. Step through the frames and check them."
         }
-    }))
+    };
+    Some(Guidance::say(text))
 }
 
 /// The camera has no base: what is needed for it.

@@ -221,6 +221,25 @@ fn it_can_be_stopped_and_then_nothing_has_changed() {
 }
 
 #[test]
+fn no_sport_is_said_to_be_chosen_while_another_change_is_computed() {
+    let mut app = open(document());
+    let change = higher(&app, 19.0);
+    assert!(bulk_job(app.update(change)).is_some(), "many frames");
+    app.update(Action::Edit(EditAction::ChooseSport("handball".to_owned())));
+    assert_eq!(now(&app).field.template, "soccer");
+    let notices = &app.session.messages.notices;
+    assert!(
+        notices
+            .iter()
+            .any(|notice| notice.text.starts_with("Not while another change"))
+            && !notices
+                .iter()
+                .any(|notice| notice.text.starts_with("Field:")),
+        "{notices:?}"
+    );
+}
+
+#[test]
 fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
     let mut numbers = document();
     numbers.cameras[0].set_base(&base(19.0));

@@ -134,6 +134,40 @@ fn images_have_no_range_in_time_but_a_shot() {
 }
 
 #[test]
+fn selected_frames_of_two_videos_or_cameras_get_the_mask_each_for_itself() {
+    let mut two_cameras = video();
+    two_cameras
+        .cameras
+        .push(Camera::new("side".into(), SIZE).into());
+    two_cameras.frames[7].camera = "side".into();
+    let mut two_videos = video();
+    if let Some(video) = &mut two_videos.frames[7].video {
+        video.path = "second_half.mp4".into();
+    }
+    for document in [two_cameras, two_videos] {
+        let mut bench = Bench::new(document);
+        bench.act(Action::Navigate(Navigation::GoTo(2)));
+        bench.act(Action::Edit(EditAction::AddMask {
+            of_camera: false,
+            mask: BUG,
+        }));
+        bench.app.session.frames_selected = [2, 7].into();
+        bench.act(Action::Edit(EditAction::ScopeMask {
+            list: MaskList::Frame,
+            index: 0,
+            scope: MaskScope::Selected,
+        }));
+        let document = &bench.app.open().unwrap().document;
+        let covered: Vec<usize> = document
+            .frames
+            .iter()
+            .map(|frame| document.masks_of(frame).len())
+            .collect();
+        assert_eq!(covered, [0, 0, 1, 0, 0, 0, 0, 1, 0, 0]);
+    }
+}
+
+#[test]
 fn escape_leaves_the_masks_and_enter_accepts_nothing_below_them() {
     let mut bench = Bench::new(crate::proposed::suggestions(&[Some(0.9), Some(0.9)]));
     bench.command(Command::ShowMasks);

@@ -76,16 +76,21 @@ pub fn restore_package(base: &Document, version: &Document) -> Document {
     // look like an edit. Frames with the same picture are not borrowed to be changed, so that
     // they stay shared.
     let mut whole = version.clone();
+    let given = initial_frames(version);
     for frame in &mut whole.frames {
+        // A frame that was added to a package is of a picture there, whatever its id.
+        let is_added = given
+            .as_ref()
+            .is_some_and(|given| !given.contains(&frame.id));
         if let Some(known) = base
             .frames
             .by_id(&frame.id)
-            .filter(|known| !has_place_of(frame, known))
+            .filter(|known| !is_added && !has_place_of(frame, known))
         {
             take_place(frame, known);
         }
     }
-    let Some(given) = initial_frames(version) else {
+    let Some(given) = given else {
         return whole;
     };
     whole.extra.remove(KEY);
@@ -124,11 +129,22 @@ fn join_frames(base: &Document, package: &Frames, given: &BTreeSet<FrameId>) -> 
         .and_then(|before| base.frames.get(before));
     let mut last = before.map(|frame| frame.id.clone());
     for frame in package {
-        if base.frames.by_id(&frame.id).is_some() {
+        let is_in_base = base.frames.by_id(&frame.id).is_some();
+        if is_in_base && given.contains(&frame.id) {
             last = Some(frame.id.clone());
-        } else {
-            after.entry(last.clone()).or_default().push(frame.clone());
+            continue;
         }
+        let mut new = frame.clone();
+        // Ids follow from paths, so that a new frame may have the id of a frame that was never in
+        // the package. Both are of their own work and stay.
+        if is_in_base {
+            new.id = new.id.clone().free(|id| {
+                [&base.frames, package]
+                    .iter()
+                    .any(|frames| frames.by_id(id).is_some())
+            });
+        }
+        after.entry(last.clone()).or_default().push(new);
     }
     // A frame that was given away comes from the package, or from nowhere if it was removed there.
     // All others come from the base.
@@ -266,6 +282,25 @@ mod tests {
             }
             prop_assert_eq!(merged, whole);
         }
+    }
+
+    #[test]
+    fn a_new_frame_with_the_id_of_a_frame_outside_the_package_stays_beside_it() {
+        let base = document(4);
+        let mut package = split_into_packages(&base, 2).remove(0);
+        let mut new = (*base.frames[3]).clone();
+        new.image = Some("images/003-of-the-package.jpg".to_owned());
+        new.comment = Some("new".to_owned());
+        package.frames.push(new.into());
+        let restored = restore_package(&base, &package);
+        assert_eq!(restored.frames.len(), 5);
+        assert_eq!(restored.frames[4], base.frames[3]);
+        let added = &restored.frames[2];
+        assert_eq!(added.comment.as_deref(), Some("new"));
+        assert_eq!(
+            added.image.as_deref(),
+            Some("images/003-of-the-package.jpg")
+        );
     }
 
     #[test]

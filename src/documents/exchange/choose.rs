@@ -6,6 +6,9 @@ use super::options::FrameChoice;
 use crate::document::{Frame, FrameStatus};
 use std::collections::BTreeMap;
 
+/// Why a frame without a camera is left out.
+pub const NOT_SOLVED: &str = "it is not solved";
+
 /// Whether a frame is chosen.
 pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
     // Without a request everything counts but what a person rejected.

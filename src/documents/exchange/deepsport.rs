@@ -86,7 +86,8 @@ impl CameraFormat for DeepSport {
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         // The origin is a corner of the court, so that its size must be known to find the middle.
-        let court = options.field.model(Path::new("."))?;
+        // The import has placed a template of the user's own.
+        let court = options.field.model(Path::new(""))?;
         read_frame_files(&files.sorted_entries(), without_ending, |stem, bytes| {
             let (pinhole, size) = camera(bytes, &court)?;
             let frame = FrameCamera::new(stem, Some(size), FrameProjection::Camera(pinhole));
@@ -104,6 +105,7 @@ impl CameraFormat for DeepSport {
 mod tests {
     use super::*;
     use crate::document::FieldSpec;
+    use crate::exchange::Format;
     use serde_json::{Value, json};
 
     fn published() -> Value {
@@ -142,6 +144,33 @@ mod tests {
         assert!(
             mark.distance_px(ImagePoint::new(444.680987, 789.175247)) < 1e-4,
             "{mark:?}"
+        );
+    }
+
+    #[test]
+    fn a_court_of_the_users_own_is_found_beside_the_files() {
+        let place = tempfile::tempdir().unwrap();
+        let fields = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/fields");
+        std::fs::copy(
+            fields.join("basketball_fiba.json"),
+            place.path().join("mine.json"),
+        )
+        .unwrap();
+        let file = place.path().join("camcourt1_7.json");
+        std::fs::write(&file, published().to_string()).unwrap();
+        let options = ImportOptions {
+            field: FieldSpec::new("mine.json"),
+            ..ImportOptions::default()
+        };
+        let imported = crate::exchange::import(&file, Format::DeepSport, &options).unwrap();
+        let base = imported.document.cameras[0].base().unwrap();
+        assert!(
+            (base.position_m - Vec3::new(0.0, -60.0, 18.0)).norm() < 1e-6,
+            "{base:?}"
+        );
+        assert_eq!(
+            imported.document.field.template, "mine.json",
+            "it lies in the document's folder"
         );
     }
 

@@ -2,7 +2,7 @@
 //! memory and reads them back.
 
 use super::camera_format::{CameraFormat, WriteContext};
-use super::choose::{is_chosen, nothing, refuse_same_names};
+use super::choose::{NOT_SOLVED, is_chosen, nothing, refuse_same_names};
 use super::error::ExchangeError;
 use super::exported::Exported;
 use super::files::Files;
@@ -157,7 +157,7 @@ pub fn export_cameras(
         .filter(|frame| is_chosen(frame, &options.frames))
     {
         let Some(camera) = frame_camera(document, frame, options.size) else {
-            left_out.push((frame.name(), "it is not solved".to_owned()));
+            left_out.push((frame.name(), NOT_SOLVED.to_owned()));
             continue;
         };
         // A camera is rescaled by one factor, so that the proportions must agree; compared as whole

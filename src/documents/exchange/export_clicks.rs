@@ -1,6 +1,6 @@
 //! Export of clicks to a foreign format, verified by reading them back.
 
-use super::choose::{is_chosen, nothing, refuse_same_names};
+use super::choose::{NOT_SOLVED, is_chosen, nothing, refuse_same_names};
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame};
 use super::error::ExchangeError;
 use super::exported::Exported;
@@ -58,7 +58,7 @@ pub fn export_clicks(
                     project_to_clicks(field, &camera, frame.image_size),
                     "its camera shows nothing of the field",
                 ),
-                None => (Vec::new(), "it is not solved"),
+                None => (Vec::new(), NOT_SOLVED),
             },
         };
         // Labels are names of one sport; the size of the field does not matter to them.
@@ -98,6 +98,15 @@ pub fn export_clicks(
         frame
             .clicks
             .retain(|click| dropped.keeps(click, size, click_format, &context));
+    }
+    // A frame without a label left would be an example of a picture that shows no field.
+    let emptied = chosen.extract_if(.., |frame| frame.clicks.is_empty());
+    left_out.extend(emptied.map(|frame| {
+        let why = format!("none of its clicks can be written as {format}");
+        (frame.image, why)
+    }));
+    if chosen.is_empty() {
+        return Err(nothing(format, &left_out));
     }
 
     // Names must be unique, because the files are verified by name.

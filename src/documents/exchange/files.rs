@@ -271,6 +271,13 @@ impl FolderReader<'_> {
             if kind.is_dir() && depth < MAX_DEPTH {
                 self.folder(&path, &format!("{name}/"), depth + 1)?;
             } else if kind.is_file() && (self.is_wanted)(&name) {
+                // Only names that are not UTF-8 can become equal as text. One of the two files
+                // would be lost without a word.
+                if self.files.get(&name).is_some() {
+                    let reason = "its name is not UTF-8 and reads as another file's; rename it";
+                    let source = io::Error::new(io::ErrorKind::InvalidData, reason);
+                    return Err(cannot_read(&path, source));
+                }
                 let bytes = read_limited(&path, &name)?;
                 self.total += bytes.len() as u64;
                 if self.total > MAX_TOTAL_BYTES {
@@ -420,6 +427,19 @@ mod tests {
             ),
             (b"new".into(), b"new".into())
         );
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn names_that_read_as_one_are_refused_instead_of_lost() {
+        use std::ffi::OsStr;
+        use std::os::unix::ffi::OsStrExt as _;
+        let place = tempfile::tempdir().unwrap();
+        fs::write(place.path().join(OsStr::from_bytes(b"a\xe8.json")), "{}").unwrap();
+        assert_eq!(names(place.path()), ["a\u{fffd}.json"]);
+        fs::write(place.path().join(OsStr::from_bytes(b"a\xe9.json")), "{}").unwrap();
+        let error = Files::read(place.path(), &|_| true).unwrap_err();
+        assert!(error.to_string().ends_with("; rename it"), "{error}");
     }
 
     #[cfg(unix)]

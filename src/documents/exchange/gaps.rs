@@ -1,7 +1,7 @@
 //! Frames that are missing between solved frames of a video: they are interpolated and marked as
 //! such, or split the export into takes.
 
-use super::choose::is_chosen;
+use super::choose::{NOT_SOLVED, is_chosen};
 use super::error::ExchangeError;
 use super::exported::Exported;
 use super::files::Files;
@@ -237,7 +237,8 @@ pub fn in_takes(
     let has_numberless = rest
         .iter()
         .any(|frame| frame.ptz.is_some() && is_chosen(frame, choice));
-    if has_numberless || takes.is_empty() {
+    let is_rest_written = has_numberless || takes.is_empty();
+    if is_rest_written {
         takes.push(rest.iter().map(|frame| frame.id.clone()).collect());
     }
     let mut whole: Option<Exported> = None;
@@ -260,7 +261,16 @@ pub fn in_takes(
         });
     }
     // There is at least one take, so that this error does not occur.
-    whole.ok_or_else(|| super::choose::nothing(super::format::Format::Json, &[]))
+    let mut whole =
+        whole.ok_or_else(|| super::choose::nothing(super::format::Format::Json, &[]))?;
+    // No take names the frames between the takes.
+    if !is_rest_written {
+        let unsolved = rest.iter().filter(|frame| is_chosen(frame, choice));
+        whole
+            .left_out
+            .extend(unsolved.map(|frame| (frame.name(), NOT_SOLVED.to_owned())));
+    }
+    Ok(whole)
 }
 
 /// Whether a frame is the next one of the video after another.
@@ -458,6 +468,22 @@ mod tests {
         );
         assert!(takes.is_folder() && takes.frames == 4);
         assert_eq!(export(Gaps::Keep).frames, 4);
+    }
+
+    #[test]
+    fn frames_without_a_camera_are_named_in_takes_as_in_one_file() {
+        let mut document = gappy();
+        document.frames[2].ptz = None;
+        let left_out = [Gaps::Keep, Gaps::Takes].map(|gaps| {
+            let options = ExportOptions {
+                gaps,
+                ..ExportOptions::default()
+            };
+            let at = document.at(Path::new("/"));
+            export(at, Format::Csv, &options).unwrap().left_out
+        });
+        let named = [(document.frames[2].name(), NOT_SOLVED.to_owned())];
+        assert_eq!(left_out, [named.clone(), named]);
     }
 
     #[test]

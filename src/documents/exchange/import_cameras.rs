@@ -36,7 +36,14 @@ pub fn import_cameras(
     )?;
     // Formats that state no size read pixels with that of the options, or of the video to which the
     // frames may be attached; which one a frame gets at last is decided below.
-    let mut frames = camera_format.read(&files, &options.with_any_size())?;
+    let mut reading = options.with_any_size();
+    // A format that needs the size of the field reads a template of the user's own, which lies where
+    // the new document does.
+    if reading.field.is_file() {
+        let template = folder.join(&reading.field.template);
+        reading.field.template = template.to_string_lossy().into_owned();
+    }
+    let mut frames = camera_format.read(&files, &reading)?;
     if frames.is_empty() {
         return Err(no_files(path, "frame"));
     }

@@ -44,10 +44,21 @@ fn to_json(frame: &ClickedFrame) -> Value {
     })
 }
 
-fn read_file(bytes: &[u8], shift: f64, sizes: &Sizes<'_>) -> Result<LabelledFrame, Problem> {
+/// The folder of a file's path, with its last `/`; empty if there is none.
+fn folder_prefix(path: &str) -> &str {
+    path.rfind('/').map_or("", |at| &path[..=at])
+}
+
+/// The frame of a file. `folder` is the folder from which its image's path starts.
+fn read_file(
+    bytes: &[u8],
+    folder: &str,
+    shift: f64,
+    sizes: &Sizes<'_>,
+) -> Result<LabelledFrame, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
-    let image = root.key("imagePath")?.image_name()?;
+    let image = format!("{folder}{}", root.key("imagePath")?.image_name()?);
     let stated = match (root.find("imageWidth"), root.find("imageHeight")) {
         (Some(width), Some(height)) => Some(ImageSize::new(width.side_px()?, height.side_px()?)),
         _ => None,
@@ -122,7 +133,16 @@ impl ClickFormat for Labelme {
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
-        files.read_all(|_, bytes| read_file(bytes, shift, sizes).map(Some))
+        files.read_all(|name, bytes| {
+            // labelme means a path from the JSON's own folder. A user who says where the images are
+            // need not have sorted them as the files.
+            let folder = if options.images.is_none() {
+                folder_prefix(name)
+            } else {
+                ""
+            };
+            read_file(bytes, folder, shift, sizes).map(Some)
+        })
     }
 }
 
@@ -138,6 +158,29 @@ mod tests {
         let file: Value = serde_json::from_str(&text_of(&exported.files, "0001.json")).unwrap();
         assert_eq!(file["shapes"][0]["points"], json!([[444.681, 789.175]]));
         assert_eq!(exported.worst_px, 0.0);
+    }
+
+    #[test]
+    fn an_image_lies_beside_its_file_unless_the_user_says_where() {
+        let text = text_of(
+            &export_as(&with_clicks(), Format::Labelme).files,
+            "0001.json",
+        );
+        let mut files = Files::default();
+        for name in ["left/0001.json", "right/far/0001.json"] {
+            files.add(name, text.clone());
+        }
+        let mut options = ImportOptions::default();
+        for (images, wanted) in [
+            (None, ["left/0001.jpg", "right/far/0001.jpg"]),
+            (Some("pictures".into()), ["0001.jpg", "0001.jpg"]),
+        ] {
+            options.images = images;
+            let read = Labelme.read(&files, &options, &|_| None).unwrap();
+            let named: Vec<Option<&str>> =
+                read.iter().map(|frame| frame.image.as_deref()).collect();
+            assert_eq!(named, wanted.map(Some));
+        }
     }
 
     #[test]

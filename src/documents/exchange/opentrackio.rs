@@ -259,7 +259,7 @@ fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
         .and_then(|list| list.count().ok())
         .is_some_and(|count| count > 1)
     {
-        unread.insert("the second distortion of the lens".to_owned());
+        unread.insert("another distortion of the lens".to_owned());
     }
     unread
 }
@@ -285,9 +285,10 @@ fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
     let Some(list) = lens.find("distortion") else {
         return Ok(Radial::default());
     };
-    // A list may have a model for each direction. The first one that distorts counts, and it must
-    // be ours: the other direction has no closed form in our coefficients. `unread` reports a
-    // second one.
+    // A list may have a model for each direction, in any order. The first one of ours that distorts
+    // counts: the other direction has no closed form in our coefficients. `unread` reports that
+    // there is another one.
+    let mut foreign = None;
     for distortion in list.items()? {
         let terms = distortion.key("radial")?.all_numbers()?;
         let tangential = distortion
@@ -301,10 +302,11 @@ fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
             .is_some_and(|model| model.value() == MODEL);
         if !is_ours && bends {
             let what = format!("the model of {}", distortion.path());
-            return Err(Problem::Unsupported {
+            foreign.get_or_insert(Problem::Unsupported {
                 what,
                 why: "only Brown-Conrady U-D is read",
             });
+            continue;
         }
         // Numerator and denominator alternate: l1 and l3 are the first two terms of the numerator,
         // k1 and k2. All others must be zero.
@@ -326,7 +328,7 @@ fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
             });
         }
     }
-    Ok(Radial::default())
+    foreign.map_or_else(|| Ok(Radial::default()), Err)
 }
 
 fn read_line(
@@ -513,7 +515,7 @@ mod tests {
             "distortionOffset",
             "distortionOverscan",
             "version 0.9.2",
-            "second distortion",
+            "another distortion",
         ] {
             assert!(said.contains(named), "{named}: {said}");
         }
@@ -578,6 +580,26 @@ mod tests {
         let (before, after) = (read(&text), read(&moved));
         let forward = before.cam_from_world.row(2).transpose();
         assert!((after.position_m - before.position_m - forward * 0.5).norm() < 1e-12);
+    }
+
+    #[test]
+    fn our_model_is_read_behind_that_of_the_other_direction() {
+        let text = text_of(
+            &export_as(&reference(), Format::OpenTrackIo).files,
+            "camera.jsonl",
+        );
+        let mut sample: Value = serde_json::from_str(text.trim()).unwrap();
+        let ours = sample["lens"]["distortion"][0].clone();
+        let mut foreign = ours.clone();
+        foreign["model"] = "Brown-Conrady D-U".into();
+        sample["lens"]["distortion"] = json!([foreign, ours]);
+        let options = ImportOptions::default();
+        let [alone, second] = [text.trim().to_owned(), sample.to_string()].map(|line| {
+            let read = read_line(&line, &mut Static::default(), &options, 0);
+            read.unwrap().pinhole().unwrap().lens
+        });
+        assert_eq!(second, alone);
+        assert_ne!(second, Radial::default());
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::node::{Node, parse};
 use super::options::ImportOptions;
 use super::picture_size::SizeSource;
-use super::unreadable::read_frame_files;
+use super::unreadable::{frame_without_camera, read_frame_files};
 use super::values::{refuse_further_coefficients, refuse_oblong_pixels};
 use serde_json::{Value, json};
 use touchline_core::camera::Radial;
@@ -198,26 +198,42 @@ fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
     read_frame_files(&files.sorted_entries(), frame_name, read_file)
 }
 
-/// The frames of a file with a list of samples; none where the file has no list.
+/// The frames of a file with a list of samples; none where the file has no list. A damaged sample
+/// is a frame without a camera.
+///
+/// # Errors
+/// All of them are damaged; the problem is that of the first.
 fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
     let Ok(samples) = root.items() else {
         return Ok(None);
     };
-    let frames = samples.enumerate().map(|(index, sample)| {
+    let (mut frames, mut first_problem, mut is_any_read) = (Vec::new(), None, false);
+    for (index, sample) in samples.enumerate() {
         let image = sample.find("image_id").or_else(|| sample.find("image_ids"));
-        let name = image.map(|image| image.image_name()).transpose()?;
-        let pinhole = from_json(&sample)?;
-        let name = name.unwrap_or_else(|| format!("{index:06}"));
-        let size = size_by_principal_point(pinhole.principal_point);
-        Ok(FrameCamera::new(
-            stem(&name),
-            size,
-            FrameProjection::Camera(pinhole),
-        ))
-    });
-    frames.collect::<Result<Vec<_>, Problem>>().map(Some)
+        let named = image.map(|image| image.image_name()).transpose();
+        let name = match &named {
+            Ok(Some(name)) => stem(name).to_owned(),
+            _ => format!("{index:06}"),
+        };
+        match named.and_then(|_| from_json(&sample)) {
+            Ok(pinhole) => {
+                is_any_read = true;
+                let size = size_by_principal_point(pinhole.principal_point);
+                let camera = FrameProjection::Camera(pinhole);
+                frames.push(FrameCamera::new(&name, size, camera));
+            }
+            Err(problem) => {
+                frames.push(frame_without_camera(&name, None, &problem));
+                first_problem.get_or_insert(problem);
+            }
+        }
+    }
+    match first_problem {
+        Some(problem) if !is_any_read => Err(problem),
+        _ => Ok(Some(frames)),
+    }
 }
 
 /// Whether the principal point of a frame is not in the middle of its picture.
@@ -451,6 +467,28 @@ mod tests {
             "a.b.jpg cannot be written as soccernet: the evaluator cuts names at the first dot, and \"a.b\" has one; rename \
              the image"
         );
+    }
+
+    #[test]
+    fn a_damaged_sample_of_a_list_costs_its_own_camera_alone() {
+        let files = export_as(&reference(), Format::SoccerNet).files;
+        let mut good: Value = serde_json::from_str(&text_of(&files, "camera_0001.json")).unwrap();
+        good["image_id"] = "a.jpg".into();
+        let bad = json!({ "image_id": "b.jpg" });
+        let [frames, all_damaged] = [json!([null, good, bad]), json!([bad])].map(|list| {
+            let files = Files::one("all.json", list.to_string().into_bytes());
+            PnlCalib.read(&files, &ImportOptions::default())
+        });
+        let frames = frames.unwrap();
+        let read_of: Vec<(&str, bool)> = frames
+            .iter()
+            .map(|frame| (frame.name.as_str(), frame.unreadable.is_none()))
+            .collect();
+        assert_eq!(read_of, [("000000", false), ("a", true), ("b", false)]);
+        let problem = &frames[2].unreadable.as_ref().unwrap().problem;
+        assert!(problem.ends_with("x_focal_length is missing"), "{problem}");
+        let error = all_damaged.unwrap_err().to_string();
+        assert!(error.starts_with("all.json: "), "{error}");
     }
 
     #[test]

@@ -39,14 +39,7 @@ pub fn read_frame_files(
             // The frame stays in its place in the order, because frames without numbers are
             // attached to a video by their order.
             Err(problem) => {
-                let unreadable = Unreadable {
-                    file: Some(file.to_owned()),
-                    problem: problem.to_string(),
-                };
-                frames.push(FrameCamera {
-                    unreadable: Some(unreadable),
-                    ..FrameCamera::new(name, None, FrameProjection::Nothing)
-                });
+                frames.push(frame_without_camera(name, Some(file), &problem));
                 first_problem.get_or_insert_with(|| problem.within(file));
             }
         }
@@ -54,6 +47,18 @@ pub fn read_frame_files(
     match first_problem {
         Some(problem) if !is_any_read => Err(problem),
         _ => Ok(frames),
+    }
+}
+
+/// A frame of which the camera cannot be read; `file` is a file of its own.
+pub fn frame_without_camera(name: &str, file: Option<&str>, problem: &Problem) -> FrameCamera {
+    let unreadable = Unreadable {
+        file: file.map(ToOwned::to_owned),
+        problem: problem.to_string(),
+    };
+    FrameCamera {
+        unreadable: Some(unreadable),
+        ..FrameCamera::new(name, None, FrameProjection::Nothing)
     }
 }
 

@@ -19,7 +19,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use touchline_core::files::{PROJECT_FILE, folder_of, replace_folder, temporary_folder_in};
+use touchline_core::files::{
+    PROJECT_FILE, folder_of, follow_link, open_named, replace_folder, temporary_folder_in,
+};
 
 /// Writes the document in packages of `count` frames each into a folder that is empty or does not
 /// exist. Returns the number of frames of each.
@@ -44,12 +46,14 @@ pub fn write_packages(
     // A template lies elsewhere on the other machine, so that each package has a copy; the document
     // names the copies.
     let (document, templates) = with_templates(at)?;
+    // Errors name the folder as it was given, not the target of a link.
+    let target = &follow_link(folder);
     let temporary =
-        temporary_folder_in(folder_of(folder)).map_err(|source| cannot_write(folder, source))?;
+        temporary_folder_in(folder_of(target)).map_err(|source| cannot_write(folder, source))?;
     let packages = split_into_packages(&document, count);
     for (index, package) in packages.iter().enumerate() {
         let place = temporary.path().join(format!("package{:03}", index + 1));
-        let package = copy_pictures(package, at.folder, &place)?;
+        let package = copy_pictures(package, at.folder, &place, folder)?;
         let project = document_to_string(&package)?.into_bytes();
         let texts = templates
             .iter()
@@ -60,7 +64,7 @@ pub fn write_packages(
         }
     }
     // The folder is empty or absent: nothing in it is replaced.
-    replace_folder(temporary, folder, &|_, _| false)?;
+    replace_folder(temporary, target, &|_, _| false)?;
     Ok(packages
         .iter()
         .map(|package| package.frames.len())
@@ -126,11 +130,13 @@ fn files_of(frame: &Frame, folder: &Path) -> Vec<PathBuf> {
     frame.image_path(folder).into_iter().chain(video).collect()
 }
 
-/// The package with copies of its pictures in its folder.
+/// The package with copies of its pictures in its folder, `place`, until all are renamed to
+/// `target`.
 fn copy_pictures(
     package: &Document,
     folder: &Path,
     place: &Path,
+    target: &Path,
 ) -> Result<Document, ExchangeError> {
     let mut package = package.clone();
     let mut names = Names::default();
@@ -138,7 +144,7 @@ fn copy_pictures(
         let frame: &mut Frame = frame;
         if let Some(path) = frame.image_path(folder) {
             let name = names.take("images", &path);
-            copy(&path, &place.join(&name), false)?;
+            copy(&path, &place.join(&name), false, target)?;
             frame.image = Some(name);
         }
         if let Some(video) = &mut frame.video {
@@ -148,7 +154,7 @@ fn copy_pictures(
             let is_new = !names.by_file.contains_key(&path);
             let name = names.take("videos", &path);
             if is_new {
-                copy(&path, &place.join(&name), true)?;
+                copy(&path, &place.join(&name), true, target)?;
             }
             video.path = name;
         }
@@ -156,8 +162,12 @@ fn copy_pictures(
     Ok(package)
 }
 
-fn copy(from: &Path, to: &Path, as_link: bool) -> Result<(), ExchangeError> {
-    copy_or_link(from, to, as_link).map_err(|source| cannot_read(from, source))
+/// Copies a file, or links it. An error of the writing names `target`.
+fn copy(from: &Path, to: &Path, as_link: bool, target: &Path) -> Result<(), ExchangeError> {
+    // What can be opened can be read as a rule, so that what fails afterwards is the writing, such
+    // as on a full disk.
+    open_named(from).map_err(|source| cannot_read(from, source))?;
+    copy_or_link(from, to, as_link).map_err(|source| cannot_write(target, source))
 }
 
 /// Copies a file; with `as_link`, gives it a second name where the system can.
@@ -271,6 +281,34 @@ mod tests {
             again.ends_with("out holds something already; give an empty or a new folder"),
             "{again}"
         );
+    }
+
+    #[test]
+    fn what_cannot_be_read_or_written_is_named_as_such() {
+        let place = tempfile::tempdir().unwrap();
+        let (from, in_the_way) = (place.path().join("1.jpg"), place.path().join("file"));
+        fs::write(&in_the_way, "").unwrap();
+        let to = in_the_way.join("1.jpg");
+        let unread = format!("cannot read {}: ", from.display());
+        for wanted in [unread.as_str(), "cannot write /packages: "] {
+            let copied = copy(&from, &to, false, Path::new("/packages"));
+            let said = copied.unwrap_err().to_string();
+            assert!(said.starts_with(wanted), "{said}");
+            fs::write(&from, "").unwrap();
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn packages_are_written_through_a_link_to_an_empty_folder() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("project");
+        let base = project(&folder);
+        let (out, link) = (place.path().join("out"), place.path().join("link"));
+        fs::create_dir(&out).unwrap();
+        std::os::unix::fs::symlink(&out, &link).unwrap();
+        write_packages(base.at(&folder), 5, &link, false).unwrap();
+        assert!(link.is_symlink() && out.join("package001/project.json").is_file());
     }
 
     #[test]

@@ -287,6 +287,23 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_that_loses_all_its_clicks_is_left_out_and_no_background_image() {
+        let mut document = with_clicks();
+        let mut lines_only = (*document.frames[0]).clone();
+        lines_only.id = "lines".into();
+        lines_only.image = Some("images/0002.jpg".to_owned());
+        lines_only
+            .clicks
+            .retain(|click| click.target.as_ref().unwrap().line().is_some());
+        document.frames.push(lines_only.into());
+        let exported = export_as(&document, Format::YoloPose);
+        assert_eq!(exported.frames, 1);
+        assert_eq!(exported.files.get("labels/train/0002.txt"), None);
+        let why = "none of its clicks can be written as yolo-pose".to_owned();
+        assert_eq!(exported.left_out, [("0002.jpg".to_owned(), why)]);
+    }
+
+    #[test]
     fn the_published_order_of_mirrored_points_follows_from_the_names() {
         let options = ExportOptions {
             names: KeypointNames::Roboflow32,

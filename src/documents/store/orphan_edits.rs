@@ -38,17 +38,51 @@ impl OrphanEdits {
         self.document().map(|(_, ours)| ours)
     }
 
-    /// The base, and the document to which the edits lead. Edits from the first that does not apply
-    /// are left out.
+    /// The base, and the document to which the edits lead. From the first edit that does not apply
+    /// on, their frames alone are taken, as where the base is unknown.
     fn document(&self) -> Option<(&Document, Document)> {
         let base = self.base.as_ref()?;
         let mut ours = base.clone();
-        for edit in &self.edits {
+        for (index, edit) in self.edits.iter().enumerate() {
             if let Err(misfit) = edit.clone().apply(&mut ours) {
                 log::warn!("{}: {misfit}", edit.name);
+                // Both states of a frame are of the same person, so that neither is a conflict.
+                ours = graft(&self.edits[index..], &ours).document;
                 break;
             }
         }
         Some((base, ours))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::fixtures::{document, names_and_comments};
+
+    /// The edit that gives the last frame of a document a comment.
+    fn comment_on_last(before: &Document, comment: &str) -> Edit {
+        let mut after = before.clone();
+        let last = after.frames.len() - 1;
+        after.frames[last].comment = Some(comment.to_owned());
+        Edit::between(before, &after, "Comment")
+    }
+
+    #[test]
+    fn frames_of_edits_behind_one_that_does_not_apply_are_not_lost() {
+        let base = document(&["a", "b"]);
+        let edits = OrphanEdits {
+            base: Some(base.clone()),
+            edits: vec![
+                comment_on_last(&document(&["a"]), " one"),
+                comment_on_last(&document(&["a", "b", "unknown"]), " two"),
+                comment_on_last(&base, " three"),
+            ],
+        };
+        let wanted = ["a one", "b three", "unknown two"];
+        assert_eq!(names_and_comments(&edits.result().unwrap()), wanted);
+        let merged = edits.merge_with(&base);
+        assert_eq!(names_and_comments(&merged.document), wanted);
+        assert_eq!(merged.conflicts, [""; 0]);
     }
 }

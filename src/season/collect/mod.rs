@@ -24,6 +24,7 @@ pub use queue::{Queue, QueueEntry, QueueError};
 
 use crate::part::shard_of_path;
 use crate::plan::Plan;
+use crate::season_file::FILES_BESIDE_MATCHES;
 use project::{CollectedMatch, MatchToCollect};
 use std::collections::BTreeSet;
 use std::fs;
@@ -34,11 +35,11 @@ use touchline_documents::store::{ReadOnly, lock_file, write_atomically};
 use touchline_vision::relocalize::CERTAIN;
 
 /// The queue's file.
-pub const QUEUE_FILE: &str = "queue.json";
+pub const QUEUE_FILE: &str = FILES_BESIDE_MATCHES[0];
 /// The table's files.
-const TABLE_FILES: [&str; 2] = ["season.csv", "season.md"];
+const TABLE_FILES: [&str; 2] = [FILES_BESIDE_MATCHES[1], FILES_BESIDE_MATCHES[2]];
 /// Locked while a folder is written into.
-const LOCK_FILE: &str = "collect.lock";
+const LOCK_FILE: &str = FILES_BESIDE_MATCHES[3];
 
 /// Options of collecting.
 #[derive(Clone, Copy, Debug, PartialEq)]

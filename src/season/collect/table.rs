@@ -5,6 +5,7 @@ use super::queue::confidence_of;
 use crate::part::Cost;
 use crate::plan::PlannedMatch;
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::Path;
 use touchline_documents::document::{Frame, FrameStatus};
 use touchline_documents::report::{Cell, Table};
@@ -85,10 +86,11 @@ impl SeasonTable {
                 }
             }
         }
-        // Frames that no part has: of missing windows, and images that cannot be read. A project of
-        // the match may have frames of its own beside these, so the rest may not become negative.
-        let counted = counts.certain + counts.uncertain + counts.none;
-        counts.gap = planned.num_frames.saturating_sub(counted);
+        // Frames of the match that no part has: of missing windows, and images that cannot be read.
+        // Frames of the match's project that are of other pictures fill no gap.
+        let of_match = found.document.iter().flat_map(|document| &document.frames);
+        let of_match = of_match.filter(|frame| !is_of_other_frames(frame, planned));
+        counts.gap = planned.num_frames.saturating_sub(of_match.count());
         self.push(
             &planned.name,
             &counts,
@@ -137,6 +139,25 @@ fn is_certain(frame: &Frame, below: f64) -> bool {
         || confidence_of(frame).is_some_and(|confidence| confidence >= below)
 }
 
+/// Whether the path of a frame says that it is no frame of the match.
+fn is_of_other_frames(frame: &Frame, planned: &PlannedMatch) -> bool {
+    // By the name of the video or folder alone: the season's folder may have been moved since its
+    // projects were made. A path without a name, such as `../1.jpg`, says nothing.
+    let name = Some(OsStr::new(&planned.frames_name));
+    match (&frame.image, &frame.video) {
+        (Some(image), _) => {
+            let image = Path::new(image);
+            let folder = image.parent().and_then(Path::file_name);
+            folder.is_some() && folder != name && image.file_name() != name
+        }
+        (None, Some(video)) => {
+            Path::new(&video.path).file_name() != name
+                || video.frame_index >= planned.num_frames as u64
+        }
+        (None, None) => true,
+    }
+}
+
 /// Why a frame has no camera, in a word: the code of its first warning.
 fn reason_of(frame: &Frame) -> &str {
     let warnings = frame.solution.as_ref().map(|solution| &solution.warnings);
@@ -169,4 +190,44 @@ fn core_hours(planned: &PlannedMatch, parts: &Path) -> f64 {
         .map(|cost| cost.cpu_s.unwrap_or(cost.wall_s))
         .sum::<f64>()
         / HOUR_S
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Document, FieldSpec, VideoFrame};
+
+    #[test]
+    fn frames_of_a_project_that_are_of_other_pictures_fill_no_gap() {
+        let size = ImageSize::new(64, 36);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for index in 0..4 {
+            let video = VideoFrame::new("../../videos/a.mp4", index, None);
+            let of_match = Frame::from_video(video, "main".into(), size);
+            document.frames.push(of_match.into());
+            let other = Frame::from_image(&format!("own/{index}.jpg"), "main".into(), size);
+            document.frames.push(other.into());
+        }
+        let planned = PlannedMatch {
+            name: "north".to_owned(),
+            frames: "videos/a.mp4".to_owned(),
+            frames_name: "a.mp4".to_owned(),
+            frames_sha256: String::new(),
+            num_frames: 10,
+            field: FieldSpec::new("soccer"),
+            project: None,
+            forest: None,
+            look_at: 40,
+            find: "find".to_owned(),
+            labels: Vec::new(),
+        };
+        let found = CollectedMatch {
+            document: Some(document),
+            ..CollectedMatch::default()
+        };
+        let mut table = SeasonTable::new();
+        table.add(&planned, &found, Path::new("/no/parts"), 0.9);
+        assert_eq!((table.sums.none, table.sums.gap), (8, 6));
+    }
 }

@@ -118,7 +118,8 @@ impl Operation for BaseEstimate {
     ) {
         match result {
             Ok(found) => {
-                let text = describe(&found);
+                let key = app.settings.keys.key_label(Command::Compare);
+                let text = describe(&found, &key);
                 app.session.retract(Command::EstimateBase);
                 app.operations.base_estimate.last = LastEstimate::Proposed(found.into());
                 app.session.notify(Level::Info, text);
@@ -385,14 +386,21 @@ impl BaseEstimateState {
     }
 }
 
-/// The result in one sentence, with the error of the previous base.
-fn describe(found: &EstimatedBase) -> String {
+/// The result in one sentence, with the error of the previous base. `key` shows that base; it is
+/// empty if the command has none.
+fn describe(found: &EstimatedBase, key: &str) -> String {
     let estimate = &found.estimate;
     let frames = estimate.frames.iter().flatten().count();
     let before = estimate
         .previous_median_px
         .filter(|px| px.is_finite())
-        .map(|px| format!(" (currently {px:.1} px); hold B for the current base"))
+        .map(|px| {
+            if key.is_empty() {
+                format!(" (currently {px:.1} px)")
+            } else {
+                format!(" (currently {px:.1} px); hold {key} for the current base")
+            }
+        })
         .unwrap_or_default();
     let one_view = estimate
         .one_view()

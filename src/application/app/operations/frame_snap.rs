@@ -266,7 +266,8 @@ impl App {
         }
         self.commit();
         if let Some(before) = before {
-            let text = describe_snap(&before, found, &request.frame);
+            let key = self.settings.keys.key_label(Command::Snap);
+            let text = describe_snap(&before, found, &request.frame, &key);
             self.operations
                 .frame_snap
                 .before
@@ -354,11 +355,13 @@ impl FrameSnapState {
     }
 }
 
-/// How far the centre of the picture moved, and the evidence, as text.
+/// How far the centre of the picture moved, and the evidence, as text. `key` shows the camera
+/// before; it is empty if the command has none.
 fn describe_snap(
     before: &PtzCamera,
     CameraOnPaint { base, found }: &CameraOnPaint,
     frame: &Frame,
+    key: &str,
 ) -> String {
     let after = PtzCamera::new(*base, found.ptz);
     let centre = frame.image_size.centre();
@@ -369,8 +372,13 @@ fn describe_snap(
     let moved = moved
         .map(|to| format!(", {:.1} px away", to.distance_px(centre)))
         .unwrap_or_default();
+    let hint = if key.is_empty() {
+        String::new()
+    } else {
+        format!(" Hold {key} to see it before.")
+    };
     format!(
-        "Snapped to {} points on painted lines (within {:.1} px){moved}. Hold S to see it before.",
+        "Snapped to {} points on painted lines (within {:.1} px){moved}.{hint}",
         found.samples, found.rms_px
     )
 }

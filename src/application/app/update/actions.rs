@@ -93,9 +93,15 @@ impl App {
             EditAction::RemoveMask { list, index } => self.remove_mask(list, index),
             EditAction::Begin(name) => self.begin_edit(name),
             EditAction::Ptz(ptz) => self.edit_ptz(ptz),
-            EditAction::Camera(camera) => self.edit_camera(*camera),
-            EditAction::Field(field) => self.edit_field(field),
-            EditAction::End => self.end_edit(),
+            EditAction::Camera(camera) => {
+                self.edit_camera(*camera);
+            }
+            EditAction::Field(field) => {
+                self.edit_field(field);
+            }
+            EditAction::End => {
+                self.end_edit();
+            }
             EditAction::Abort => self.abort(),
             EditAction::SolveAgain => self.solve_again(),
             EditAction::AcceptAll => self.accept_all(),

@@ -140,8 +140,8 @@ fn mask_by_hand(pixel_box: PixelBox) -> RangedMask {
     }
 }
 
-/// Adds a mask for some frames: to the camera with a range of frames if they belong to a video,
-/// otherwise to each of the frames.
+/// Adds a mask for some frames: to the camera with a range of frames if all belong to the shown
+/// frame's camera and video, otherwise to each of the frames.
 fn put_mask(
     document: &mut Document,
     shown: usize,
@@ -153,6 +153,7 @@ fn put_mask(
         return;
     };
     let (here, camera) = (frame.video_frame_index(), frame.camera.clone());
+    let shown_video = frame.video.as_ref().map(|video| video.path.clone());
     // The first and last frame of the range; none for a mask of single frames. A range that the
     // mask has already is cut at the shown frame.
     let range = match scope {
@@ -160,13 +161,18 @@ fn put_mask(
         MaskScope::Frame => None,
         MaskScope::FromHere => Some((here, mask.to.filter(|to| Some(*to) >= here))),
         MaskScope::UpToHere => Some((mask.from.filter(|from| Some(*from) <= here), here)),
-        // Still images have no numbers: each gets the mask for itself.
+        // A range covers one video of one camera. Still images have no numbers, and frames that are
+        // selected beyond the shown video or camera are outside of it: each gets the mask for
+        // itself.
         MaskScope::Shot | MaskScope::Selected => {
             let numbers: Option<Vec<u64>> = frames
                 .iter()
                 .map(|&index| {
                     let frame = document.frames.get(index)?;
-                    frame.video_frame_index()
+                    let video = frame.video.as_ref()?;
+                    let is_of_range =
+                        frame.camera == camera && Some(&video.path) == shown_video.as_ref();
+                    is_of_range.then_some(video.frame_index)
                 })
                 .collect();
             numbers.map(|numbers| (numbers.iter().min().copied(), numbers.iter().max().copied()))

@@ -21,15 +21,19 @@ impl App {
         }
     }
 
-    /// Makes an edit within the present series, or as a step of its own if there is none.
-    fn within_edit(&mut self, step: Step, change: impl FnOnce(&mut Self)) {
+    /// Makes an edit within the present series, or as a step of its own if there is none. Returns
+    /// false, with a message, if the edit cannot be made now.
+    fn within_edit(&mut self, step: Step, change: impl FnOnce(&mut Self)) -> bool {
         if self.session.mode == Mode::Editing {
             change(self);
-        } else if self.begin_step(step) {
-            change(self);
-            self.session.mode = Mode::Editing;
-            self.end_edit();
+            return true;
         }
+        if !self.begin_step(step) {
+            return false;
+        }
+        change(self);
+        self.session.mode = Mode::Editing;
+        self.end_edit()
     }
 
     /// Sets pan, tilt and focal length of the shown frame by hand.
@@ -65,8 +69,8 @@ impl App {
         });
     }
 
-    /// Changes a camera.
-    pub(super) fn edit_camera(&mut self, camera: Camera) {
+    /// Changes a camera. Returns false, with a message, if that is impossible now.
+    pub(super) fn edit_camera(&mut self, camera: Camera) -> bool {
         if camera.position_m.is_some() != camera.base_from_world.is_some()
             && self.session.mode != Mode::Editing
         {
@@ -82,11 +86,12 @@ impl App {
             // The shown frame is solved at once, so that its lines follow the number; the others
             // when the edit ends.
             solve_if_by_clicks(open, app.session.frame);
-        });
+        })
     }
 
-    /// Changes the field of the shown frame: its camera's own, or the document's.
-    pub(super) fn edit_field(&mut self, field: FieldSpec) {
+    /// Changes the field of the shown frame: its camera's own, or the document's. Returns false,
+    /// with a message, if that is impossible now.
+    pub(super) fn edit_field(&mut self, field: FieldSpec) -> bool {
         self.within_edit(Step::on_document("Change field"), |app| {
             let shown = app.session.frame;
             let Some(open) = &mut app.open else { return };
@@ -97,14 +102,14 @@ impl App {
                 None => open.document.field = field,
             }
             solve_if_by_clicks(open, shown);
-        });
+        })
     }
 
     /// Ends a series of edits. If a camera or the field changed, solves all frames from clicks
-    /// again.
-    pub(super) fn end_edit(&mut self) {
+    /// again. Returns false, with a message, if that is impossible now; the edits are then undone.
+    pub(super) fn end_edit(&mut self) -> bool {
         if self.session.mode != Mode::Editing {
-            return;
+            return true;
         }
         self.session.mode = Mode::Idle;
         // `history.before` is the document at the beginning of the step.
@@ -122,9 +127,12 @@ impl App {
                 // The step is aborted and made again as a bulk change, which starts from the
                 // document before the edit: the new solution of the shown frame is a part of it.
                 self.abort();
-                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)), |_, _| ());
+                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)), |_, _| ())
             }
-            _ => self.commit(),
+            _ => {
+                self.commit();
+                true
+            }
         }
     }
 
@@ -143,8 +151,9 @@ impl App {
             size: Some(FieldSize::Confirmed),
             ..spec
         });
-        self.end_edit();
-        self.session.retract(Command::ConfirmFieldSize);
+        if self.end_edit() {
+            self.session.retract(Command::ConfirmFieldSize);
+        }
     }
 
     /// The specification of the shown frame's field, or the document's if there is no frame.
@@ -209,14 +218,12 @@ impl App {
             );
             return;
         };
-        if self.refuses_changes() {
-            return;
+        if self.edit_camera(adopted) {
+            self.session.notify(
+                Level::Info,
+                format!("Camera base loaded from {:?}.", loaded.id.as_str()),
+            );
         }
-        self.edit_camera(adopted);
-        self.session.notify(
-            Level::Info,
-            format!("Camera base loaded from {:?}.", loaded.id.as_str()),
-        );
     }
 
     /// The camera of the shown frame.

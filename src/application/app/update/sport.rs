@@ -54,8 +54,9 @@ impl App {
         changed
             .params
             .extend(crown.map(|crown_m| (CROWN.to_owned(), crown_m)));
-        self.edit_field(changed);
-        self.session.notify(Level::Info, format!("Field: {title}."));
+        if self.edit_field(changed) {
+            self.session.notify(Level::Info, format!("Field: {title}."));
+        }
     }
 }
 

@@ -82,6 +82,20 @@ pub enum AuthorsError {
         /// The distance between the two centres, m.
         apart_m: f64,
     },
+    /// The principal point of a frame is not that of the first frame.
+    #[error(
+        "{}: the principal point of {image} is {off_px:.1} px away from that of the first frame; \
+         put frames of another camera into a file of their own",
+        path.display()
+    )]
+    OtherPrincipalPoint {
+        /// The file.
+        path: PathBuf,
+        /// The frame.
+        image: String,
+        /// The distance between the two principal points, px.
+        off_px: f64,
+    },
     /// A folder holds no annotations.
     #[error("{} holds no MATLAB file with annotations (such as seq1_anno.mat)", folder.display())]
     NoSequences {

@@ -196,19 +196,26 @@ impl AuthorsSequence {
         let turn = angle_between(&pointed.cam_from_world(), &cam_from_world);
         let apart_m =
             (Vec3::new(camera[6], camera[7], camera[8]) - self.base_from_corner.position_m).norm();
-        let same_principal = annotation
-            .principal_point
-            .distance_px(self.base_from_corner.principal_point)
-            < CORNER_FROM_CENTRE;
-        if turn.degrees() <= MOST_APART_DEG && apart_m <= MOST_APART_M && same_principal {
-            return Ok(turn);
+        let (path, image) = (path.to_path_buf(), annotation.image.to_owned());
+        if !(turn.degrees() <= MOST_APART_DEG && apart_m <= MOST_APART_M) {
+            return Err(AuthorsError::Disagrees {
+                path,
+                image,
+                turn_deg: turn.degrees(),
+                apart_m,
+            });
         }
-        Err(AuthorsError::Disagrees {
-            path: path.to_path_buf(),
-            image: annotation.image.to_owned(),
-            turn_deg: turn.degrees(),
-            apart_m,
-        })
+        let off_px = annotation
+            .principal_point
+            .distance_px(self.base_from_corner.principal_point);
+        if !(off_px < CORNER_FROM_CENTRE) {
+            return Err(AuthorsError::OtherPrincipalPoint {
+                path,
+                image,
+                off_px,
+            });
+        }
+        Ok(turn)
     }
 
     /// The path of a frame's image: in the first folder that contains it, else in the likeliest.

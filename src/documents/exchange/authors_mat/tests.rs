@@ -263,3 +263,19 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
         "{error}"
     );
 }
+
+#[test]
+fn another_principal_point_is_named_as_what_differs() {
+    let root = tempfile::tempdir().unwrap();
+    let mut moved = CAMERA;
+    moved[0] += 3.0;
+    let frames = vec![frame("1.jpg", CAMERA), frame("2.jpg", moved)];
+    new_file(root.path(), "seq1_anno.mat", &sequence(frames, true));
+    let error = read_authors_folder(root.path(), [118.0, 70.0])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("seq1_anno.mat: the principal point of 2.jpg is 3.0 px away"),
+        "{error}"
+    );
+}

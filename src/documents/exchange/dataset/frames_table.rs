@@ -3,8 +3,9 @@
 use super::matches::match_names;
 use super::plan::PlannedFrame;
 use super::split::match_of;
-use crate::document::{Click, Frame};
+use crate::document::{Click, Clip, Frame};
 use crate::exchange::table::{field_text, push_row};
+use touchline_core::geometry::text_cell;
 
 const COLUMNS: [&str; 20] = [
     "image",
@@ -38,23 +39,29 @@ pub fn frames_table(frames: &[(&PlannedFrame, &Frame, &Frame)]) -> String {
     push_row(&COLUMNS.map(ToOwned::to_owned), &mut text);
     for (planned, dataset, original) in frames {
         let name = field_text(matches.get(&match_of(original)));
-        push_row(&row(planned, dataset, name), &mut text);
+        push_row(&row(planned, dataset, &name), &mut text);
     }
     text
 }
 
-fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: String) -> [String; 20] {
+fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: &str) -> [String; 20] {
     let solution = frame.solution.as_ref();
     let video = frame.video.as_ref();
+    // Names come from other people's files and folders; a spreadsheet must not calculate them. A
+    // number that is negative may stay as it is.
+    let clip = match &frame.clip {
+        Some(Clip::Name(name)) => text_cell(name),
+        clip => field_text(clip.as_ref()),
+    };
     [
-        frame.image.clone().unwrap_or_default(),
+        frame.image.as_deref().map(text_cell).unwrap_or_default(),
         field_text(planned.split),
         planned.origin.to_string(),
         frame.status.as_str().to_owned(),
-        name_of_match,
-        frame.camera.to_string(),
-        field_text(frame.clip.as_ref()),
-        field_text(video.map(|video| &video.path)),
+        text_cell(name_of_match),
+        text_cell(frame.camera.as_str()),
+        clip,
+        field_text(video.map(|video| text_cell(&video.path))),
         field_text(video.map(|video| video.frame_index)),
         field_text(video.and_then(|video| video.pts_s)),
         frame.clicks.len().to_string(),
@@ -65,8 +72,8 @@ fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: String) -> [String;
         field_text(solution.and_then(|solution| solution.rms_px)),
         field_text(solution.and_then(|solution| solution.worst_corner_sigma_px)),
         frame.sha256.clone().unwrap_or_default(),
-        planned.undistorted.clone().unwrap_or_default(),
-        frame.id.to_string(),
+        field_text(planned.undistorted.as_deref().map(text_cell)),
+        text_cell(frame.id.as_str()),
     ]
 }
 
@@ -80,4 +87,48 @@ pub fn count_clicks<'a>(
         .flat_map(|frame| &frame.clicks)
         .filter(|click| is_counted(click))
         .count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{FrameId, VideoFrame};
+    use crate::exchange::dataset::label_origin::LabelOrigin;
+    use crate::exchange::dataset::plan::Source;
+    use crate::exchange::table::Table;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn names_of_others_are_no_formulas_and_come_back() {
+        let size = ImageSize::new(64, 36);
+        let mut frame = Frame::from_image("=1+1/=a.jpg", "@main".into(), size);
+        frame.id = FrameId::from("=id");
+        frame.clip = Some(Clip::Name("-first".to_owned()));
+        frame.video = Some(VideoFrame::new("+match.mp4", 7, None));
+        let planned = PlannedFrame {
+            id: frame.id.clone(),
+            split: None,
+            origin: LabelOrigin::Clicked,
+            picture: None,
+            undistorted: None,
+            name: String::new(),
+            source: Source::File("a.jpg".into()),
+        };
+        let text = frames_table(&[(&planned, &frame, &frame)]);
+        let table = Table::read(text.as_bytes()).unwrap();
+        let row = table.rows().next().unwrap();
+        for (column, name) in [
+            ("image", "=1+1/=a.jpg"),
+            ("camera", "@main"),
+            ("clip", "-first"),
+            ("video", "+match.mp4"),
+            ("id", "=id"),
+        ] {
+            assert_eq!(row.text(column), Some(name));
+            assert!(text.contains(&format!("'{name}")), "{text}");
+        }
+        frame.clip = Some(Clip::Number(-1));
+        let text = frames_table(&[(&planned, &frame, &frame)]);
+        assert!(text.contains(",-1,"), "a number is no formula: {text}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::options::PictureFormat;
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::cannot_write;
+use crate::exchange::files::{cannot_read, cannot_write};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, ImageError};
@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use touchline_core::files::folder_of;
+use touchline_core::files::{folder_of, open_named};
 use touchline_core::geometry::hex;
 use touchline_vision::media::{Picture, sha256_of_file};
 
@@ -61,16 +61,20 @@ impl<'a> Folder<'a> {
     }
 
     /// Copies a file, or makes a hard link to it, and returns its SHA-256.
+    ///
+    /// # Errors
+    /// [`ExchangeError::Read`] if the file cannot be opened; otherwise the copy cannot be written.
     pub fn take_over(
         &mut self,
         name: &str,
         from: &Path,
         as_link: bool,
     ) -> Result<String, ExchangeError> {
+        open_named(from).map_err(|source| cannot_read(from, source))?;
         let path = self.file(name)?;
         if as_link {
             // A hard link to a symbolic link would be a symbolic link.
-            let from = fs::canonicalize(from).map_err(|source| self.write_error(name, source))?;
+            let from = fs::canonicalize(from).map_err(|source| cannot_read(from, source))?;
             fs::hard_link(&from, &path).map_err(|source| match source.kind() {
                 io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk {
                     from,
@@ -144,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_written_is_named_where_it_was_to_be() {
+    fn what_cannot_be_written_is_named_where_it_was_to_be_and_a_source_where_it_is() {
         let temporary = tempfile::tempdir().unwrap();
         let mut folder = Folder::new(temporary.path(), Path::new("/data/set"));
         fs::create_dir(temporary.path().join("a.txt")).unwrap();
@@ -160,7 +164,7 @@ mod tests {
                 .unwrap_err(),
         );
         assert!(
-            missing.starts_with("cannot write /data/set/b.png: "),
+            missing.starts_with("cannot read /no/such.png: "),
             "{missing}"
         );
     }

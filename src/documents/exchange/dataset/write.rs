@@ -260,7 +260,11 @@ fn write_pictures(
     }
     match (&planned.picture, &planned.source, &pixels) {
         (Some(name), Source::File(path), _) => {
-            let hash = files.take_over(name, path, options.pictures == Pictures::Linked)?;
+            let taken = files.take_over(name, path, options.pictures == Pictures::Linked);
+            let hash = match taken {
+                Err(error @ ExchangeError::Read { .. }) => return Ok(Err(error.to_string())),
+                taken => taken?,
+            };
             if states_other(frame, &hash) {
                 files.remove(name)?;
                 return Ok(Err(CHANGED.to_owned()));

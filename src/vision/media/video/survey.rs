@@ -499,13 +499,13 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(64, 36);
 
     /// A video of which only the times matter.
-    struct Times {
+    struct TimesOnly {
         times_s: Vec<f64>,
         grabbed: usize,
         stated: StatedProperties,
     }
 
-    impl Capture for Times {
+    impl Capture for TimesOnly {
         fn stated_properties(&self) -> &StatedProperties {
             &self.stated
         }
@@ -552,7 +552,7 @@ mod tests {
             notices: Vec::new(),
         };
         for (last, expected) in [(60, Some(61)), (10, None)] {
-            let capture = Times {
+            let capture = TimesOnly {
                 times_s: (0..60)
                     .chain([last])
                     .map(|index| f64::from(index) / 25.0)

@@ -137,7 +137,7 @@ impl Operation for TransferPreview {
                     video_size: size_of_only_video(at),
                     ..(**options).clone()
                 };
-                let imported = read_import(from, *format, &options);
+                let imported = read_import(from, *format, &options, &self.folder);
                 PreviewResult::Import(
                     imported.map(|imported| Arc::new(ImportPreview::new(at, Arc::new(imported)))),
                 )
@@ -170,10 +170,27 @@ impl PreviewSubject {
     }
 }
 
-/// Reads files of a foreign format, or a document with its journal. An error is one line.
-fn read_import(from: &Path, format: Format, options: &ImportOptions) -> Result<Imported, String> {
+/// Reads files of a foreign format, or a document with its journal. An error is one line. `folder`
+/// is that of the open document, from which the path of its field's template starts.
+fn read_import(
+    from: &Path,
+    format: Format,
+    options: &ImportOptions,
+    folder: &Path,
+) -> Result<Imported, String> {
     if format != Format::Json {
-        return import(from, format, options).map_err(|error| describe_error(&error));
+        // The files may lie elsewhere, and a relative path would start from there.
+        let mut placed = options.clone();
+        if options.field.is_file() {
+            let template = folder.join(&options.field.template);
+            placed.field.template = template.to_string_lossy().into_owned();
+        }
+        let mut imported = import(from, format, &placed).map_err(|error| describe_error(&error))?;
+        // It is the field of the open document, so that no camera gets one of its own.
+        if imported.document.field == placed.field {
+            imported.document.field.clone_from(&options.field);
+        }
+        return Ok(imported);
     }
     let (location, document, recovery) =
         store::read(from).map_err(|error| sentence(&error.to_string()))?;
@@ -184,4 +201,29 @@ fn read_import(from: &Path, format: Format, options: &ImportOptions) -> Result<I
         format: Format::Json,
         notes,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_documents::document::FieldSpec;
+
+    #[test]
+    fn a_template_lies_where_the_document_does_wherever_the_labels_are() {
+        let (project, labels) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let soccer = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/fields/soccer.json");
+        std::fs::copy(soccer, project.path().join("mine.json")).unwrap();
+        let file = labels.path().join("0001.json");
+        let text = r#"{ "imagePath": "0001.jpg", "imageWidth": 160, "imageHeight": 90, "shapes": [
+            { "label": "centre_mark", "points": [[81.0, 51.0]], "shape_type": "point" }
+        ] }"#;
+        std::fs::write(&file, text).unwrap();
+        let options = ImportOptions {
+            field: FieldSpec::new("mine.json"),
+            ..ImportOptions::default()
+        };
+        let imported = read_import(&file, Format::Labelme, &options, project.path()).unwrap();
+        assert_eq!(imported.document.field, options.field);
+        assert_eq!(imported.document.frames[0].clicks.len(), 1);
+    }
 }

@@ -151,7 +151,10 @@ impl App {
             TransferAction::ImportFormat(format) => transfer.import_format = format,
             TransferAction::Import(options) => transfer.import = *options,
             TransferAction::Choose => return self.choose_place(),
-            TransferAction::TakeOver => return self.take_import(),
+            TransferAction::TakeOver => {
+                self.take_import();
+                return;
+            }
             TransferAction::TakeOverAndMend => return self.take_import_and_mend(),
             TransferAction::Stop => return self.stop_transfer(),
         }
@@ -297,24 +300,25 @@ impl App {
 
     /// Takes over the import that was read and mends its cameras.
     fn take_import_and_mend(&mut self) {
-        self.take_import();
-        // An import that failed has reported that, and its message has no button.
-        if self.session.offers(Command::MendCameras) {
+        // The button of a message is no sign that this import can be mended: an older message may
+        // still have one.
+        if self.take_import() {
             self.mending_command(Command::MendCameras);
         }
     }
 
-    /// Takes over the import that was read; one step of undo.
-    fn take_import(&mut self) {
+    /// Takes over the import that was read; one step of undo. Returns whether it brought cameras
+    /// that can be mended.
+    fn take_import(&mut self) -> bool {
         let found = self.operations.transfer.found.take();
         let Some(RevisionPreview {
             revision: then,
             look: PreviewResult::Import(Ok(look)),
         }) = found
         else {
-            return;
+            return false;
         };
-        let Some(open) = &self.open else { return };
+        let Some(open) = &self.open else { return false };
         // The user or the background may have changed the document since: what was read is joined
         // with its present state, in which labels that a frame got meanwhile stay.
         let look = if open.revision == then {
@@ -324,7 +328,7 @@ impl App {
         };
         let joined = &look.joined;
         if !self.begin_step(Step::on_document("Import labels")) {
-            return;
+            return false;
         }
         if let Some(open) = &mut self.open {
             let Document {
@@ -334,12 +338,12 @@ impl App {
         }
         self.commit();
         self.session.dialog = None;
-        self.follow_import(&look);
+        self.follow_import(&look)
     }
 
     /// Completes an import: preselects the same format for the export, keeps the ways to attach the
-    /// cameras for the mending, and reports the result.
-    fn follow_import(&mut self, look: &ImportPreview) {
+    /// cameras for the mending, and reports the result. Returns whether there is something to mend.
+    fn follow_import(&mut self, look: &ImportPreview) -> bool {
         let joined = &look.joined;
         if look.format.exports() {
             self.operations.transfer.format = look.format;
@@ -357,5 +361,28 @@ impl App {
         let offers = can_mend.then_some(("Mend the cameras", Command::MendCameras));
         self.session
             .notify_with(Level::Info, describe_joined(joined), offers);
+        can_mend
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::Action;
+    use touchline_documents::document::FieldSpec;
+
+    #[test]
+    fn the_button_of_an_older_message_mends_nothing_after_an_import_that_failed() {
+        let mut app = App::with_document(Document::new(FieldSpec::new("soccer")));
+        app.session.notify_with(
+            Level::Info,
+            "An earlier import.",
+            [("Mend the cameras", Command::MendCameras)],
+        );
+        // Nothing was read.
+        app.update(Action::Transfer(TransferAction::TakeOverAndMend));
+        assert!(app.session.offers(Command::MendCameras));
+        let reason = app.why_not_mending(Command::StopMending);
+        assert_eq!(reason, Some("No cameras are being mended."));
     }
 }

@@ -56,9 +56,13 @@ fn a_panic_is_shown_and_work_goes_on() {
     let mut controller = Controller::start(0.95);
     let mut all = document(1, 1);
     controller.document(&all);
-    controller.expect(&BackendCall::Recall, ScriptedEnd::Stopped);
+    // A forest is trained instead of one that cannot be read.
+    controller.expect(&BackendCall::Recall, ScriptedEnd::Panic);
     controller.expect(&BackendCall::Learn(vec![0]), ScriptedEnd::Panic);
-    controller.until(|status| status.trouble.is_some());
+    controller.until(|status| {
+        let trouble = status.trouble.as_deref().unwrap_or_default();
+        trouble.contains("while learning")
+    });
     assert!(
         controller
             .status

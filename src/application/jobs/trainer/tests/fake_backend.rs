@@ -61,7 +61,8 @@ impl Backend for FakeBackend {
             ScriptedEnd::Fail => {
                 Err(KeptForestError::from(io::Error::other("it is damaged")).into())
             }
-            ScriptedEnd::Panic | ScriptedEnd::Stopped => Ok(None),
+            ScriptedEnd::Panic => panic!("the shelf fell"),
+            ScriptedEnd::Stopped => Ok(None),
         }
     }
 

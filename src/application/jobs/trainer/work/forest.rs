@@ -71,8 +71,10 @@ impl<C: Backend> Work<C> {
     /// Looks for a forest that an earlier run of the program stored.
     pub(super) fn recall(&mut self) {
         self.recalled = true;
-        match self.backend.recall(&self.training_set) {
-            Ok(Some(model)) => {
+        let (backend, training_set) = (&mut self.backend, &self.training_set);
+        let recalled = catch_unwind(AssertUnwindSafe(|| backend.recall(training_set)));
+        match recalled {
+            Ok(Ok(Some(model))) => {
                 let facts = ForestFacts {
                     references: self.training_frames.frames.len(),
                     ..facts(&model)
@@ -83,9 +85,12 @@ impl<C: Backend> Work<C> {
                     .keep_refusing(self.generation, self.generation + 1);
                 self.take_forest(model, self.training_set.clone(), facts);
             }
-            Ok(None) => {}
+            Ok(Ok(None)) => {}
             // Not fatal: a new forest is trained instead.
-            Err(error) => self.status.trouble = Some(error.to_string()),
+            Ok(Err(error)) => self.status.trouble = Some(error.to_string()),
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("reading the forest", panic.as_ref()));
+            }
         }
     }
 
@@ -220,9 +225,16 @@ impl<C: Backend> Work<C> {
     /// Maps what the references of each camera see.
     fn survey(&mut self) {
         let training_frames = &self.training_frames.frames;
-        self.status.coverage =
-            Coverage::measure_cameras(self.document.at(self.backend.folder()), training_frames)
-                .into();
+        let document = self.document.at(self.backend.folder());
+        let measured = catch_unwind(AssertUnwindSafe(|| {
+            Coverage::measure_cameras(document, training_frames)
+        }));
+        // The forest answers without the map, too. A map of other references would mislead.
+        let coverage = measured.unwrap_or_else(|panic| {
+            self.status.trouble = Some(broke_down("mapping the references", panic.as_ref()));
+            Vec::new()
+        });
+        self.status.coverage = coverage.into();
     }
 }
 
