@@ -477,13 +477,15 @@ impl EstimatedBase {
                 .turn_from(self.estimate.base.angles().heading)
                 .degrees()
         });
-        // Every frame of the camera follows the gauge; only frames from clicks are solved again.
+        // Every frame of the camera follows the gauge, rejected ones included, because the user may
+        // take them back; only frames from clicks are solved again.
         let mut clicked = Vec::new();
         for &index in places {
             let frame = &document.frames[index];
-            if frame.camera != self.camera || frame.status == FrameStatus::Rejected {
+            if frame.camera != self.camera {
                 continue;
             }
+            let is_solved_again = frame.status != FrameStatus::Rejected && is_by_clicks(frame);
             if turned_deg != 0.0
                 && let Some(ptz) = &mut document.frames[index].ptz
             {
@@ -491,7 +493,7 @@ impl EstimatedBase {
                     .wrap()
                     .degrees();
             }
-            if is_by_clicks(&document.frames[index]) {
+            if is_solved_again {
                 clicked.push(index);
             }
         }
@@ -581,4 +583,69 @@ pub fn describe_mirrored(mirrored: &MirroredFrame) -> String {
         "{:.0} px off as named, {:.1} px with {exchanged} exchanged",
         mirrored.median_px, mirrored.median_mirrored_px
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, Ptz};
+    use touchline_core::geometry::{Mat3, Vec3};
+    use touchline_core::solve::base::ModelReason;
+    use touchline_documents::document::{FieldSpec, FramePtz};
+
+    fn base(heading_deg: f64) -> CameraBase {
+        let angles = BaseAngles {
+            heading: Angle::from_degrees(heading_deg),
+            ..BaseAngles::default()
+        };
+        let position_m = Vec3::new(0.0, -60.0, 18.0);
+        CameraBase::new(
+            position_m,
+            angles.base_from_world(),
+            ImagePoint::new(960.0, 540.0),
+        )
+    }
+
+    #[test]
+    fn a_rejected_frame_keeps_its_direction_in_the_world() {
+        let size = ImageSize::new(1920, 1080);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        camera.set_base(&base(20.0));
+        document.cameras.push(camera.into());
+        let mut frame = Frame::from_image("1.jpg", "main".into(), size);
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -12.0, 2000.0), None));
+        frame.status = FrameStatus::Rejected;
+        document.frames.push(frame.into());
+        let estimate = BaseEstimate {
+            base: base(0.0),
+            crown_m: 0.0,
+            model: BaseModel {
+                lens: LensModel::Pinhole,
+                crown: CrownModel::Fixed(0.0),
+                principal_point: None,
+            },
+            reason: ModelReason::Prescribed,
+            scores: Vec::new(),
+            position_covariance: Mat3::zeros(),
+            frames: Vec::new(),
+            median_px: 1.0,
+            p90_px: 1.0,
+            previous_median_px: None,
+            one_more_frame: None,
+            disputed: Vec::new(),
+            mirrored: Vec::new(),
+        };
+        let estimated = EstimatedBase {
+            camera: "main".into(),
+            frames: Vec::new(),
+            estimate,
+            landmarks: Vec::new(),
+            sizes: Vec::new(),
+            on_paint: None,
+        };
+        estimated.write_to(&mut document, Path::new("/")).unwrap();
+        let pan_deg = document.frames[0].ptz.as_ref().unwrap().pan_deg;
+        assert!((pan_deg - 25.0).abs() < 1e-9, "{pan_deg}");
+    }
 }

@@ -11,6 +11,7 @@ use super::known_frames::{
 use super::on_paint::{BasePaintAlignment, BasePaintEvidence};
 use super::paint::{record_snapped, snap_frame};
 use super::refit::refit;
+use super::size_fit::OpenSize;
 use super::solve_frames::is_by_clicks;
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
 use rayon::prelude::*;
@@ -207,6 +208,13 @@ pub fn estimate_on_paint(
     let problem = BaseProblem::with_solved(document, camera)?;
     let start = first_cameras(&problem, document, options, progress)?;
     let spec = document.field_of_camera(camera);
+    let open = if size {
+        let template = spec.template(document.folder);
+        let template = template.map_err(BaseEstimationError::from)?;
+        Some(OpenSize::new(template, &problem.field))
+    } else {
+        None
+    };
     let frames: Vec<&Frame> = problem
         .frames
         .iter()
@@ -228,6 +236,10 @@ pub fn estimate_on_paint(
         sizes,
         seen,
     } = known.estimate_base(options, progress)?;
+    let sizes = match open {
+        Some(open) => open.fitted_or_assumed(sizes),
+        None => sizes,
+    };
     Ok(BaseOnPaint {
         estimated: EstimatedBase {
             sizes,

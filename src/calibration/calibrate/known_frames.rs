@@ -204,6 +204,7 @@ impl KnownFrames<'_> {
         } else {
             sigma.with_position_error_of(ALONE_SIGMA_M)
         };
+        estimate.position_covariance = estimate.base.sigma.position_covariance();
         // For comparison, the errors of the initial base at the same paint, on the field size that
         // it was estimated with.
         let as_first: Vec<FrameClicks> = seen

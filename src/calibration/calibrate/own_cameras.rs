@@ -178,7 +178,7 @@ fn record(document: &mut Document, index: usize, found: &LineCameraFit, names: &
         rms_px: Some(*rms_px),
         covariance: Some(known.ptz_covariance_deg()),
         own_covariance: Some(known.own_covariance_deg()),
-        worst_corner_sigma_px: Some(known.worst_corner_sigma_px(&pointed, frame.image_size)),
+        worst_corner_sigma_px: known.corner_sigma_px_if_known(&pointed, frame.image_size),
         warnings: camera
             .identity
             .iter()

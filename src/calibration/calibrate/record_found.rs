@@ -37,7 +37,7 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Autocali
             covariance: known.map(Uncertainty::ptz_covariance_deg),
             own_covariance: known.map(Uncertainty::own_covariance_deg),
             worst_corner_sigma_px: known
-                .map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
+                .and_then(|known| known.corner_sigma_px_if_known(&camera, frame.image_size)),
             ..Solution::default()
         });
         // The frame's own picture takes precedence over the adjustment of all frames.

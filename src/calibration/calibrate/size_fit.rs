@@ -5,6 +5,7 @@ use super::{BaseEstimationError, BaseProblem, EstimatedBase};
 use std::collections::BTreeMap;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldModel, Template};
+use touchline_core::geometry::Vec3;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, BaseOptions, BaseProgress, FittedSize, FrameClicks, SizeParam,
@@ -44,7 +45,9 @@ impl BaseProblem {
         let template = document
             .field_of_camera(&self.camera)
             .template(document.folder)?;
-        let sizes = self.fit_size(template, &self.clicks, (&found.estimate.base, &ptz), model);
+        let open = OpenSize::new(template.clone(), &self.field);
+        let fitted = self.fit_size(template, &self.clicks, (&found.estimate.base, &ptz), model);
+        let sizes = open.fitted_or_assumed(fitted);
         // The base again, on a copy of the document with the fitted field.
         let mut sized = document.document.clone();
         set_field_size(&mut sized, &self.camera, &sizes);
@@ -118,6 +121,23 @@ impl OpenSize {
         }
     }
 
+    /// The lengths that a fit has found; the assumed ones, as not shown by the frames, if it has
+    /// found none. Without a word of them the user would take the assumed size for the fitted one.
+    pub fn fitted_or_assumed(&self, fitted: Vec<FittedSize>) -> Vec<FittedSize> {
+        if !fitted.is_empty() {
+            return fitted;
+        }
+        let assumed = self.params.iter().map(|param| FittedSize {
+            name: param.name.clone(),
+            assumed_m: param.assumed_m,
+            value_m: param.assumed_m,
+            sigma_m: param.sigma_m,
+            position_sigma_m: Vec3::zeros(),
+            is_open: true,
+        });
+        assumed.collect()
+    }
+
     /// The free lengths with those of `field` as their assumed values.
     pub fn params_of(&self, field: &FieldModel) -> Vec<SizeParam> {
         self.params
@@ -172,4 +192,27 @@ pub fn describe_size(size: &FittedSize) -> String {
     format!(
         "{text}; where the field's middle lies, and so the camera's position, goes with it by ({x:.1}, {y:.1}, {z:.1}) m"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::field::builtin;
+
+    #[test]
+    fn a_fit_that_fails_is_not_taken_for_a_field_of_fixed_size() {
+        let template = builtin("soccer").unwrap();
+        let field = template.default_model().unwrap();
+        let open = OpenSize::new(template.clone(), &field);
+        let stated = open.fitted_or_assumed(Vec::new());
+        let names: Vec<&str> = stated.iter().map(|size| size.name.as_str()).collect();
+        assert_eq!(names, SIZE);
+        assert!(stated.iter().all(|size| size.is_open));
+        assert!(
+            describe_size(&stated[0]).starts_with("length 105 m is assumed"),
+            "{}",
+            describe_size(&stated[0])
+        );
+        assert_eq!(open.fitted_or_assumed(stated.clone()), stated);
+    }
 }

@@ -199,7 +199,8 @@ impl Proposal {
                     covariance: Some(answer.covariance),
                     own_covariance: Some(answer.own_covariance),
                     rms_px: Some(answer.rms_px),
-                    worst_corner_sigma_px: Some(answer.worst_corner_sigma_px),
+                    worst_corner_sigma_px: Some(answer.worst_corner_sigma_px)
+                        .filter(|sigma_px| sigma_px.is_finite()),
                     confidence: Some(answer.confidence),
                     samples: answer.samples,
                     line_check: answer.line_check.as_ref().map(paint_evidence),

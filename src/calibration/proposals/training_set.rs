@@ -42,8 +42,12 @@ impl TrainingSet {
                 frame.ptz,
                 camera
             ]);
+            // Most frames have the lens of their camera. Only a lens of a frame's own is added, so
+            // that the forests of all other documents keep their digests.
+            let lens = frame.lens.as_ref();
+            let lens = lens.and_then(|lens| serde_json::to_string(lens).ok());
             // Half of a digest: that two references share 16 bytes by chance can be neglected.
-            let digest = Sha256::digest(sample.to_string());
+            let digest = Sha256::digest(sample.to_string() + &lens.unwrap_or_default());
             training_samples.extend(digest.first_chunk::<16>());
         }
         Self { training_samples }
@@ -76,9 +80,9 @@ impl TrainingSet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::Ptz;
-    use touchline_core::geometry::{ImageSize, PixelBox};
-    use touchline_documents::document::{Camera, FieldSpec, Frame, FramePtz};
+    use touchline_core::camera::{Ptz, Radial};
+    use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
+    use touchline_documents::document::{Camera, FieldSpec, Frame, FrameLens, FramePtz};
 
     fn document() -> Document {
         let size = ImageSize::new(640, 360);
@@ -112,7 +116,7 @@ mod tests {
         assert_ne!(three.fingerprint(), two.fingerprint());
         assert!(TrainingSet::from_frames(&document, &[7]).is_empty());
 
-        let changes: [fn(&mut Document); 4] = [
+        let changes: [fn(&mut Document); 5] = [
             |document| document.frames[0].ptz.as_mut().unwrap().pan_deg += 1e-9,
             |document| {
                 document.frames[0].masks.push(PixelBox {
@@ -131,6 +135,10 @@ mod tests {
                 });
             },
             |document| document.frames[0].sha256 = Some("ab".to_owned()),
+            |document| {
+                let middle = ImagePoint::new(320.0, 180.0);
+                document.frames[0].lens = Some(FrameLens::new(900.0, middle, Radial::k1(0.1)));
+            },
         ];
         for change in changes {
             let mut changed = document.clone();

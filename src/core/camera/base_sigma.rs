@@ -6,7 +6,7 @@
 //! the errors have one joint covariance, which is only ever changed as a whole. If the σ of one
 //! parameter were raised and its correlations kept, errors that cancelled before would add up.
 
-use crate::geometry::{Vec2, Vec3};
+use crate::geometry::{Mat3, Vec2, Vec3};
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
 use serde::Serialize;
 
@@ -105,6 +105,12 @@ impl BaseSigma {
         })
     }
 
+    /// The covariance of the position, m².
+    #[must_use]
+    pub fn position_covariance(&self) -> Mat3 {
+        self.covariance().fixed_view::<3, 3>(0, 0).into_owned()
+    }
+
     /// 1-σ of each shared parameter.
     fn deviations(&self) -> SharedError {
         SharedError::from([
@@ -172,7 +178,7 @@ impl BaseSigma {
     /// frames shows where the frames constrain the position least.
     #[must_use]
     pub fn with_position_error_of(&self, least_m: f64) -> Self {
-        let of_position: Matrix3<f64> = self.covariance().fixed_view::<3, 3>(0, 0).into_owned();
+        let of_position = self.position_covariance();
         if !of_position.iter().all(|value| value.is_finite()) {
             return *self;
         }

@@ -105,21 +105,36 @@ impl FocalCurve {
     /// The focal lengths at which an image point this far from the principal point (px) lies on the
     /// fold of the lens.
     ///
-    /// With u = k₁ r² of the ideal radius the fold is the first root of 1 + 3 u + 5 α u², and k₁ (r
-    /// / f)² of the image point is u (1 + u + α u²)² there (−4/27 where α is zero); with k₁ linear
-    /// in f that is a quadratic in f.
+    /// With u = k₁ r² of the ideal radius the fold is the first root of 1 + 3 u + 5 α u² that has
+    /// the sign of k₁.
     pub(crate) fn fold_focals(&self, radius_px: f64) -> impl Iterator<Item = f64> + use<> {
-        // The root of smaller magnitude, in the form that does not cancel and covers α = 0.
+        // Below zero is the root of smaller magnitude, in the form that does not cancel and covers
+        // α = 0. A root above zero, which bends a pincushion lens (k₁ > 0) back, exists for α < 0.
         let share = self.k2_per_k1_squared;
-        let u = -2.0 / (3.0 + (9.0 - 20.0 * share).max(0.0).sqrt());
-        let folds = 20.0 * share <= 9.0;
+        let spread = 3.0 + (9.0 - 20.0 * share).max(0.0).sqrt();
+        let of_barrel = (20.0 * share <= 9.0).then_some(-2.0 / spread);
+        let of_pincushion = (share < 0.0).then_some(spread / (-10.0 * share));
+        let curve = *self;
+        of_barrel
+            .into_iter()
+            .chain(of_pincushion)
+            .flat_map(move |u| curve.focals_with_fold_at(u, radius_px))
+    }
+
+    /// The focal lengths at which an image point this far from the principal point (px) shows an
+    /// ideal radius r with k₁ r² = u.
+    ///
+    /// There k₁ (r / f)² of the image point is u (1 + u + α u²)² (−4/27 at the fold where α is
+    /// zero); with k₁ linear in f that is a quadratic in f.
+    fn focals_with_fold_at(&self, u: f64, radius_px: f64) -> impl Iterator<Item = f64> + use<> {
+        let share = self.k2_per_k1_squared;
         // With c the value of k₁ (r / f)² at the fold and q = −r² / c: f² + q k₁(f) = 0, which is
         // f² + q k₁' f + q (k₁(f₀) − k₁' f₀) = 0.
         let squared = -radius_px * radius_px / (u * (1.0 + u * (1.0 + share * u)).powi(2));
         let half = 0.5 * squared * self.slope_per_px();
         let constant = squared * (self.value - self.slope_per_px() * self.at_focal_px);
         let root = (half * half - constant).max(0.0).sqrt();
-        let exists = folds && half * half >= constant;
+        let exists = half * half >= constant;
         [-half - root, -half + root]
             .into_iter()
             .filter(move |focal| exists && *focal > 0.0)
@@ -158,6 +173,19 @@ impl Radial {
     #[must_use]
     pub fn slope(&self, radius_squared: f64) -> f64 {
         1.0 + radius_squared * (3.0 * self.k1 + radius_squared * 5.0 * self.k2)
+    }
+
+    /// The largest [`Self::slope`] up to an ideal radius (squared), at least 1.
+    #[must_use]
+    pub(crate) fn greatest_slope(&self, radius_squared: f64) -> f64 {
+        // With k₁ > 0 and k₂ < 0 the slope is greatest where its derivative 3 k₁ + 10 k₂ s
+        // vanishes, with any other signs at an end.
+        let steepest = if self.k1 > 0.0 && self.k2 < 0.0 {
+            radius_squared.min(-0.3 * self.k1 / self.k2)
+        } else {
+            radius_squared
+        };
+        self.slope(steepest).max(1.0)
     }
 
     /// The derivative of the distorted point by the ideal one.
@@ -438,8 +466,48 @@ mod tests {
             k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
             ..FocalCurve::constant(-0.2)
         };
+        // A lens of another program that bends outwards first, and back farther out.
+        let pincushion = FocalCurve {
+            k2_per_k1_squared: -2.0,
+            ..FocalCurve::constant(0.3)
+        };
+        let found: Vec<f64> = pincushion.fold_focals(1100.0).collect();
+        assert_eq!(found.len(), 1, "{found:?}");
+        for (share, has_a_ray) in [(1.0 + 1e-9, true), (1.0 - 1e-9, false)] {
+            let focal_px = found[0] * share;
+            assert_eq!(
+                undistort(
+                    Vec2::new(1100.0 / focal_px, 0.0),
+                    pincushion.radial_at(focal_px)
+                )
+                .is_ok(),
+                has_a_ray
+            );
+        }
         assert_eq!(unfolded.fold_focals(1100.0).count(), 0);
         assert_eq!(FocalCurve::constant(0.1).fold_focals(1100.0).count(), 0);
+    }
+
+    #[test]
+    fn no_slope_up_to_a_radius_exceeds_the_greatest() {
+        for (k1, k2) in [
+            (0.3, -0.2),
+            (0.3, 0.2),
+            (-0.3, 0.2),
+            (-0.3, -0.2),
+            (0.3, 0.0),
+        ] {
+            let lens = Radial { k1, k2 };
+            for end in [0.1, 0.4, 0.45, 1.0] {
+                let slopes = (0..=1000).map(|step| lens.slope(end * f64::from(step) / 1000.0));
+                let sampled = slopes.fold(0.0, f64::max);
+                let greatest = lens.greatest_slope(end);
+                assert!(
+                    sampled <= greatest + 1e-12 && greatest < sampled + 1e-5,
+                    "{lens:?} {end}: {sampled} {greatest}"
+                );
+            }
+        }
     }
 
     #[test]

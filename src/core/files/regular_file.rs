@@ -108,7 +108,8 @@ pub(super) fn read_within(file: File, limit: u64) -> io::Result<Vec<u8>> {
         content.reserve(stated as usize);
         // One byte more than allowed shows that the file has grown in the meantime. Reading up to
         // the limit alone would return a truncated file as if it were whole.
-        file.take(limit + 1).read_to_end(&mut content)?;
+        file.take(limit.saturating_add(1))
+            .read_to_end(&mut content)?;
     }
     let bytes = stated.max(content.len() as u64);
     if bytes > limit {

@@ -36,10 +36,10 @@ impl<'a> Flattener<'a> {
         window: &'a Window,
         tolerance_px: f64,
     ) -> Self {
-        // d(tan θ) = (1 + r²) dθ in the radial direction, times the slope of the distortion at the
-        // window's largest radius.
+        // d(tan θ) = (1 + r²) dθ in the radial direction, times the largest slope of the distortion
+        // up to the window's largest radius.
         let radius_squared = window.ideal_radius * window.ideal_radius;
-        let stretch = camera.lens().slope(radius_squared).max(1.0);
+        let stretch = camera.lens().greatest_slope(radius_squared);
         Self {
             field,
             window,

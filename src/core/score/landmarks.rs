@@ -15,8 +15,8 @@ pub struct LandmarkError {
     /// it.
     pub image_px: Option<f64>,
     /// Distance on the ground, m, between the landmark and the point that the estimated camera sees
-    /// at its pixel. None for landmarks above the ground, and if the estimated camera sees no
-    /// ground there.
+    /// at its pixel; infinite if the estimated camera sees no ground there. None for landmarks
+    /// above the ground.
     pub ground_m: Option<f64>,
 }
 
@@ -39,11 +39,9 @@ pub fn landmark_errors(
             // The estimate is measured by its own field: size and crown are part of what it states.
             let landmark = &estimate.field.landmarks[twins[shown.landmark]?];
             let at = estimate.field.landmark_in_world(landmark);
-            let ground_m = if landmark.nominal_m.z == 0.0 {
-                ground_error_m(estimate.camera, shown.image, at)
-            } else {
-                None
-            };
+            // A camera that looks into the sky must not score by the few landmarks that are left.
+            let ground_m = (landmark.nominal_m.z == 0.0)
+                .then(|| ground_error_m(estimate.camera, shown.image, at).unwrap_or(f64::INFINITY));
             Some(LandmarkError {
                 landmark: shown.landmark,
                 image_px: estimate
@@ -132,5 +130,25 @@ mod tests {
             ImageSize::new(1280, 720),
         );
         assert!(!errors.is_empty() && errors.iter().all(|error| error.image_px.is_none()));
+    }
+
+    #[test]
+    fn where_the_estimate_sees_no_ground_the_error_is_infinite() {
+        let level = BaseAngles::default().base_from_world();
+        let middle = ImagePoint::new(640.0, 360.0);
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, middle);
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let [truth, sky] =
+            [-10.0, 60.0].map(|tilt| PtzCamera::new(base, Ptz::from_degrees(0.0, tilt, 1500.0)));
+        let [truth, sky] = [&truth, &sky].map(|camera| FieldView {
+            field: &field,
+            camera,
+        });
+        let errors = landmark_errors(truth, sky, ImageSize::new(1280, 720));
+        assert!(!errors.is_empty());
+        for error in errors {
+            let is_on_ground = field.landmarks[error.landmark].nominal_m.z == 0.0;
+            assert_eq!(error.ground_m, is_on_ground.then_some(f64::INFINITY));
+        }
     }
 }

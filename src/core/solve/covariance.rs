@@ -17,7 +17,7 @@
 
 use super::shared_columns::by_shared;
 use super::{Observation, PtzPrior, SolveError};
-use crate::camera::{PtzCamera, SHARED_COLUMNS};
+use crate::camera::{CameraBase, FocalCurve, PtzCamera, SHARED_COLUMNS};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
@@ -193,10 +193,21 @@ impl Uncertainty {
     }
 
     /// The largest [`Self::overlay_sigma_px`] of the frame's four corners; a corner beyond the fold
-    /// of the distortion model is moved towards the principal point until it has a ray.
+    /// of the distortion model is moved towards the principal point until it has a ray. Infinite
+    /// where that gives no corner a ray: nothing is known of such an overlay.
     #[must_use]
     pub fn worst_corner_sigma_px(&self, camera: &PtzCamera, image_size: ImageSize) -> f64 {
         self.worst_sigma_px(&corners(camera, image_size))
+    }
+
+    /// The same as documents state it, which cannot express that it is infinite: none then.
+    #[must_use]
+    pub fn corner_sigma_px_if_known(
+        &self,
+        camera: &PtzCamera,
+        image_size: ImageSize,
+    ) -> Option<f64> {
+        Some(self.worst_corner_sigma_px(camera, image_size)).filter(|sigma_px| sigma_px.is_finite())
     }
 
     /// Where the 1-σ at the frame's worst corner comes from.
@@ -222,13 +233,23 @@ impl Uncertainty {
         }
     }
 
-    /// The largest 1-σ of the overlay at some points, px.
+    /// The largest 1-σ of the overlay at some points, px; infinite without a point, and where one
+    /// is not a number.
     pub(super) fn worst_sigma_px(&self, points: &[Option<OverlayPoint>]) -> f64 {
+        // `f64::max` would take any number in place of one that is none, and zero means certain.
         points
             .iter()
             .flatten()
             .map(|point| self.sigma_px(point))
-            .fold(0.0, f64::max)
+            .map(|sigma_px| {
+                if sigma_px.is_nan() {
+                    f64::INFINITY
+                } else {
+                    sigma_px
+                }
+            })
+            .reduce(f64::max)
+            .unwrap_or(f64::INFINITY)
     }
 
     /// 1-σ of the overlay at a point, px.
@@ -259,7 +280,9 @@ impl Uncertainty {
             let moved = rows.fold(Vec2::zeros(), |sum, by_row| sum + by_row);
             variances += moved.component_mul(&moved);
         }
-        variances.sum().sqrt()
+        // Rounding may leave the sum for a nearly singular covariance slightly negative; `clamp`
+        // keeps one that is not a number.
+        variances.sum().clamp(0.0, f64::INFINITY).sqrt()
     }
 
     /// M L: how the overlay at a point moves, in px, for one σ of each independent component of the
@@ -375,12 +398,29 @@ pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
 }
 
 /// The covariance of (pan rad, tilt rad, focal px) of a camera that is known by four points
-/// half-way to the picture's corners, each to `sigma_px`; the base taken as exact. Zero for a lens
-/// that has no rays there.
+/// half-way to the picture's corners, each to `sigma_px`; the base taken as exact. A lens that has
+/// no rays there is left out of account.
 #[must_use]
 pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Mat3 {
     // Seen from the origin, a ray is a point at unit distance.
-    let camera = PtzCamera::new(camera.base().at_origin(), camera.ptz());
+    let base = camera.base().at_origin();
+    let without_lens = CameraBase {
+        distortion: FocalCurve::NONE,
+        ..base
+    };
+    // A covariance of zero would state that the camera is exact.
+    [base, without_lens]
+        .into_iter()
+        .find_map(|base| {
+            let camera = PtzCamera::new(base, camera.ptz());
+            covariance_of_rays(&camera, image_size, sigma_px)
+        })
+        .unwrap_or_else(Mat3::zeros)
+}
+
+/// The covariance of a camera at the origin by its rays half-way to the picture's corners; none if
+/// too few of these pixels have a ray.
+fn covariance_of_rays(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Option<Mat3> {
     // Four pixels half-way from the middle to the corners, and the directions that the camera sees
     // there.
     let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
@@ -395,8 +435,8 @@ pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigm
             Some(Observation::from_point(ray, at, sigma_px, number))
         })
         .collect();
-    Uncertainty::from_observations(&camera, &points, None)
-        .map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
+    let uncertainty = Uncertainty::from_observations(camera, &points, None).ok()?;
+    Some(uncertainty.clicks)
 }
 
 /// The reverse of [`covariance_in_radians`].
@@ -502,9 +542,7 @@ fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{
-        BaseSigma, CameraBase, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError,
-    };
+    use crate::camera::{BaseSigma, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError};
     use crate::solve::fixtures::base;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -540,6 +578,47 @@ mod tests {
         );
         let uncertainty = Uncertainty::from_covariance(&camera, Mat3::zeros(), SIZE).unwrap();
         (camera, uncertainty)
+    }
+
+    /// A camera with a lens that has no ray, not even near the middle of the picture.
+    fn camera_without_rays() -> PtzCamera {
+        let base = CameraBase {
+            distortion: FocalCurve::constant(-1e4),
+            ..base()
+        };
+        PtzCamera::new(base, Ptz::from_degrees(-12.0, -9.0, 2300.0))
+    }
+
+    #[test]
+    fn an_overlay_without_a_ray_is_unknown_and_not_certain() {
+        let known = uncertainty(&BaseSigma::default()).1;
+        let without_rays = camera_without_rays();
+        let sigma_px = known.worst_corner_sigma_px(&without_rays, SIZE);
+        assert_eq!(sigma_px, f64::INFINITY);
+        assert_eq!(known.corner_sigma_px_if_known(&without_rays, SIZE), None);
+        let (camera, _) = uncertainty(&BaseSigma::default());
+        let unknown = Uncertainty {
+            clicks: Mat3::repeat(f64::NAN),
+            ..known
+        };
+        assert_eq!(unknown.worst_corner_sigma_px(&camera, SIZE), f64::INFINITY);
+        assert_eq!(known.worst_corner_sigma_px(&camera, SIZE), 0.0);
+    }
+
+    #[test]
+    fn four_points_leave_a_camera_uncertain_whatever_its_lens() {
+        let folded = camera_without_rays();
+        let plain = CameraBase {
+            distortion: FocalCurve::NONE,
+            ..base()
+        };
+        let plain = PtzCamera::new(plain, folded.ptz());
+        let [found, expected] =
+            [&folded, &plain].map(|camera| covariance_of_four_points(camera, SIZE, 4.0));
+        assert!(
+            expected[(0, 0)] > 0.0 && found == expected,
+            "{found} {expected}"
+        );
     }
 
     #[test]

@@ -161,10 +161,11 @@ fn pairs(count: usize) -> Vec<(usize, usize)> {
 
 /// The graphics: boxes of static features that lie together in enough pictures.
 fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGraphic> {
-    // The size of the first stands for all: pictures of one camera have one size.
-    let Some(size) = pictures.first().map(|features| features.image_size) else {
-        return Vec::new();
-    };
+    // Pictures of one camera have one size, but some may have no features and no size.
+    let sizes = pictures.iter().map(|features| features.image_size);
+    let size = sizes.fold(ImageSize::new(0, 0), |all, one| {
+        ImageSize::new(all.width.max(one.width), all.height.max(one.height))
+    });
     let least_pictures = ((LEAST_PICTURES * pictures.len() as f64) as usize).max(2);
     // All static features of all pictures, each with the index of its picture.
     let mut points: Vec<(ImagePoint, usize)> = Vec::new();
@@ -253,4 +254,40 @@ fn extent_px(
         least_px.max(0.0).floor(),
         greatest_px.min(f64::from(side_px)).ceil(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::Keypoint;
+
+    #[test]
+    fn a_picture_without_features_hides_no_graphic() {
+        let keypoints = (0..6).map(|index| Keypoint {
+            point: ImagePoint::new(100.0 + 3.0 * f64::from(index), 60.0),
+            size_px: 4.0,
+            strength: 1.0,
+        });
+        let shown = Features {
+            image_size: ImageSize::new(1920, 1080),
+            keypoints: keypoints.collect(),
+            ..Features::default()
+        };
+        let none = Features::default();
+        let static_features: BTreeSet<usize> = (0..6).collect();
+        let burnt = [BTreeSet::new(), static_features.clone(), static_features];
+        let found = graphics(&[&none, &shown, &shown], &burnt);
+        let expected = BurntInGraphic {
+            pixel_box: PixelBox {
+                x: 86.0,
+                y: 46.0,
+                width: 43.0,
+                height: 28.0,
+            },
+            first: 1,
+            last: 2,
+            features: 12,
+        };
+        assert_eq!(found, [expected]);
+    }
 }

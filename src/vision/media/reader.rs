@@ -108,18 +108,19 @@ impl FrameReader {
         Ok(self.video(path)?.info())
     }
 
-    /// A video, opened if it is not open. It becomes the latest one; beyond [`OPEN_VIDEOS`] the one
-    /// not used for longest is closed.
+    /// A video, opened if it is not open or its file has been replaced. It becomes the latest one;
+    /// beyond [`OPEN_VIDEOS`] the one not used for longest is closed.
     fn video(&mut self, path: &Path) -> Result<&mut Video, MediaError> {
         // It is taken out of the list even if it is open, so that it returns to the end. The
         // progress is renewed because a cancelled one stays cancelled, and the next read tries
         // again.
-        let video = match self
+        let at = self
             .videos
             .iter()
-            .position(|video| *video.info().path == *path)
-        {
-            Some(at) => self.videos.remove(at),
+            .position(|video| *video.info().path == *path);
+        let open = at.map(|at| self.videos.remove(at));
+        let video = match open.filter(|video| !video.is_replaced()) {
+            Some(video) => video,
             None => Video::open_with_progress(path, &self.counting.renew())?,
         };
         if self.noticed.insert(Arc::clone(&video.info().path)) {

@@ -104,20 +104,7 @@ pub fn adjust_labels(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Ma
     // Alternate: adjust with the current variance factors, then estimate these over all groups from
     // χ² and redundancy. The prior term keeps them finite where little is redundant.
     for _ in 0..ROUNDS {
-        let supposed = Misfit {
-            chi_squared: SUPPOSED,
-            expected: SUPPOSED,
-        };
-        let (mut of_clicks, mut of_poses) = (supposed, supposed);
-        for group in &mut groups {
-            group.adjust(labels, scatter);
-            of_clicks = of_clicks + group.misfit_of_clicks(labels, scatter);
-            of_poses = of_poses + group.misfit_of_relative_poses(labels, scatter);
-        }
-        scatter = Scatter {
-            clicks: of_clicks.chi_squared / of_clicks.expected,
-            relative_poses: of_poses.chi_squared / of_poses.expected,
-        };
+        scatter = adjust_groups(&mut groups, labels, scatter);
     }
     let mut found: Vec<(Ptz, Mat3)> = references
         .iter()
@@ -143,6 +130,29 @@ pub fn adjust_labels(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Ma
         }
     }
     found
+}
+
+/// Adjusts each group with these variance factors, and estimates the next ones from the groups that
+/// have a solution.
+fn adjust_groups(groups: &mut [Group], labels: &[Label], scatter: Scatter) -> Scatter {
+    let supposed = Misfit {
+        chi_squared: SUPPOSED,
+        expected: SUPPOSED,
+    };
+    let (mut of_clicks, mut of_poses) = (supposed, supposed);
+    for group in groups {
+        group.adjust(labels, scatter);
+        // Without a solution the corrections are those of an earlier round, or too large to be
+        // errors of labels: what is left after them is no scatter.
+        if group.is_adjusted {
+            of_clicks = of_clicks + group.misfit_of_clicks(labels, scatter);
+            of_poses = of_poses + group.misfit_of_relative_poses(labels, scatter);
+        }
+    }
+    Scatter {
+        clicks: of_clicks.chi_squared / of_clicks.expected,
+        relative_poses: of_poses.chi_squared / of_poses.expected,
+    }
 }
 
 /// Variance factors of clicks and of relative poses: actual over assumed variance.
@@ -413,5 +423,51 @@ impl Label {
         } else {
             self.covariance
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two references of which each sees the other this far off, rad, and the variance factor of
+    /// their clicks after one round.
+    fn factor_of_clicks(off_rad: f64) -> (bool, f64) {
+        let label = Label {
+            covariance: Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 100.0)),
+            misfit: Some(Misfit {
+                chi_squared: 60.0,
+                expected: 20.0,
+            }),
+        };
+        let pose = RelativePose {
+            places: [0, 1],
+            off: Vec3::new(off_rad, 0.0, 0.0),
+            moved: Mat3::identity(),
+            covariance: Mat3::from_diagonal(&Vec3::new(1e-6, 1e-6, 1.0)),
+        };
+        let group = Group {
+            members: vec![0, 1],
+            focal_px: vec![2000.0; 2],
+            relative_poses: vec![pose],
+            corrections: DVector::zeros(6),
+            covariance: DMatrix::zeros(6, 6),
+            is_adjusted: false,
+        };
+        let scatter = Scatter {
+            clicks: 1.0,
+            relative_poses: 1.0,
+        };
+        let mut groups = [group];
+        let found = adjust_groups(&mut groups, &[label; 2], scatter);
+        (groups[0].is_adjusted, found.clicks)
+    }
+
+    #[test]
+    fn a_group_without_a_solution_says_nothing_about_scatter() {
+        let (is_adjusted, factor) = factor_of_clicks(0.01);
+        assert!(is_adjusted && factor > 1.5, "{factor}");
+        // Half of a radian for each is no error of a label.
+        assert_eq!(factor_of_clicks(1.0), (false, 1.0));
     }
 }

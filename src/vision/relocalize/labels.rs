@@ -126,7 +126,7 @@ pub(super) fn jacobian_by_reference(answer: &Ptz, reference: &Ptz) -> Mat3 {
 mod tests {
     use super::*;
     use crate::relocalize::{Pose, PoseOptions, RayCandidate, pose_from_candidates};
-    use touchline_core::camera::PanTilt;
+    use touchline_core::camera::{FocalCurve, PanTilt};
     use touchline_core::geometry::{ImagePoint, Vec3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -197,6 +197,25 @@ mod tests {
             "{far}"
         );
         assert!((far[(2, 2)] - label[(2, 2)]).abs() < 1e-3, "{far}");
+    }
+
+    #[test]
+    fn an_answer_with_an_unknown_overlay_is_not_believed() {
+        let ptz = Ptz::from_degrees(5.0, -12.0, 2200.0);
+        let (pose, matches) = answer(ptz);
+        let seen = SeenRange::from_cameras(&[ptz]).unwrap();
+        // A lens that gives no pixel of the picture a ray.
+        let folded = CameraBase {
+            distortion: FocalCurve::constant(-1e4),
+            ..base()
+        };
+        let [known, unknown] = [base(), folded]
+            .map(|base| pose.clone().with_uncertainty(&matches, &base, SIZE, &seen));
+        assert!(known.confidence > 0.0 && known.worst_corner_sigma_px.is_finite());
+        assert_eq!(
+            (unknown.confidence, unknown.worst_corner_sigma_px),
+            (0.0, f64::INFINITY)
+        );
     }
 
     #[test]

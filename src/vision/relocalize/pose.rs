@@ -39,6 +39,7 @@ use super::labels::label_covariance;
 use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
 use super::{Evidence, FromReference, NotFound, RayMatches, SeenRange};
 use crate::features::count_cells;
+use nalgebra::SMatrix;
 use serde::Serialize;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry;
@@ -114,15 +115,22 @@ impl Pose {
         let by_labels =
             label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);
         let camera = PtzCamera::new(*base, self.ptz);
-        if let Ok(uncertainty) =
-            Uncertainty::from_covariance(&camera, by_features + by_labels, image_size)
-        {
-            self.covariance = uncertainty.ptz_covariance_deg();
-            self.own_covariance = uncertainty.own_covariance_deg();
-            self.worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
-            let exact_base = uncertainty.with_exact_base();
-            self.labelled_sigma_px = exact_base.worst_corner_sigma_px(&camera, image_size);
-        }
+        let own = by_features + by_labels;
+        let stated = Uncertainty::from_covariance(&camera, own, image_size).ok();
+        // A picture that shows too little leaves open how the camera follows an error of its base.
+        // Then the camera is known given the base, and the overlay is not.
+        let uncertainty = stated.unwrap_or(Uncertainty {
+            clicks: own,
+            by_base: SMatrix::zeros(),
+            base_root: SMatrix::zeros(),
+        });
+        self.covariance = uncertainty.ptz_covariance_deg();
+        self.own_covariance = uncertainty.own_covariance_deg();
+        self.worst_corner_sigma_px = stated.map_or(f64::INFINITY, |stated| {
+            stated.worst_corner_sigma_px(&camera, image_size)
+        });
+        let exact_base = uncertainty.with_exact_base();
+        self.labelled_sigma_px = exact_base.worst_corner_sigma_px(&camera, image_size);
         self.from_reference = FromReference::from_nearest(&self.ptz, image_size, seen);
         self.at_most = seen.shown.at_most();
         self.confidence = self.evidence(image_size).confidence();

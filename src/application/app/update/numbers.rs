@@ -122,17 +122,14 @@ impl App {
             .open
             .as_ref()
             .and_then(|open| open.history.open_step().cloned());
-        match (changed, step) {
-            (Some(numbers), Some(step)) => {
-                // The step is aborted and made again as a bulk change, which starts from the
-                // document before the edit: the new solution of the shown frame is a part of it.
-                self.abort();
-                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)), |_, _| ())
-            }
-            _ => {
-                self.commit();
-                true
-            }
+        if let (Some(numbers), Some(step)) = (changed, step) {
+            // The step is aborted and made again as a bulk change, which starts from the document
+            // before the edit: the new solution of the shown frame is a part of it.
+            self.abort();
+            self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)), |_, _| ())
+        } else {
+            self.commit();
+            true
         }
     }
 

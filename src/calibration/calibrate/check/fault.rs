@@ -98,6 +98,14 @@ pub enum Fault {
         /// The value.
         value: f64,
     },
+    /// A quantity that cannot be below zero.
+    #[error("{what} is {value}, expected zero or more; remove it")]
+    Negative {
+        /// The key in the document.
+        what: &'static str,
+        /// The value.
+        value: f64,
+    },
     /// The hash of the image file is not a SHA-256.
     #[error("sha256 is not 64 hexadecimal digits; remove it")]
     NoSha256,
@@ -358,6 +366,7 @@ impl Fault {
             Self::Field { .. } => "field",
             Self::NotFinite { .. } => "not_finite",
             Self::NotPositive { .. } => "not_positive",
+            Self::Negative { .. } => "negative",
             Self::NoSha256 => "no_sha256",
             Self::NoTime { .. } => "no_time",
             Self::UnknownFrame { .. } => "unknown_frame",

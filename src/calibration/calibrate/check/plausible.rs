@@ -93,6 +93,15 @@ pub fn impossible_camera(
     field: Option<&FieldModel>,
 ) -> Option<Fault> {
     let pointed = document.ptz_camera(frame)?;
+    // The checks below suppose finite numbers, and would find nothing wrong with others.
+    let is_finite = [
+        ("the base", pointed.base().is_finite()),
+        ("ptz", pointed.ptz().is_finite()),
+    ];
+    if let Some((what, _)) = is_finite.into_iter().find(|(_, is_finite)| !is_finite) {
+        let what = what.to_owned();
+        return Some(Fault::NotFinite { what });
+    }
     let mut found = Vec::new();
     if let Some(camera) = document.camera_of(frame) {
         check_place(camera, &mut |fault| found.push(fault));
@@ -222,6 +231,10 @@ mod tests {
         let tiny = (0.0, -11.2, 1.0);
         assert_eq!(code(there, tiny, 0.0), Some("no_such_focal_length"));
         assert_eq!(code(there, tiny, -0.15), Some("lens_folds"));
+        let unknown = Vec3::new(f64::NAN, -60.0, 18.0);
+        assert_eq!(code(unknown, view, 0.0), Some("not_finite"));
+        let nowhere = (0.0, f64::NAN, 2410.0);
+        assert_eq!(code(there, nowhere, 0.0), Some("not_finite"));
         let mut unsolved = document_of(there, view, 0.0);
         unsolved.frames[0].ptz = None;
         assert_eq!(

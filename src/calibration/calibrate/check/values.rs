@@ -216,7 +216,7 @@ fn check_record(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
         problem(Fault::NoTime { stated: at.clone() });
     }
     if let Some(value) = edited.seconds.filter(|seconds| *seconds < 0.0) {
-        problem(Fault::NotPositive {
+        problem(Fault::Negative {
             what: "edited.seconds",
             value,
         });
@@ -374,5 +374,32 @@ fn check_solution(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
     let spoken_of = solution.disputed.iter().chain(warned_of).chain(renamed);
     if let Some(&click) = spoken_of.filter(|click| **click >= clicks).max() {
         problem(Fault::NoSuchClick { click, clicks });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_documents::document::Edited;
+
+    /// What is said of a frame that was worked on for so long.
+    fn faults_of_seconds(seconds: f64) -> Vec<String> {
+        let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(64, 36));
+        frame.edited = Some(Edited {
+            seconds: Some(seconds),
+            ..Edited::default()
+        });
+        let mut found = Vec::new();
+        check_record(&frame, &mut |fault| found.push(fault.to_string()));
+        found
+    }
+
+    #[test]
+    fn a_frame_may_have_taken_no_time_but_not_less() {
+        assert_eq!(faults_of_seconds(0.0), [""; 0]);
+        assert_eq!(
+            faults_of_seconds(-2.0),
+            ["edited.seconds is -2, expected zero or more; remove it"]
+        );
     }
 }

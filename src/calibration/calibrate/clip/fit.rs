@@ -235,7 +235,12 @@ impl ClipFit<'_> {
             .filter(|pair| is_off(pair[0].1) != is_off(pair[1].1))
             .map(|pair| pair[0].0..pair[1].0)
             .collect();
-        for frame in changes.into_iter().flat_map(|range| range.skip(1)) {
+        let between: Vec<usize> = changes
+            .into_iter()
+            .flat_map(|range| range.skip(1))
+            .collect();
+        for (done, &frame) in between.iter().enumerate() {
+            report(progress, ClipProgress::Painting(done, between.len()))?;
             let Some(at) = adjusted.frames[frame] else {
                 continue;
             };

@@ -1,5 +1,6 @@
 //! The painted lines of a clip's frames as pose priors.
 
+use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
@@ -47,7 +48,12 @@ fn share_alike_of(source: PriorSource, anchors: &mut [PosePrior], size: ImageSiz
         .filter(|it| it.source == source)
         .map(|anchor| anchor.ptz)
         .collect();
-    for anchor in anchors.iter_mut().filter(|anchor| anchor.source == source) {
+    // Every frame is compared with every other one. In half a match without a cut that is billions
+    // of pairs, so the frames are divided among the threads.
+    let of_source = anchors
+        .par_iter_mut()
+        .filter(|anchor| anchor.source == source);
+    of_source.for_each(|anchor| {
         // A sum of overlaps, not a count: it changes smoothly with the cameras and includes the
         // frame itself (1).
         let alike: f64 = cameras
@@ -55,7 +61,7 @@ fn share_alike_of(source: PriorSource, anchors: &mut [PosePrior], size: ImageSiz
             .map(|other| overlap(anchor.ptz, *other, size))
             .sum();
         anchor.information /= alike.max(1.0);
-    }
+    });
 }
 
 /// The share of a camera's picture that another one shows at nearly the same scale: 1 for the same
@@ -68,9 +74,14 @@ fn overlap(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
         across / f64::from(size.width),
         (other.tilt - one.tilt).radians() / f64::from(size.height),
     ];
-    let zoom = (other.focal_px / one.focal_px).ln().abs() / std::f64::consts::LN_2;
     let shares = apart.map(|by| (1.0 - by.abs() * one.focal_px).max(0.0));
-    shares[0] * shares[1] * (1.0 - zoom).max(0.0)
+    let shown = shares[0] * shares[1];
+    // Most pairs of a long clip show different parts, which needs no logarithm.
+    if shown == 0.0 {
+        return 0.0;
+    }
+    let zoom = (other.focal_px / one.focal_px).ln().abs() / std::f64::consts::LN_2;
+    shown * (1.0 - zoom).max(0.0)
 }
 
 impl PaintAlignmentOutcome {

@@ -57,7 +57,7 @@ pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracke
         covariance: known.map(Uncertainty::ptz_covariance_deg),
         own_covariance: known.map(Uncertainty::own_covariance_deg),
         worst_corner_sigma_px: known
-            .map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
+            .and_then(|known| known.corner_sigma_px_if_known(&camera, frame.image_size)),
         source: Some(SolutionSource::Tracking),
         confidence: Some(tracked.confidence),
         ..Solution::default()

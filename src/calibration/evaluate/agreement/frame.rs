@@ -156,7 +156,7 @@ pub(super) fn frame_agreement(
     let scale = size.scale_from_1920();
     // Pair clicks on the same landmark; those without a partner are listed apart.
     let (ones, others) = (first.landmarks(), second.landmarks());
-    for (id, at, click) in &ones {
+    for (id, at, click) in first_on_each(&ones) {
         match others.iter().find(|(other, ..)| other == id) {
             Some((_, other_at, other_click)) => found.clicks.push(ClickPair {
                 landmark: (*id).clone(),
@@ -166,8 +166,7 @@ pub(super) fn frame_agreement(
             None => found.lone_clicks[0].push((*id).clone()),
         }
     }
-    found.lone_clicks[1] = others
-        .iter()
+    found.lone_clicks[1] = first_on_each(&others)
         .filter(|(id, ..)| !ones.iter().any(|(other, ..)| other == id))
         .map(|(id, ..)| (*id).clone())
         .collect();
@@ -189,6 +188,18 @@ pub(super) fn frame_agreement(
         });
     }
     found
+}
+
+/// The first click on each landmark. A second one on the same landmark contradicts it, as `check`
+/// reports, and is no further measurement.
+fn first_on_each<'a, 'b>(
+    clicks: &'b [(&'a LandmarkId, ImagePoint, usize)],
+) -> impl Iterator<Item = &'b (&'a LandmarkId, ImagePoint, usize)> {
+    clicks
+        .iter()
+        .enumerate()
+        .filter(move |(place, (id, ..))| clicks[..*place].iter().all(|(before, ..)| before != id))
+        .map(|(_, click)| click)
 }
 
 /// Pairs of clicks at one point with different names. A click is not disputed if the other
@@ -284,4 +295,44 @@ fn corner_distance_px(one: &PtzCamera, other: &PtzCamera, corner: ImagePoint) ->
         })?;
     let image = other.image_from_world(seen).ok()?;
     Some(image.distance_px(corner))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::field::builtin;
+    use touchline_documents::document::{Click, FieldSpec};
+
+    /// A frame with clicks on these landmarks, at these x.
+    fn frame_with(clicks: &[(&str, f64)]) -> Frame {
+        let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(1920, 1080));
+        for (name, x) in clicks {
+            let click = Click::landmark((*name).into(), ImagePoint::new(*x, 500.0));
+            frame.clicks.push(click);
+        }
+        frame
+    }
+
+    #[test]
+    fn a_landmark_that_is_clicked_twice_counts_once() {
+        let document = Document::new(FieldSpec::new("soccer"));
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let one = frame_with(&[("centre_mark", 900.0), ("centre_mark", 1200.0)]);
+        let other = frame_with(&[
+            ("centre_mark", 902.0),
+            ("halfway_far", 905.0),
+            ("halfway_far", 300.0),
+        ]);
+        let [one, other] = [&one, &other].map(|frame| ComparedFrame {
+            document: &document,
+            frame,
+            index: 0,
+        });
+        let found = frame_agreement(&one, &other, &field);
+        let clicks: Vec<[usize; 2]> = found.clicks.iter().map(|pair| pair.clicks).collect();
+        assert_eq!(clicks, [[0_usize, 0]]);
+        let [lone, other_lone] = found.lone_clicks;
+        assert_eq!((lone.len(), other_lone.len()), (0, 1));
+        assert_eq!(other_lone[0].as_str(), "halfway_far");
+    }
 }

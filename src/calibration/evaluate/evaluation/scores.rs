@@ -24,7 +24,8 @@ pub struct FrameScores {
     pub clicks_px: Vec<f64>,
     /// Distance of each other click, px.
     pub held_out_px: Vec<f64>,
-    /// Distances on the ground of those other clicks that are on ground landmarks, m.
+    /// Distances on the ground of those other clicks that are on ground landmarks, m; infinite if
+    /// the estimate sees no ground there.
     pub held_out_m: Vec<f64>,
 }
 
@@ -218,7 +219,8 @@ fn add_clicks(
     Ok(())
 }
 
-/// The distance of a click on the ground, m; none if its target is not a landmark on the ground.
+/// The distance of a click on the ground, m; infinite if the estimate sees no ground there, none if
+/// its target is not a landmark on the ground.
 fn on_ground_m(
     shown: FieldView,
     target: Option<&Target>,
@@ -227,11 +229,8 @@ fn on_ground_m(
     // Metres are only comparable on one plane: the crossbar of a goal has no error on the ground.
     let at = observation.shape.point()?;
     let landmark = shown.field.landmark(target?.as_str())?;
-    if landmark.nominal_m.z == 0.0 {
-        ground_error_m(shown.camera, observation.image, at)
-    } else {
-        None
-    }
+    (landmark.nominal_m.z == 0.0)
+        .then(|| ground_error_m(shown.camera, observation.image, at).unwrap_or(f64::INFINITY))
 }
 
 /// The clicks on lines, grouped by line.
@@ -254,4 +253,32 @@ fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
         }
     }
     annotated
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use touchline_core::field::builtin;
+
+    #[test]
+    fn a_click_where_the_estimate_sees_no_ground_is_infinitely_far_off() {
+        let size = ImageSize::new(1280, 720);
+        let level = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, size.centre());
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, 60.0, 1500.0));
+        let sky = FieldView {
+            field: &field,
+            camera: &camera,
+        };
+        for (name, expected) in [
+            ("centre_mark", Some(f64::INFINITY)),
+            ("post_far_left_top", None),
+        ] {
+            let click = Observation::from_landmark(&field, name, size.centre(), size, 0).unwrap();
+            let target = Target::Landmark(name.into());
+            assert_eq!(on_ground_m(sky, Some(&target), &click), expected, "{name}");
+        }
+    }
 }

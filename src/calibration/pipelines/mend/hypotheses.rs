@@ -51,17 +51,7 @@ impl Sample {
         reader: &mut dyn ReadFrames,
         progress: &Progress<'_, MendEvent>,
     ) -> Result<Self, MendError> {
-        // How far the ground moves in the picture from each frame to the next, where both have a
-        // possible camera and the shot a place.
-        let mut moving: Vec<(f64, usize)> = (0..given.len())
-            .filter_map(|index| {
-                let camera = given[index].usable()?;
-                let after = given.get(index + 1)?.usable()?;
-                shots.place_of(index)?;
-                let image_size = document.frames[index].image_size;
-                Some((ground_moved_px(camera, after, image_size)?, index))
-            })
-            .collect();
+        let mut moving = motions_px(document, shots, given);
         moving.sort_by(|(one, _), (other, _)| other.total_cmp(one));
         // The faster half, in the order of the video again, from which the sample is then spread
         // evenly: the fastest frames alone may all be in one turn of the camera.
@@ -82,6 +72,24 @@ impl Sample {
         }
         Ok(Self { pictures })
     }
+}
+
+/// How far the ground moves in the picture from each frame to the next of its shot, with the index
+/// of the frame, where both have a possible camera and the shot has a place.
+fn motions_px(document: &Document, shots: &Shots, given: &[GivenCamera]) -> Vec<(f64, usize)> {
+    (0..given.len())
+        .filter_map(|index| {
+            let camera = given[index].usable()?;
+            let after = given.get(index + 1)?.usable()?;
+            shots.place_of(index)?;
+            // From one shot to the next the picture changes, and no camera moves.
+            if shots.cuts.binary_search(&(index + 1)).is_ok() {
+                return None;
+            }
+            let image_size = document.frames[index].image_size;
+            Some((ground_moved_px(camera, after, image_size)?, index))
+        })
+        .collect()
 }
 
 /// What may be wrong with all given cameras alike.
@@ -285,4 +293,37 @@ fn shift_frames(document: &Document, given: Vec<GivenCamera>, shift: i64) -> Vec
 fn number(frame: &Frame) -> Option<(&str, i64)> {
     let video = frame.video.as_ref()?;
     Some((video.path.as_str(), i64::try_from(video.frame_index).ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::FieldSpec;
+
+    #[test]
+    fn a_cut_is_no_motion_of_the_camera() {
+        let size = ImageSize::new(1920, 1080);
+        let base = CameraBase::new(
+            Vec3::new(2.0, -70.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            size.centre(),
+        );
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut given = Vec::new();
+        for number in 0..12 {
+            // The second shot begins at another end of the field.
+            let pan_deg = 0.2 * f64::from(number) + if number < 6 { 0.0 } else { 20.0 };
+            let ptz = Ptz::from_degrees(pan_deg, -12.0, 2500.0);
+            given.push(GivenCamera::Possible(Box::new(PtzCamera::new(base, ptz))));
+            let frame = Frame::from_image(&format!("{number}.jpg"), "main".into(), size);
+            document.frames.push(frame.into());
+        }
+        let shots = Shots::new(&document, vec![6], &given).unwrap();
+        let moving = motions_px(&document, &shots, &given);
+        let frames: Vec<usize> = moving.iter().map(|(_, index)| *index).collect();
+        assert_eq!(frames, [0, 1, 2, 3, 4, 6, 7, 8, 9, 10]);
+        assert!(moving.iter().all(|(px, _)| *px < 20.0), "{moving:?}");
+    }
 }

@@ -247,7 +247,8 @@ pub(super) struct Errors {
 }
 
 impl Errors {
-    /// Adds the errors of observations under a camera.
+    /// Adds the errors of observations under a camera: infinite where one has no image, so that a
+    /// lens which folds over a click gains nothing by that.
     fn add(&mut self, camera: &PtzCamera, held_out: impl Iterator<Item = Observation>) {
         for observation in held_out {
             let of_kind = if observation.is_paint() {
@@ -255,7 +256,7 @@ impl Errors {
             } else {
                 &mut self.clicks
             };
-            of_kind.extend(observation.distance_px(camera));
+            of_kind.push(observation.distance_px(camera).unwrap_or(f64::INFINITY));
         }
     }
 
@@ -367,4 +368,26 @@ fn jackknife(folds: &[Fold]) -> SharedCovariance {
         .map(|fold| (fold.shared - mean) * (fold.shared - mean).transpose())
         .sum();
     squares * ((count - 1.0) / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vec3;
+    use crate::solve::fixtures::base;
+
+    #[test]
+    fn a_click_without_an_image_counts_as_infinitely_far() {
+        let camera = PtzCamera::new(base(), Ptz::from_degrees(0.0, -12.0, 2300.0));
+        let seen = Vec3::new(3.0, 5.0, 0.0);
+        let image = camera.image_from_world(seen).unwrap();
+        // The second one lies behind the camera.
+        let clicks = [seen, Vec3::new(3.0, -150.0, 0.0)]
+            .map(|at| Observation::from_point(at, image, 2.0, 0));
+        let mut errors = Errors::default();
+        errors.add(&camera, clicks.into_iter());
+        let (_, at_clicks) = errors.summaries();
+        let at_clicks = at_clicks.unwrap();
+        assert_eq!((at_clicks.count, at_clicks.p90_px), (2, f64::INFINITY));
+    }
 }

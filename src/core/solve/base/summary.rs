@@ -42,7 +42,7 @@ pub struct BaseEstimate {
     pub reason: ModelReason,
     /// The cross-validation scores of all models; a single one where the model was prescribed.
     pub scores: Vec<ModelScore>,
-    /// Covariance of the position, m².
+    /// Covariance of the position, m²: that of the base's sigma.
     #[serde(serialize_with = "crate::geometry::rows")]
     pub position_covariance: Mat3,
     /// Each frame's fit; none where its clicks gave no camera.
@@ -124,7 +124,8 @@ pub(super) fn summary(
     if has_clicks && !(median_px < NO_FIT_PX * image_size.scale_from_1920()) {
         return Err(BaseError::NoFit { median_px });
     }
-    // The 1-σ along the worst direction is the root of the largest eigenvalue.
+    // The 1-σ along the worst direction is the root of the largest eigenvalue. It is that of the
+    // adjustment: the jackknife, which may have raised the base's sigma, is rough with few clicks.
     let known = adjusted.position_covariance.iter().all(|x| x.is_finite());
     let sigma_m = if known {
         adjusted
@@ -161,7 +162,7 @@ pub(super) fn summary(
         model,
         reason,
         scores,
-        position_covariance: adjusted.position_covariance,
+        position_covariance: base.sigma.position_covariance(),
         frames: frame_fits,
         median_px,
         p90_px: quantile_or_infinite(&errors, 0.9),
@@ -181,19 +182,19 @@ fn quantile_or_infinite(ascending: &[f64], share: f64) -> f64 {
     }
 }
 
-/// How a frame with a camera fits a base; none without clicks.
+/// How a frame with a camera fits a base; none without clicks, or if most have no image.
 pub(super) fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFit> {
     let mut errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     let rms_px = (squares / errors.len() as f64).sqrt();
     Some(FrameFit {
         ptz,
-        median_px: median(&mut errors)?,
+        median_px: median(&mut errors).filter(|median_px| median_px.is_finite())?,
         rms_px,
     })
 }
 
-/// The distances of all clicks of solved frames, px, in order.
+/// The distances of all clicks of solved frames, px, in order; infinite where one has no image.
 pub(super) fn distances(
     base: &CameraBase,
     frames: &[FrameClicks],
@@ -206,8 +207,94 @@ pub(super) fn distances(
         found.extend(
             frame
                 .used_clicks()
-                .filter_map(|click| click.distance_px(&camera)),
+                .map(|click| click.distance_px(&camera).unwrap_or(f64::INFINITY)),
         );
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::BaseSigma;
+    use crate::field::builtin;
+    use crate::geometry::Vec3;
+    use crate::solve::Observation;
+    use crate::solve::base::{CrownModel, LensModel};
+    use crate::solve::fixtures;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn ptz() -> Ptz {
+        Ptz::from_degrees(0.0, -12.0, 1500.0)
+    }
+
+    /// Clicks exactly where a camera shows these points of the ground, and `behind` more that lie
+    /// behind it.
+    fn frame(base: &CameraBase, seen: &[[f64; 2]], behind: usize) -> FrameClicks {
+        let camera = PtzCamera::new(*base, ptz());
+        let clicks = seen.iter().map(|[x, y]| {
+            let at = Vec3::new(*x, *y, 0.0);
+            Observation::from_point(at, camera.image_from_world(at).unwrap(), 2.0, 0)
+        });
+        let at = Vec3::new(3.0, -150.0, 0.0);
+        let unseen = Observation::from_point(at, SIZE.centre(), 2.0, 0);
+        FrameClicks {
+            observations: clicks.chain(std::iter::repeat_n(unseen, behind)).collect(),
+            start: None,
+        }
+    }
+
+    const SEEN: [[f64; 2]; 4] = [[0.0, 0.0], [12.0, 8.0], [-14.0, 5.0], [2.0, 30.0]];
+
+    #[test]
+    fn clicks_without_an_image_count_as_infinitely_far() {
+        let base = fixtures::base();
+        let one_of_five = frame(&base, &SEEN, 1);
+        let found = distances(&base, std::slice::from_ref(&one_of_five), &[Some(ptz())]);
+        assert_eq!((found.len(), found[4]), (5, f64::INFINITY));
+        let fit = frame_fit(&base, &one_of_five, ptz()).unwrap();
+        assert!(fit.median_px < 1e-6 && fit.rms_px == f64::INFINITY);
+        assert_eq!(frame_fit(&base, &frame(&base, &SEEN, 5), ptz()), None);
+    }
+
+    #[test]
+    fn the_covariance_of_the_position_is_that_of_the_stated_sigma() {
+        let sigma = BaseSigma {
+            position_m: Vec3::new(1.0, 2.0, 0.5),
+            ..BaseSigma::default()
+        };
+        let base = CameraBase {
+            sigma,
+            ..fixtures::base()
+        };
+        let crown = CrownModel::Fixed(0.0);
+        let fit = ChosenFit {
+            adjusted: AdjustedBase {
+                base,
+                crown_m: 0.0,
+                ptz: vec![Some(ptz())],
+                position_covariance: Mat3::identity() * 0.01,
+                noise_scale: 1.0,
+                cost: 0.0,
+                iterations: 1,
+            },
+            model: BaseModel {
+                lens: LensModel::K1FocalK2,
+                crown,
+                principal_point: None,
+            },
+            reason: ModelReason::Prescribed,
+            scores: Vec::new(),
+        };
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let frames = [frame(&base, &SEEN, 0)];
+        let found = summary(fit, &field, &frames, &[Some(ptz())], SIZE).unwrap();
+        let expected = Mat3::from_diagonal(&Vec3::new(1.0, 4.0, 0.25));
+        assert!(
+            (found.position_covariance - expected).amax() < 1e-12,
+            "{}",
+            found.position_covariance
+        );
+    }
 }

@@ -46,6 +46,15 @@ pub enum FromLinesError {
     /// The points do not determine all parameters.
     #[error("these lines leave the camera undetermined: draw one more line, away from the others")]
     Undetermined,
+    /// The best-fitting camera is below the field.
+    #[error(
+        "the camera that fits these lines is {depth_m:.1} m below the field: check the names of \
+         the lines, left and right, near and far"
+    )]
+    BelowGround {
+        /// How deep, m.
+        depth_m: f64,
+    },
     /// No camera explains half of the lines.
     #[error(
         "no camera explains the lines: the best one leaves half of the points more than \

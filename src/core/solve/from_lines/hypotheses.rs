@@ -97,23 +97,88 @@ impl FittedPicture {
         median(&mut distances_px).unwrap_or(f64::INFINITY)
     }
 
-    /// Whether the camera explains at least half of the points.
+    /// Whether the camera explains at least half of the points, from above the ground.
     ///
     /// # Errors
     /// It does not.
     pub fn check_misfit(&self) -> Result<(), FromLinesError> {
-        /// Points farther off are not explained, sigmas of a drawn point.
+        /// Points farther off are not explained, in their own sigmas: landmarks are clicked more
+        /// exactly than lines are drawn.
         const EXPLAINED_SIGMAS: f64 = 12.0;
-        let median_px = self.median_px();
-        let is_above_ground = self.found.state.shared.base.position_m.z > 0.0;
-        let sigma_px = self
+        let camera = self.found.state.camera();
+        let mut sigmas: Vec<f64> = self
             .observations
-            .first()
-            .map_or(0.0, |first| first.sigma_px);
-        if is_above_ground && median_px <= EXPLAINED_SIGMAS * sigma_px {
+            .iter()
+            .map(|observation| {
+                let distance_px = observation.distance_px(&camera);
+                distance_px.map_or(f64::INFINITY, |px| px / observation.sigma_px)
+            })
+            .collect();
+        let is_explained = median(&mut sigmas).is_some_and(|median| median <= EXPLAINED_SIGMAS);
+        if !is_explained {
+            return Err(FromLinesError::NoFit {
+                median_px: self.median_px(),
+            });
+        }
+        let height_m = camera.base().position_m.z;
+        if height_m > 0.0 {
             Ok(())
         } else {
-            Err(FromLinesError::NoFit { median_px })
+            Err(FromLinesError::BelowGround { depth_m: -height_m })
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fit::PictureState;
+    use super::*;
+    use crate::camera::{CameraBase, Ptz, PtzCamera};
+    use crate::field::Crown;
+    use crate::geometry::{Vec2, Vec3};
+    use crate::solve::base::parameters::Shared;
+    use crate::solve::fixtures;
+
+    /// A fit from this height with points that lie this far off and have these sigmas, px.
+    fn fitted(height_m: f64, points_px: &[[f64; 2]]) -> FittedPicture {
+        let position_m = Vec3::new(3.0, -62.0, height_m);
+        let base = CameraBase {
+            position_m,
+            ..fixtures::base()
+        };
+        let ptz = Ptz::from_degrees(0.0, 0.0, 1500.0);
+        let image = PtzCamera::new(base, ptz)
+            .image_from_world(Vec3::zeros())
+            .unwrap();
+        let observations = points_px.iter().map(|[off_px, sigma_px]| {
+            let image = image.translate(Vec2::new(*off_px, 0.0));
+            Observation::from_point(Vec3::zeros(), image, *sigma_px, 0)
+        });
+        let shared = Shared::new(&base, Crown::FLAT);
+        FittedPicture {
+            lines: Vec::new(),
+            observations: observations.collect(),
+            found: Fitted {
+                state: PictureState { shared, ptz },
+                cost: 0.0,
+            },
+        }
+    }
+
+    #[test]
+    fn every_point_is_compared_with_its_own_sigma() {
+        let mixed = [[5.0, 0.1], [5.0, 2.0], [5.0, 2.0]];
+        assert_eq!(fitted(17.0, &mixed).check_misfit(), Ok(()));
+        let exact = [[5.0, 2.0], [5.0, 0.1], [5.0, 0.1]];
+        assert!(matches!(
+            fitted(17.0, &exact).check_misfit(),
+            Err(FromLinesError::NoFit { .. })
+        ));
+    }
+
+    #[test]
+    fn a_camera_below_the_ground_is_named_as_that() {
+        let below = fitted(-17.0, &[[0.0, 2.0]; 3]).check_misfit();
+        assert_eq!(below, Err(FromLinesError::BelowGround { depth_m: 17.0 }));
     }
 }

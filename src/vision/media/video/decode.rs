@@ -2,7 +2,7 @@
 
 use super::backend::VideoBackend;
 use super::comb::first_field;
-use super::known::find_or_survey;
+use super::known::{FileState, find_or_survey};
 use super::player::Player;
 use super::survey::{Survey, survey};
 use super::{CountProgress, VideoInfo};
@@ -14,6 +14,8 @@ use touchline_core::progress::Progress;
 pub struct Video {
     info: VideoInfo,
     player: Player,
+    /// The file when it was opened; none where the system does not tell.
+    file: Option<FileState>,
 }
 
 impl Video {
@@ -53,6 +55,8 @@ impl Video {
         backend: VideoBackend,
         progress: &Progress<'_, CountProgress>,
     ) -> Result<Self, MediaError> {
+        // Before the survey: a file that changes meanwhile is another one afterwards.
+        let file = FileState::read(path, backend);
         let Survey { video, capture } = find_or_survey(path, backend, progress, |progress| {
             survey(path, backend, progress)
         })?;
@@ -65,7 +69,13 @@ impl Video {
                 preroll: video.preroll,
             },
             info: video.info,
+            file,
         })
+    }
+
+    /// Whether its file has been replaced since it was opened.
+    pub(in crate::media) fn is_replaced(&self) -> bool {
+        self.file.as_ref().is_some_and(FileState::is_replaced)
     }
 
     /// The result of the survey of the video.

@@ -5,6 +5,7 @@ use super::CountProgress;
 use super::backend::VideoBackend;
 use super::survey::{Survey, SurveyedVideo};
 use crate::media::MediaError;
+use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
@@ -102,8 +103,11 @@ impl Drop for SurveyGuard<'_> {
 
 /// A file's identity and state at some time.
 #[derive(Clone, PartialEq, Eq)]
-struct FileState {
+pub(super) struct FileState {
     path: PathBuf,
+    /// The numbers of its device and of the file on it; zeros on Windows, which replaces no file
+    /// that is open.
+    file: [u64; 2],
     bytes: u64,
     modified: SystemTime,
     /// The backend: another one may report other times.
@@ -112,15 +116,40 @@ struct FileState {
 
 impl FileState {
     /// `None` if the system does not provide length or time.
-    fn read(path: &Path, backend: VideoBackend) -> Option<Self> {
+    pub(super) fn read(path: &Path, backend: VideoBackend) -> Option<Self> {
         let metadata = std::fs::metadata(path).ok()?;
         Some(Self {
             path: path.to_path_buf(),
+            file: file_numbers(&metadata),
             bytes: metadata.len(),
             modified: metadata.modified().ok()?,
             backend,
         })
     }
+
+    /// Whether another file has taken the place of this one since, or other content. A recording
+    /// that has only grown still has the frames that it had; to survey it again for each of them
+    /// would take very long. A file that is missing is not replaced.
+    pub(super) fn is_replaced(&self) -> bool {
+        let Some(now) = Self::read(&self.path, self.backend) else {
+            return false;
+        };
+        let has_grown = now.file == self.file && now.bytes > self.bytes;
+        now != *self && !has_grown
+    }
+}
+
+/// The numbers of [`FileState`].
+#[cfg(unix)]
+fn file_numbers(metadata: &Metadata) -> [u64; 2] {
+    use std::os::unix::fs::MetadataExt;
+    [metadata.dev(), metadata.ino()]
+}
+
+/// The numbers of [`FileState`].
+#[cfg(not(unix))]
+const fn file_numbers(_: &Metadata) -> [u64; 2] {
+    [0; 2]
 }
 
 /// A video with its earlier survey, opened anew, or else surveyed by `survey`, which runs once at a
@@ -177,7 +206,28 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
     use std::ops::ControlFlow;
+
+    #[test]
+    fn a_video_is_replaced_by_other_content_and_not_by_its_own_growth() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, other] = ["match.mp4", "other.mp4"].map(|name| folder.path().join(name));
+        fs::write(&path, b"frames").unwrap();
+        let then = FileState::read(&path, VideoBackend::Ffmpeg).unwrap();
+        assert!(!then.is_replaced());
+        fs::write(&path, b"frames and more").unwrap();
+        assert!(!then.is_replaced(), "it has grown");
+        fs::write(&path, b"less").unwrap();
+        assert!(then.is_replaced(), "it is shorter");
+        if cfg!(unix) {
+            fs::write(&other, b"a longer video").unwrap();
+            fs::rename(&other, &path).unwrap();
+            assert!(then.is_replaced(), "it is another file");
+        }
+        fs::remove_file(&path).unwrap();
+        assert!(!then.is_replaced(), "it is missing");
+    }
 
     #[test]
     fn a_thread_that_waits_for_a_survey_without_a_count_can_be_cancelled() {
