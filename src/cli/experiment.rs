@@ -120,9 +120,8 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
         let mut report = report.with_context(|| format!("experiment {experiment}"))?;
         report.provenance = Some(provenance(
             experiment.name(),
-            experiment.takes_seeds(),
+            inputs.seeds(experiment),
             args,
-            &options,
         ));
         // Write each report at once, so that it is kept if a later experiment fails.
         write_report(&report, folder, args.force)?;
@@ -134,8 +133,8 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
     }
     if reports.len() > 1 {
         for (name, text) in [
-            (REPORT_FILE, together(&reports, &left_out, args, &options)),
-            (TIMES_FILE, times_together(&reports, args, &options)),
+            (REPORT_FILE, together(&reports, &left_out, args)),
+            (TIMES_FILE, times_together(&reports, args)),
         ] {
             write_file(&folder.join(name), text.as_bytes(), args.force)?;
         }
@@ -220,12 +219,7 @@ fn own_document(path: &Path, messages: Messages) -> anyhow::Result<OwnDocument> 
 }
 
 /// The provenance of one experiment's report, or of the joint one: program, commit, command, seeds.
-fn provenance(
-    name: &str,
-    takes_seeds: bool,
-    args: &ExperimentArgs,
-    options: &ExperimentOptions,
-) -> Provenance {
+fn provenance(name: &str, seeds: Vec<u64>, args: &ExperimentArgs) -> Provenance {
     let mut command = format!("touchline experiment {name}");
     if args.quick {
         command.push_str(" --quick");
@@ -252,24 +246,23 @@ fn provenance(
         program: format!("touchline {}", env!("CARGO_PKG_VERSION")),
         commit: option_env!("TOUCHLINE_COMMIT").map(str::to_owned),
         command,
-        // Frames that were given are not drawn again with other seeds. One seed remains, that of
-        // the forests.
-        seeds: if takes_seeds && args.train.is_empty() {
-            options.seeds()
-        } else {
-            vec![options.seed]
-        },
+        seeds,
         quick: args.quick,
     }
 }
 
+/// The provenance of the joint report: its seeds are those of the report that has most of them,
+/// since each report counts its own from the same first one.
+fn joint_provenance(reports: &[Report], args: &ExperimentArgs) -> Provenance {
+    let each = reports
+        .iter()
+        .filter_map(|report| report.provenance.as_ref());
+    let most = each.map(|one| &one.seeds).max_by_key(|seeds| seeds.len());
+    provenance("all", most.cloned().unwrap_or_default(), args)
+}
+
 /// All reports in one text, preceded by a comparison of the paper's numbers with the measured ones.
-fn together(
-    reports: &[Report],
-    left_out: &[Experiment],
-    args: &ExperimentArgs,
-    options: &ExperimentOptions,
-) -> String {
+fn together(reports: &[Report], left_out: &[Experiment], args: &ExperimentArgs) -> String {
     let (title, frames) = if args.train.is_empty() {
         (
             "The paper, measured again",
@@ -283,7 +276,7 @@ fn together(
     };
     let mut text = format!(
         "# {title}\n\n{} The paper: Chen, Zhu, Little, \"A Two-point Method for PTZ Camera Calibration in Sports\", WACV 2018. {frames}\n",
-        provenance("all", true, args, options).describe()
+        joint_provenance(reports, args).describe()
     );
     if !left_out.is_empty() {
         let names: Vec<&str> = left_out
@@ -307,14 +300,10 @@ fn together(
 }
 
 /// What depends on the machine, of all reports.
-fn times_together(
-    reports: &[Report],
-    args: &ExperimentArgs,
-    options: &ExperimentOptions,
-) -> String {
+fn times_together(reports: &[Report], args: &ExperimentArgs) -> String {
     let mut text = format!(
         "# Times on the machine that made this report\n\n{}\n",
-        provenance("all", true, args, options).describe()
+        joint_provenance(reports, args).describe()
     );
     let each = reports
         .iter()

@@ -6,20 +6,19 @@ use super::messages::Messages;
 use anyhow::Context as _;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
 use touchline_core::geometry::pluralise;
-use touchline_documents::document::{Document, Frames, Merged, merge as merge_documents};
+use touchline_documents::document::{Document, Merged, merge as merge_documents};
 use touchline_documents::exchange::restore_version;
 use touchline_documents::store;
-
-/// Extension of the file with the versions that were not taken.
-const CONFLICTS: &str = "conflicts.json";
 
 /// Joins what several people made of one document.
 ///
 /// A frame or camera that one of them changed is taken from that one. What two of them changed
-/// differently is listed, exit 1: the first one's stays, and the other's frames are written to a
-/// document beside the result (….conflicts.json). Packages of `touchline split` are taken as they
-/// come back.
+/// differently is listed, exit 1: the first one's stays, and each other's frames are written, with
+/// its cameras, to a document of its own beside the result (….conflicts.json,
+/// ….conflicts2.json and so on). Frames that were solved on another base or field than the result
+/// has are solved again. Packages of `touchline split` are taken as they come back.
 #[derive(clap::Args, Debug)]
 pub struct MergeArgs {
     /// The document that all of them started from.
@@ -33,7 +32,7 @@ pub struct MergeArgs {
 }
 
 /// Merges the versions one after the other and writes the result. [`Outcome::SomeFailed`] if two
-/// versions conflict.
+/// versions conflict, or if frames cannot be solved on the merged base.
 ///
 /// # Errors
 /// A document cannot be read, or the result cannot be written.
@@ -46,9 +45,11 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let folder = location.folder();
     // The first version is the result so far; every further one is merged into it.
     let mut merged: Option<Document> = None;
+    let mut versions = Vec::with_capacity(args.versions.len());
     let mut not_taken = ConflictingVersions::default();
     for path in &args.versions {
         let version = read_version(&base, folder, path, messages)?;
+        versions.push(version.clone());
         let Some(ours) = merged.take() else {
             merged = Some(version);
             continue;
@@ -66,10 +67,14 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
                 ),
             );
         }
-        not_taken.add(&version, conflicts);
+        not_taken.add(&version, &document, conflicts);
         merged = Some(document);
     }
-    let merged = merged.context("give at least one version")?;
+    let mut merged = merged.context("give at least one version")?;
+    // Only after all versions are merged: a frame that is solved again would look like a change of
+    // the versions so far, and conflict with the work of those that follow.
+    let is_solved = solve_on_merged_base(&mut merged, &versions, folder, messages);
+    drop(versions);
     let frames = merged.frames.len();
     args.output.write(merged, folder)?;
     messages.note(&format!(
@@ -79,21 +84,70 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
         pluralise(not_taken.names.len(), "conflict")
     ));
     // Write what was not taken beside the result, so that nothing is lost.
-    let Some(others) = not_taken.document else {
-        return Ok(Outcome::Done);
-    };
-    if let Some(beside) = args.output.output.as_deref().map(beside) {
-        let said = beside.display().to_string();
-        DocumentOutput {
-            output: Some(beside),
-            force: args.output.force,
+    if not_taken.documents.is_empty() {
+        return Ok(Outcome::from_failure(!is_solved));
+    }
+    if let Some(output) = &args.output.output {
+        let mut written = Vec::new();
+        for (index, document) in not_taken.documents.into_iter().enumerate() {
+            let beside = beside(output, index + 1);
+            written.push(beside.display().to_string());
+            DocumentOutput {
+                output: Some(beside),
+                force: args.output.force,
+            }
+            .write(document, folder)?;
         }
-        .write(others, folder)?;
         messages.note(&format!(
-            "the other versions of what two changed are in {said}"
+            "the other versions of what two changed are in {}",
+            written.join(", ")
         ));
     }
     Ok(Outcome::SomeFailed)
+}
+
+/// Solves the frames again that come from a version with another base or field than the merged
+/// document has, and reports their numbers. False if they cannot be solved, which is reported, too.
+fn solve_on_merged_base(
+    merged: &mut Document,
+    versions: &[Document],
+    folder: &Path,
+    messages: Messages,
+) -> bool {
+    let is_same = versions
+        .iter()
+        .all(|version| version.cameras == merged.cameras && version.field == merged.field);
+    if is_same {
+        return true;
+    }
+    let before = merged.clone();
+    let sides: Vec<&Document> = versions.iter().collect();
+    let solved = solve_after_merge(merged, &sides, folder);
+    merged.count_edits_since(&before);
+    match solved {
+        Ok(SolvedAfterMerge {
+            solved,
+            refitted,
+            withdrawn,
+        }) => {
+            if solved + refitted + withdrawn > 0 {
+                messages.note(&format!(
+                    "on the merged base or field: {} solved again, {refitted} fitted to where \
+                     their lines were, {} withdrawn",
+                    pluralise(solved, "frame"),
+                    pluralise(withdrawn, "suggestion")
+                ));
+            }
+            true
+        }
+        Err(error) => {
+            messages.note(&format!(
+                "frames of another base or field were not solved again: {error}; mend the field, \
+                 then run touchline solve"
+            ));
+            false
+        }
+    }
 }
 
 /// Reads a version. Its relative paths are changed to start from the base's folder, and a package
@@ -128,56 +182,114 @@ fn read_version(
 #[derive(Default)]
 struct ConflictingVersions {
     names: BTreeSet<String>,
-    document: Option<Document>,
+    /// For each version with conflicts a document of its frames that were not taken.
+    documents: Vec<Document>,
 }
 
 impl ConflictingVersions {
-    fn add(&mut self, version: &Document, conflicts: Vec<String>) {
+    /// Adds the conflicts of a version, given what it was merged to.
+    fn add(&mut self, version: &Document, merged: &Document, conflicts: Vec<String>) {
         if conflicts.is_empty() {
             return;
         }
-        let frames = version
-            .frames
-            .iter()
-            .filter(|frame| conflicts.contains(&frame.name()))
-            .cloned();
-        // Field and cameras are those of the first version that conflicts. Frames of later versions
-        // are added to them.
-        let document = self.document.get_or_insert_with(|| Document {
-            frames: Frames::new(),
+        let conflicts: BTreeSet<String> = conflicts.into_iter().collect();
+        // A conflict has the name of the frame that stays, which may have another picture.
+        let frames = version.frames.iter().filter(|frame| {
+            let stays = merged.frames.by_id(&frame.id);
+            stays.is_some_and(|stays| conflicts.contains(&stays.name()))
+        });
+        // Each version has a document of its own: its frames' angles are in the bases of its
+        // cameras, and its cameras, its field and its other parts may be in conflict, too.
+        self.documents.push(Document {
+            frames: frames.cloned().collect(),
             ..version.clone()
         });
-        document.frames.extend(frames);
         self.names.extend(conflicts);
     }
 }
 
-/// The path of the conflicts file: `merged.conflicts.json` for `merged.json`,
-/// `project.conflicts.json` for a project folder.
-fn beside(output: &Path) -> PathBuf {
+/// The path of a conflicts file, numbered from 1: `merged.conflicts.json` for `merged.json`,
+/// `project.conflicts.json` for a project folder, then `merged.conflicts2.json` and so on.
+fn beside(output: &Path, number: usize) -> PathBuf {
     let file = if output.is_dir() {
         output.join(store::PROJECT_FILE)
     } else {
         output.to_path_buf()
     };
-    file.with_extension(CONFLICTS)
+    match number {
+        1 => file.with_extension("conflicts.json"),
+        _ => file.with_extension(format!("conflicts{number}.json")),
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::beside;
-    use std::path::Path;
+    use super::*;
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Camera, FieldSpec, Frame};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     #[test]
     fn the_other_versions_lie_beside_the_result() {
-        assert_eq!(
-            beside(Path::new("out/merged.json")),
-            Path::new("out/merged.conflicts.json")
-        );
+        let merged = Path::new("out/merged.json");
+        assert_eq!(beside(merged, 1), Path::new("out/merged.conflicts.json"));
+        assert_eq!(beside(merged, 2), Path::new("out/merged.conflicts2.json"));
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(
-            beside(folder.path()),
+            beside(folder.path(), 1),
             folder.path().join("project.conflicts.json")
         );
+    }
+
+    /// A version that has its own position of the camera and its own comment on a frame.
+    fn version(x_m: f64, comment: &str) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.position_m = Some(Vec3::new(x_m, -60.0, 18.0));
+        document.cameras.push(camera.into());
+        for name in ["a.jpg", "b.jpg"] {
+            let frame = Frame::from_image(name, "main".into(), SIZE);
+            document.frames.push(frame.into());
+        }
+        document.frames[0].comment = Some(comment.to_owned());
+        document
+    }
+
+    #[test]
+    fn every_version_that_was_not_taken_keeps_its_cameras_and_frames() {
+        let (base, first) = (version(0.0, "base"), version(1.0, "first"));
+        let mut not_taken = ConflictingVersions::default();
+        let mut merged = first.clone();
+        for other in [version(2.0, "second"), version(3.0, "third")] {
+            let joined = merge_documents(&base, &merged, &other);
+            not_taken.add(&other, &joined.document, joined.conflicts);
+            merged = joined.document;
+        }
+        assert_eq!(merged, first);
+        let names: Vec<&str> = not_taken.names.iter().map(String::as_str).collect();
+        assert_eq!(names, ["a.jpg", "camera main"]);
+        let kept = not_taken.documents.iter().map(|document| {
+            let [camera, frame] = [document.cameras.len(), document.frames.len()];
+            let x_m = document.cameras[0].position_m.unwrap().x;
+            (camera, frame, x_m, document.frames[0].comment.clone())
+        });
+        assert_eq!(
+            kept.collect::<Vec<_>>(),
+            [
+                (1, 1, 2.0, Some("second".to_owned())),
+                (1, 1, 3.0, Some("third".to_owned()))
+            ]
+        );
+    }
+
+    #[test]
+    fn a_frame_whose_picture_lies_elsewhere_is_kept_when_it_was_not_taken() {
+        let (base, mut other) = (version(0.0, "base"), version(0.0, "second"));
+        other.frames[0].image = Some("elsewhere/a.jpg".to_owned());
+        let joined = merge_documents(&base, &version(0.0, "first"), &other);
+        let mut not_taken = ConflictingVersions::default();
+        not_taken.add(&other, &joined.document, joined.conflicts);
+        assert_eq!(not_taken.documents[0].frames[0], other.frames[0]);
     }
 }

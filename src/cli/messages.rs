@@ -1,7 +1,7 @@
 //! The messages of a command on standard error: lines of text, or one JSON object per line.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::fmt::Display;
+use std::fmt::{Display, Write as _};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use touchline_core::files::plain;
@@ -78,7 +78,7 @@ impl Messages {
     /// One message as a line without control characters.
     pub(super) fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
         // Text goes to a terminal, which obeys control characters, so that `plain` makes them
-        // visible. JSON escapes those below U+0020 by itself.
+        // visible. JSON often ends there, too, and escapes only those below U+0020 by itself.
         let (frame, message) = (frame.map(shorten_message), &shorten_message(message));
         match (self, frame) {
             (Self::Text, None) => plain(&one_line(&format!("touchline: {message}"))),
@@ -86,12 +86,11 @@ impl Messages {
                 plain(&one_line(&format!("touchline: {frame}: {message}")))
             }
             (Self::Json, None) => {
-                serde_json::json!({ "level": level, "message": message }).to_string()
+                plain_json(&serde_json::json!({ "level": level, "message": message }))
             }
-            (Self::Json, Some(frame)) => {
-                serde_json::json!({ "level": level, "frame": frame, "message": message })
-                    .to_string()
-            }
+            (Self::Json, Some(frame)) => plain_json(
+                &serde_json::json!({ "level": level, "frame": frame, "message": message }),
+            ),
         }
     }
 }
@@ -175,6 +174,25 @@ fn shorten_message(message: &str) -> String {
     format!("{begin} … {} characters … {end}", length - first - last)
 }
 
+/// A JSON value on one line. What a terminal would obey, as [`plain`] decides it, is escaped as
+/// JSON does, so that readers of the value get it back.
+fn plain_json(value: &serde_json::Value) -> String {
+    let text = value.to_string();
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        // Such characters occur only within the strings of the value, where an escape has a place.
+        if plain(letter.encode_utf8(&mut [0; 4])).starts_with(letter) {
+            escaped.push(letter);
+        } else {
+            for unit in letter.encode_utf16(&mut [0; 2]) {
+                // Writing to a string cannot fail.
+                let _ = write!(escaped, "\\u{unit:04x}");
+            }
+        }
+    }
+    escaped
+}
+
 fn one_line(text: &str) -> String {
     text.lines()
         .map(str::trim)
@@ -209,6 +227,20 @@ mod tests {
         let text = Messages::Text.line("error", Some("\u{8}x.jpg"), hostile);
         let wanted = "touchline: \\u{8}x.jpg: \\u{1b}]0;owned\\u{7} \\u{1b}[2Jé\\u{9b}31m a\\u{202e}gpj.exe\\r\\u{200b}";
         assert_eq!(text, wanted);
+    }
+
+    #[test]
+    fn a_terminal_obeys_nothing_in_json_and_a_reader_gets_the_message_back() {
+        let hostile = "\u{1b}[2J \u{9b}31m \u{7f} a\u{202e}gpj.exe\u{feff} C:\\x";
+        for frame in [None, Some("\u{8}\u{2066}x.jpg")] {
+            let line = Messages::Json.line("error", frame, hostile);
+            assert_eq!(touchline_core::files::plain(&line), line);
+            let read: serde_json::Value = serde_json::from_str(&line).unwrap();
+            assert_eq!(read["message"], hostile);
+            assert_eq!(read["frame"].as_str(), frame);
+        }
+        let line = Messages::Json.line("note", None, "\u{9b}");
+        assert_eq!(line, r#"{"level":"note","message":"\u009b"}"#);
     }
 
     #[test]

@@ -195,14 +195,32 @@ pub fn give_runtime_folder() {
         if std::env::var_os(VARIABLE).is_some() {
             return;
         }
-        if let Ok(program) = std::env::current_exe() {
+        let folder = private_folder(&std::env::temp_dir());
+        if let (Ok(program), Some(folder)) = (std::env::current_exe(), folder) {
             // It returns only if it failed: then the program goes on as it is.
             let _ = std::process::Command::new(program)
                 .args(std::env::args_os().skip(1))
-                .env(VARIABLE, std::env::temp_dir())
+                .env(VARIABLE, folder)
                 .exec();
         }
     }
+}
+
+/// The user's own folder for runtime files within a folder that all users share; it is made if it
+/// is missing. None if it is not the user's alone: the sockets in it would then be another's, and
+/// the program would talk to them.
+#[cfg(target_os = "linux")]
+fn private_folder(shared: &std::path::Path) -> Option<PathBuf> {
+    use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
+    // A process's entry there belongs to its user.
+    let user = std::fs::metadata("/proc/self").ok()?.uid();
+    let folder = shared.join(format!("touchline-runtime-{user}"));
+    // If it exists already, this fails, and what is there is examined.
+    let _ = std::fs::DirBuilder::new().mode(0o700).create(&folder);
+    // Not the target of a link, which may lead anywhere.
+    let there = std::fs::symlink_metadata(&folder).ok()?;
+    let is_private = there.is_dir() && there.uid() == user && there.mode() & 0o777 == 0o700;
+    is_private.then_some(folder)
 }
 
 /// The error and its causes in one text. A cause that the text already contains is not repeated.
@@ -270,6 +288,22 @@ pub fn usage_message<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Option
 mod tests {
     use super::describe_error;
     use anyhow::Context as _;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_runtime_folder_is_the_users_alone() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let shared = tempfile::tempdir().unwrap();
+        let folder = super::private_folder(shared.path()).unwrap();
+        assert_eq!(folder.parent(), Some(shared.path()));
+        assert_eq!(super::private_folder(shared.path()), Some(folder.clone()));
+        let open = std::fs::Permissions::from_mode(0o777);
+        std::fs::set_permissions(&folder, open).unwrap();
+        assert_eq!(super::private_folder(shared.path()), None);
+        std::fs::remove_dir(&folder).unwrap();
+        std::os::unix::fs::symlink(shared.path(), &folder).unwrap();
+        assert_eq!(super::private_folder(shared.path()), None);
+    }
 
     #[test]
     fn a_cause_is_said_once() {

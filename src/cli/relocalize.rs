@@ -6,7 +6,7 @@ use super::features::{FeaturesArg, tell_refusal};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::output::write_file;
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, bail, ensure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use touchline_application::app::where_to_label::where_to_label;
@@ -15,10 +15,10 @@ use touchline_calibration::proposals::{
     Coverage, KeyWindow, TrainingFrames, adopt_bases, label_advice,
 };
 use touchline_core::files::read_named;
-use touchline_core::geometry::pluralise;
+use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
+    Camera, Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
 };
 use touchline_vision::media::{FrameReader, FrameSource, image_size};
 use touchline_vision::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
@@ -97,7 +97,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         file,
         folder,
         skipped,
-    } = read_input(args, taught.clone(), messages)?;
+    } = read_input(args, &model, taught.clone(), messages)?;
     // The forest's rays are pan and tilt in the base of its training. A document without a base
     // takes that one; under another one its answers would be wrong, which is an error.
     adopt_bases(&mut document, &taught, &model)?;
@@ -250,6 +250,7 @@ struct Input {
 /// Reads a document, or images as new frames of the forest's document.
 fn read_input(
     args: &RelocalizeArgs,
+    model: &ForestModel,
     taught: Document,
     messages: Messages,
 ) -> anyhow::Result<Input> {
@@ -295,7 +296,7 @@ fn read_input(
         };
         ensure!(!listed.is_empty(), "{} holds no image", path.display());
         for image in listed {
-            if let Err(error) = add_image(&mut input, &image) {
+            if let Err(error) = add_image(&mut input, model, &image) {
                 input.skipped += 1;
                 messages.frame_failed(&image.display().to_string(), &format!("{error:#}"));
             }
@@ -315,24 +316,50 @@ fn images_of(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 /// Appends a frame for an image, with the camera that has pictures of its size.
-fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
+fn add_image(input: &mut Input, model: &ForestModel, path: &Path) -> anyhow::Result<()> {
     let size = image_size(path)?;
-    // An image says nothing of its camera but its size. The first camera with that size is taken.
-    let camera = input
-        .document
-        .cameras
-        .iter()
-        .find(|camera| camera.image_size == size);
-    let camera = camera.with_context(|| {
-        format!(
-            "{} × {} px; the forest has no camera with pictures of this size",
-            size.width, size.height
-        )
-    })?;
+    // Cameras without references have no forest, so that no image can be answered with them.
+    let cameras = input.document.cameras.iter().map(|camera| &**camera);
+    let with_forest = cameras.filter(|camera| {
+        let mut forests = model.cameras.iter();
+        forests.any(|forest| forest.camera == camera.id.as_str())
+    });
+    let camera = camera_of_size(with_forest, size)?;
     let name = path_between(&input.folder, &path.canonicalize()?);
     let frame = Frame::from_image(&name, camera.id.clone(), size);
     input.document.frames.push(frame.into());
     Ok(())
+}
+
+/// The camera with pictures of a size. An image says nothing else of its camera, so that there has
+/// to be one alone.
+///
+/// # Errors
+/// There is none, or there are several.
+fn camera_of_size<'a>(
+    cameras: impl Iterator<Item = &'a Camera>,
+    size: ImageSize,
+) -> anyhow::Result<&'a Camera> {
+    let of_size: Vec<&Camera> = cameras.filter(|camera| camera.image_size == size).collect();
+    match of_size[..] {
+        [camera] => Ok(camera),
+        [] => bail!(
+            "{} × {} px; the forest has no camera with pictures of this size",
+            size.width,
+            size.height
+        ),
+        _ => {
+            let names: Vec<&str> = of_size.iter().map(|camera| camera.id.as_str()).collect();
+            bail!(
+                "{} × {} px; {} cameras of the forest have pictures of this size ({}), and an \
+                 image does not say which is its own: relocalize a document",
+                size.width,
+                size.height,
+                names.len(),
+                names.join(", ")
+            )
+        }
+    }
 }
 
 /// Writes the document; to a `.jsonl` file its frames, one per line.
@@ -355,4 +382,35 @@ fn write(output: &DocumentOutput, document: Document, folder: &Path) -> anyhow::
         lines.push('\n');
     }
     write_file(path, lines.as_bytes(), output.force)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_image_whose_size_two_cameras_have_is_given_to_neither() {
+        let (wide, small) = (ImageSize::new(1920, 1080), ImageSize::new(1280, 720));
+        let cameras = [("main", wide), ("left", small), ("right", small)]
+            .map(|(name, size)| Camera::new(name.into(), size));
+        assert_eq!(
+            camera_of_size(cameras.iter(), wide).unwrap().id.as_str(),
+            "main"
+        );
+        for (size, said) in [
+            (
+                small,
+                "2 cameras of the forest have pictures of this size (left, right)",
+            ),
+            (
+                ImageSize::new(64, 48),
+                "64 × 48 px; the forest has no camera",
+            ),
+        ] {
+            let refused = camera_of_size(cameras.iter(), size)
+                .unwrap_err()
+                .to_string();
+            assert!(refused.contains(said), "{refused}");
+        }
+    }
 }

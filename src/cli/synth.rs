@@ -15,6 +15,10 @@ use touchline_vision::synthetic::{Graphics, Preset, ShootOptions};
 /// The file beside the project with the exact cameras.
 const TRUTH_FILE: &str = "truth.json";
 
+/// The file that marks a folder while a match is drawn in it. One that was stopped leaves it, so
+/// that another run may draw over what is there.
+const UNFINISHED_FILE: &str = "synth.unfinished";
+
 /// Draws a match: images, a project without calibrations, and the exact truth beside it.
 ///
 /// DIR gets images/0001.jpg and so on, project.json (the camera's base is known, no frame is
@@ -142,6 +146,8 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let order = order_of(args);
     fs::create_dir_all(args.output.join("images"))
         .with_context(|| format!("cannot make {}", args.output.display()))?;
+    let unfinished = args.output.join(UNFINISHED_FILE);
+    write_file(&unfinished, b"", true)?;
     let progress = messages.progress(order.frames, "Drawing frames");
     let drawn = draw_match(&order, &mut |picture: DrawnPicture| -> anyhow::Result<()> {
         write_file(&args.output.join(&picture.image), &picture.jpeg, args.force)?;
@@ -162,6 +168,8 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     // The truth is written first. It marks the folder as one that this command may draw over.
     let location = Location::for_new_document(&args.output.join(""))?;
     write_document(&location, &drawn.project, args.force)?;
+    fs::remove_file(&unfinished)
+        .with_context(|| format!("cannot remove {}", unfinished.display()))?;
     messages.note(&format!(
         "{}: {}, the truth in {TRUTH_FILE}",
         location.file().display(),
@@ -173,7 +181,10 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
 /// Refuses a folder with a project that this command did not draw: pictures of a drawn match could
 /// overwrite the project's.
 fn refuse_other_project(folder: &Path) -> anyhow::Result<()> {
-    if folder.join(TRUTH_FILE).is_file() {
+    let is_drawn = [TRUTH_FILE, UNFINISHED_FILE]
+        .into_iter()
+        .any(|name| folder.join(name).is_file());
+    if is_drawn {
         return Ok(());
     }
     let other = [PROJECT_FILE, "images"]
@@ -217,6 +228,20 @@ fn step_s(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_run_that_was_stopped_may_be_drawn_over_and_a_users_pictures_may_not() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("images")).unwrap();
+        let refused = refuse_other_project(folder.path()).unwrap_err().to_string();
+        assert!(
+            refused.contains("holds images, which was not drawn"),
+            "{refused}"
+        );
+        // As a run leaves the folder that ended before it wrote the truth.
+        fs::write(folder.path().join(UNFINISHED_FILE), "").unwrap();
+        assert!(refuse_other_project(folder.path()).is_ok());
+    }
 
     #[test]
     fn sizes_and_steps_are_checked_with_a_way_out() {

@@ -51,6 +51,16 @@ pub enum ExperimentError {
     /// The authors' files cannot be read.
     #[error(transparent)]
     Published(#[from] AuthorsError),
+    /// Published frames of which none can be tested against others.
+    #[error(
+        "{}: no frame can be tested against another; there must be two sequences of a camera, or \
+         two frames in a sequence",
+        folder.display()
+    )]
+    NothingToTest {
+        /// The folder with the annotations.
+        folder: PathBuf,
+    },
     /// A file of the given data cannot be read.
     #[error("{}: {reason}", path.display())]
     Given {
@@ -80,7 +90,7 @@ fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
         Experiment::Worldcup => {
             "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup"
         }
-        Experiment::Synthetic | Experiment::Ransac | Experiment::Assumptions => {
+        Experiment::Synthetic | Experiment::Ransac | Experiment::Assumptions | Experiment::Pose => {
             return format!("{experiment} needs no data; omit --data");
         }
         _ => "MATLAB files such as seq1_anno.mat, in it or in a folder named highlights",
@@ -101,6 +111,7 @@ mod tests {
             Experiment::Synthetic,
             Experiment::Ransac,
             Experiment::Assumptions,
+            Experiment::Pose,
         ] {
             assert_eq!(
                 not_given(experiment, Some(Path::new("data"))),

@@ -79,7 +79,11 @@ impl SharedInputs {
                 folder_with(data, |folder| folder.join(MOTION_FILE).is_file())
             }
             Experiment::Worldcup => published_folder(data, PublishedKind::WorldCup),
-            Experiment::Synthetic | Experiment::Ransac | Experiment::Assumptions => None,
+            // The lens of the pose experiment bends strongly, as that of no published data does.
+            Experiment::Synthetic
+            | Experiment::Ransac
+            | Experiment::Assumptions
+            | Experiment::Pose => None,
             _ => published_folder(data, PublishedKind::Highlights),
         });
         found.ok_or_else(|| ExperimentError::NotGiven {
@@ -96,7 +100,7 @@ impl SharedInputs {
         once(&self.highlights, || {
             match (&self.own, self.data_folder(Experiment::Highlights)) {
                 (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
-                (None, Ok(folder)) => Ok(vec![read_published(
+                (None, Ok(folder)) => Ok(vec![self.published(
                     &folder,
                     PublishedKind::Highlights,
                     progress,
@@ -135,7 +139,7 @@ impl SharedInputs {
         once(&self.worldcup, || {
             match (&self.own, self.data_folder(Experiment::Worldcup)) {
                 (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
-                (None, Ok(folder)) => Ok(vec![read_published(
+                (None, Ok(folder)) => Ok(vec![self.published(
                     &folder,
                     PublishedKind::WorldCup,
                     progress,
@@ -197,6 +201,31 @@ impl SharedInputs {
         Ok(self.calibme[place].get_or_init(|| calibme::measure(frames, progress)))
     }
 
+    /// The seeds of the sets of frames that an experiment uses: one for given frames, which are not
+    /// drawn again with other seeds; it is that of the forests.
+    #[must_use]
+    pub fn seeds(&self, experiment: Experiment) -> Vec<u64> {
+        let is_given = self.own.is_some() || self.data_folder(experiment).is_ok();
+        if experiment.takes_seeds() && !is_given {
+            self.options.seeds()
+        } else {
+            vec![self.options.seed]
+        }
+    }
+
+    /// The published frames in a folder.
+    fn published(
+        &self,
+        folder: &Path,
+        kind: PublishedKind,
+        progress: Progress,
+    ) -> Result<FrameSet, ExperimentError> {
+        Ok(FrameSet {
+            seed: self.options.seed,
+            ..read_published(folder, kind, progress)?
+        })
+    }
+
     /// Draws a set of this number of frames for each seed.
     fn draw_sets(
         &self,
@@ -254,4 +283,40 @@ fn once(
     // nothing is made twice.
     let made = make()?;
     Ok(cell.get_or_init(|| made))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn given_frames_have_one_seed_and_drawn_ones_several() {
+        let data = tempfile::tempdir().unwrap();
+        let highlights = data.path().join("highlights");
+        std::fs::create_dir(&highlights).unwrap();
+        std::fs::write(highlights.join("seq1_anno.mat"), "").unwrap();
+        let options = ExperimentOptions {
+            seed: 7,
+            ..ExperimentOptions::default()
+        };
+        let drawn = SharedInputs::new(options, None, None);
+        let given = SharedInputs::new(options, None, Some(data.path()));
+        let several = vec![7, 8, 9, 10, 11];
+        assert_eq!(drawn.seeds(Experiment::Highlights), several);
+        assert_eq!(given.seeds(Experiment::Highlights), [7]);
+        assert_eq!(given.seeds(Experiment::Trees), [7]);
+        // The games are not among the data, so that they are drawn.
+        assert_eq!(given.seeds(Experiment::Worldcup), several);
+        assert_eq!(drawn.seeds(Experiment::Ransac), [7]);
+    }
+
+    #[test]
+    fn the_pose_experiment_takes_no_published_data_instead_of_drawing_beside_them() {
+        let data = tempfile::tempdir().unwrap();
+        std::fs::write(data.path().join("seq1_anno.mat"), "").unwrap();
+        let inputs = SharedInputs::new(ExperimentOptions::default(), None, Some(data.path()));
+        assert!(inputs.data_folder(Experiment::Highlights).is_ok());
+        let refused = inputs.data_folder(Experiment::Pose).unwrap_err();
+        assert_eq!(refused.to_string(), "pose needs no data; omit --data");
+    }
 }

@@ -229,7 +229,8 @@ fn show_tracking(steps: &Steps, event: &TrackingEvent) -> ControlFlow<()> {
 }
 
 /// Carries the cameras of solved frames to their neighbours, one adjustment a shot, as
-/// `touchline track`. Frames that get a camera become suggestions.
+/// `touchline track`. Frames that get a camera become suggestions; those that were to get one and
+/// did not are in `failed` of the report.
 ///
 /// `frames`: the first and the last number of the frames to be tracked. `smooth`: smooth the
 /// motion.
@@ -297,14 +298,22 @@ fn track_all(
         &events,
     )?;
     drop(events);
-    Ok(Report {
+    let mut report = Report {
         solved: found.tracked,
-        // Each frame is of one clip, so that it is counted once at most. Frames that tracking
-        // missed are left as they are, and the library names no reason for each.
-        passed: document.frames.len() - found.tracked,
         notes: notes.into_inner().unwrap_or_else(PoisonError::into_inner),
         ..Report::default()
-    })
+    };
+    // Frames that tracking was to reach and that have no camera now. Those that people decided on
+    // stay as they are whatever the tracking gives.
+    for of_clip in clips.iter().flat_map(|clip| &clip.frames) {
+        let frame = of_clip.place.and_then(|place| document.frames.get(place));
+        if let Some(frame) = frame.filter(|frame| frame.is_open() && frame.ptz.is_none()) {
+            report.fail(frame, "tracking did not reach it");
+        }
+    }
+    // Each frame is of one clip, so that it is counted once at most.
+    report.passed = document.frames.len() - report.solved - report.failed.len();
+    Ok(report)
 }
 
 /// Pulls a camera onto the painted lines of its picture: (height, width, 3), uint8, red first, or

@@ -7,7 +7,7 @@
 use super::dialogs;
 use egui::{Event, FocusDirection, Key, Modifiers};
 use touchline_application::app::session::{Dialog, HeldCommands, Mode};
-use touchline_application::app::{Action, App, Chord, Command, EditAction, ViewAction};
+use touchline_application::app::{Action, App, Chord, Command, EditAction, MenuGroup, ViewAction};
 
 /// Distance by which an arrow key moves the selected point, px of the picture: alone, with Shift,
 /// with Alt.
@@ -136,14 +136,14 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
         {
             return Some(Action::View(ViewAction::CloseDialog));
         }
-        if command == Some(Command::Guide) && is_free(&stroke, focus) {
+        if command == Some(Command::Guide) && is_free(&stroke, command, focus) {
             return Some(Action::Command(Command::Guide));
         }
         if !matches!(dialog, Dialog::OverlayStyle | Dialog::PictureLook) {
             return None;
         }
     }
-    if !is_free(&stroke, focus) {
+    if !is_free(&stroke, command, focus) {
         return None;
     }
     let plain = !stroke.modifiers.command && !stroke.modifiers.alt;
@@ -212,8 +212,8 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
     }))
 }
 
-/// Whether the focused control leaves this key to the program.
-fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
+/// Whether the focused control leaves this key to the program, given the command that has it.
+fn is_free(stroke: &KeyStroke, command: Option<Command>, focus: Focus) -> bool {
     let function_key = stroke.key.name().len() > 1 && stroke.key.name().starts_with('F');
     match focus {
         Focus::Free => true,
@@ -228,17 +228,42 @@ fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
                 | Key::ArrowUp
                 | Key::ArrowDown
         ),
-        // A text field has its own undo, cursor and clipboard keys. Only function keys and a few
-        // shortcuts are left.
+        // A text field has its own undo, cursor and clipboard keys. Only function keys and the
+        // shortcuts of a few commands are left, whichever letters the user gave them.
         Focus::Text => {
             function_key
                 || stroke.modifiers.command
-                    && matches!(
-                        stroke.key,
-                        Key::S | Key::O | Key::E | Key::K | Key::Q | Key::M
-                    )
+                    && !is_key_of_text(stroke.key)
+                    && command.is_some_and(works_beside_text)
         }
     }
+}
+
+/// Whether a shortcut of a command works while a text is typed: it is about the whole document or
+/// the program, so that the text that has the focus does not matter to it.
+fn works_beside_text(command: Command) -> bool {
+    command.group() == MenuGroup::File || matches!(command, Command::Comment | Command::Palette)
+}
+
+/// Whether a text field has its own meaning for Ctrl with a key, so that no command gets it there.
+const fn is_key_of_text(key: Key) -> bool {
+    matches!(
+        key,
+        Key::A
+            | Key::C
+            | Key::V
+            | Key::X
+            | Key::Y
+            | Key::Z
+            | Key::ArrowLeft
+            | Key::ArrowRight
+            | Key::ArrowUp
+            | Key::ArrowDown
+            | Key::Home
+            | Key::End
+            | Key::Backspace
+            | Key::Delete
+    )
 }
 
 /// Replaces Shift with the slash key by the question mark, because some layouts report no logical
@@ -495,6 +520,28 @@ mod tests {
             press(&app, Key::Z, Modifiers::COMMAND),
             Some(Action::Command(Command::Undo))
         );
+    }
+
+    #[test]
+    fn beside_a_text_the_keys_are_those_of_the_users_keymap() {
+        let mut app = app();
+        let keys = &mut app.settings.keys;
+        keys.assign(Command::Save, "Ctrl+J".parse().unwrap());
+        keys.assign(Command::Undo, "Ctrl+E".parse().unwrap());
+        keys.assign(Command::Quit, "Ctrl+A".parse().unwrap());
+        for (key, expected) in [
+            (Key::J, Some(Action::Command(Command::Save))),
+            (Key::S, None),
+            // Undo is the text field's own, and so is the key that selects all of a text.
+            (Key::E, None),
+            (Key::A, None),
+        ] {
+            assert_eq!(
+                meaning(&app, stroke(key, Modifiers::COMMAND), Focus::Text),
+                expected,
+                "{key:?}"
+            );
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 use egui::{Pos2, Rect, pos2};
 use lru::LruCache;
+use std::collections::BTreeSet;
 use std::io;
 use std::num::NonZeroUsize;
 use touchline_application::app::{Action, App, OpenProject};
@@ -124,7 +125,10 @@ impl Pictures {
 
     /// Requests the thumbnails that the panels want. Call it after the panels are drawn.
     pub fn finish(&mut self) {
-        let wanted = std::mem::take(&mut self.wanted);
+        // Two lists may show the same picture, which is requested and counted once.
+        let mut seen = BTreeSet::new();
+        let mut wanted = std::mem::take(&mut self.wanted);
+        wanted.retain(|frame| seen.insert(frame.clone()));
         let num_wanted = wanted.len();
         let missing: Vec<_> = wanted
             .into_iter()
@@ -153,4 +157,23 @@ pub fn decode_texture(
     let size = [picture.width() as usize, picture.height() as usize];
     let pixels = egui::ColorImage::from_rgb(size, picture.as_raw());
     Some(ctx.load_texture(name, pixels, egui::TextureOptions::LINEAR))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_thumbnail_in_two_lists_counts_once() {
+        let mut pictures = Pictures::start(Arc::new(|| ())).unwrap();
+        for name in ["a.png", "b.png", "a.png"] {
+            let picture = FrameRef::image(Path::new(name));
+            assert!(pictures.thumbnail_of(picture).is_none());
+        }
+        pictures.finish();
+        let expected = ThumbnailProgress { done: 0, wanted: 2 };
+        assert_eq!(pictures.thumbnails_in_view(), expected);
+    }
 }

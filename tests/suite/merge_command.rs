@@ -3,8 +3,11 @@
 use crate::program::touchline;
 use std::fs;
 use std::path::Path;
-use touchline::document::{Click, Document, FrameStatus, document_to_string};
-use touchline::geometry::ImagePoint;
+use touchline::camera::PtzCamera;
+use touchline::document::{
+    Click, Document, FrameStatus, Solution, SolutionSource, document_to_string,
+};
+use touchline::geometry::{ImagePoint, Vec3};
 use touchline::store::read;
 
 fn document(path: &Path) -> Document {
@@ -138,4 +141,81 @@ fn what_two_people_did_differently_is_listed_and_neither_is_lost() {
         (others.frames.len(), landmark(&others, 0).as_str()),
         (1, "halfway_far")
     );
+}
+
+/// Where the camera of a document stands along the field, m.
+fn x_m(document: &Document) -> f64 {
+    document.cameras[0].position_m.unwrap().x
+}
+
+/// Moves the camera of the document in a file along the field.
+fn move_camera(path: &Path, by_m: f64) {
+    let mut document = document(path);
+    let position_m = document.cameras[0].position_m.unwrap();
+    document.cameras[0].position_m = Some(position_m + Vec3::new(by_m, 0.0, 0.0));
+    fs::write(path, document_to_string(&document).unwrap()).unwrap();
+}
+
+#[test]
+fn of_three_versions_none_loses_its_camera_or_its_frames() {
+    let place = tempfile::tempdir().unwrap();
+    let at = |name: &str| place.path().join("match").join(name);
+    let drawn = touchline(
+        place.path(),
+        "synth --frames 3 --size 320x180 --preset easy -o match",
+    );
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    for (name, landmark, by_m) in [
+        ("a.json", "centre_mark", 3.0),
+        ("b.json", "halfway_far", 5.0),
+        ("c.json", "halfway_near", 7.0),
+    ] {
+        fs::copy(at("project.json"), at(name)).unwrap();
+        click(&at(name), 1, landmark);
+        move_camera(&at(name), by_m);
+    }
+    // One more frame that the second version alone has a camera for, in the base that it gave.
+    let mut second = document(&at("b.json"));
+    let truth = document(&at("truth.json"));
+    let frame = &mut second.frames[2];
+    frame.ptz.clone_from(&truth.frames[2].ptz);
+    frame.status = FrameStatus::Reference;
+    frame.solution = Some(Solution {
+        source: Some(SolutionSource::Forest),
+        ..Solution::default()
+    });
+    fs::write(at("b.json"), document_to_string(&second).unwrap()).unwrap();
+
+    let ran = touchline(
+        place.path(),
+        "merge match match/a.json match/b.json match/c.json -o match/merged.json",
+    );
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    for said in [
+        "images/0002.jpg: match/c.json has it otherwise; what came before it stays",
+        "on the merged base or field: 0 frames solved again, 1 fitted to where their lines were",
+        "are in match/merged.conflicts.json, match/merged.conflicts2.json",
+    ] {
+        assert!(ran.stderr.contains(said), "{}", ran.stderr);
+    }
+    let merged = document(&at("merged.json"));
+    assert_eq!(x_m(&merged), x_m(&document(&at("a.json"))));
+    for (name, version, landmark) in [
+        ("merged.conflicts.json", "b.json", "halfway_far"),
+        ("merged.conflicts2.json", "c.json", "halfway_near"),
+    ] {
+        let (others, version) = (document(&at(name)), document(&at(version)));
+        assert_eq!(x_m(&others), x_m(&version), "{name}");
+        let target = others.frames[0].clicks[0].target.clone().unwrap();
+        assert_eq!((others.frames.len(), target.as_str()), (1, landmark));
+    }
+
+    // The frame of the second version shows the same place where it was, from the first's base.
+    let centre = ImagePoint::new(160.0, 90.0);
+    let seen = second.ptz_camera(&second.frames[2]).unwrap();
+    let ground = seen.plane_from_image(centre, 0.0).unwrap();
+    let now = merged.ptz_camera(&merged.frames[2]).unwrap();
+    let [kept, fitted] = [PtzCamera::new(*now.base(), seen.ptz()), now]
+        .map(|camera| camera.image_from_world(ground).unwrap().distance_px(centre));
+    assert!(fitted < 0.3 * kept, "{fitted} {kept}");
 }

@@ -79,6 +79,9 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     let (place, truth) = project();
     let mut headless = Headless::open(&place.path().join("project"));
     headless.wait_for_picture();
+    // Messages name the key that the user chose.
+    let keys = &mut headless.app.settings.keys;
+    keys.assign(Command::Snap, "F8".parse().unwrap());
     assert!((9.0..11.0).contains(&off_px(&headless.app, &truth)));
 
     // Both are judged without being asked for, the shown one first.
@@ -107,6 +110,13 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     );
     headless.act(Action::Hold(Command::Snap, false));
     headless.wait_until("the snap", is_snapped);
+    let notices = &headless.app.session.messages.notices;
+    assert!(
+        notices
+            .iter()
+            .any(|notice| notice.text.ends_with(". Hold F8 to see it before.")),
+        "{notices:?}"
+    );
     assert!(
         off_px(&headless.app, &truth) < 0.5,
         "{}",
@@ -148,7 +158,7 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     let said = next_step(&headless.app).text;
     assert!(
         said.starts_with("Aligned to the painted lines. Enter accepts it")
-            && said.ends_with("Hold S: before."),
+            && said.ends_with("Hold F8: before."),
         "{said}"
     );
     assert!(is_snapped(&headless.app));

@@ -11,7 +11,7 @@ pub use clip::corners_apart_px;
 use clip::{CLICK_SIGMA_PX, DrawnClip, frame_count};
 use std::path::Path;
 use std::time::Instant;
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::Vec3;
 use touchline_core::geometry::quantile;
 use touchline_core::score::{SigmaCoverage, squared_mahalanobis};
@@ -172,12 +172,29 @@ fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<FrameAccuracy> {
             is_wrong: worst > WRONG_PX * frame.image_size.scale_from_1920(),
             confidence: solution.and_then(|solution| solution.confidence),
             sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
-            squared_sigmas: (base == Some(*truth.base()))
+            squared_sigmas: base
+                .is_some_and(|base| is_same_base(&base, truth.base()))
                 .then(|| in_sigmas(frame, ptz, truth.ptz()))
                 .flatten(),
         })
     })
     .collect()
+}
+
+/// Whether two bases differ by rounding alone: a document orthogonalises rotations and keeps angles
+/// in degrees, so that its base may differ from the true one in the last digits.
+fn is_same_base(one: &CameraBase, other: &CameraBase) -> bool {
+    /// In m, in px, and as a share of 1: far below what an estimate of a base reaches.
+    const ROUNDING: f64 = 1e-9;
+    // Lenses are functions of the focal length, and are compared at two of them.
+    let is_same_lens = [1000.0, 5000.0].into_iter().all(|focal_px| {
+        let apart = one.distortion.at(focal_px) - other.distortion.at(focal_px);
+        apart.abs() <= ROUNDING
+    });
+    is_same_lens
+        && (one.position_m - other.position_m).amax() <= ROUNDING
+        && (one.base_from_world - other.base_from_world).amax() <= ROUNDING
+        && one.principal_point.distance_px(other.principal_point) <= ROUNDING
 }
 
 /// A row of the table: clicks, corner errors, coverage of the stated sigmas, wrong cameras.
@@ -241,4 +258,22 @@ fn in_sigmas(frame: &Frame, ptz: Ptz, truth: Ptz) -> Option<f64> {
         ptz.focal_px - truth.focal_px,
     );
     squared_mahalanobis(error, &covariance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_same_base;
+    use crate::setting;
+
+    #[test]
+    fn a_base_is_the_same_after_rounding_and_another_where_it_is_estimated() {
+        let base = setting::base();
+        let (mut rounded, mut estimated) = (base, base);
+        rounded.base_from_world[(0, 0)] += 1e-15;
+        rounded.position_m.x += 1e-13;
+        estimated.position_m.x += 1e-4;
+        assert_ne!(rounded, base);
+        assert!(is_same_base(&rounded, &base));
+        assert!(!is_same_base(&estimated, &base));
+    }
 }

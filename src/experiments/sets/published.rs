@@ -80,7 +80,7 @@ pub fn published_folder(data: &Path, kind: PublishedKind) -> Option<PathBuf> {
 /// Reads the published frames and extracts their features.
 ///
 /// # Errors
-/// An annotation or a picture cannot be read.
+/// An annotation or a picture cannot be read, or no frame can be tested against another.
 pub fn read_published(
     folder: &Path,
     kind: PublishedKind,
@@ -96,6 +96,12 @@ pub fn read_published(
     let mut gathered = Gathered::default();
     let range = gathered.add(&own, &step_counter(own.document.frames.len(), progress))?;
     let (splits, whole) = splits(&gathered, &range, kind);
+    // Without a test frame every mean of the report would be the mean of nothing.
+    if splits.is_empty() {
+        return Err(ExperimentError::NothingToTest {
+            folder: folder.to_path_buf(),
+        });
+    }
     let [length, width] = read.field_yd;
     let source = if read.field_model.is_some() {
         "its own model"
@@ -239,5 +245,23 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(error.contains("seq2/2.png"), "{error}");
+    }
+
+    #[test]
+    fn frames_of_which_none_can_be_tested_are_refused() {
+        let data = tempfile::tempdir().unwrap();
+        fs::create_dir(data.path().join("seq1")).unwrap();
+        image::RgbImage::new(64, 36)
+            .save(data.path().join("seq1/1.png"))
+            .unwrap();
+        let one_frame = sequence(vec![frame("1.png", CAMERA)], true);
+        fs::write(data.path().join("seq1_anno.mat"), one_frame).unwrap();
+        for kind in [PublishedKind::Highlights, PublishedKind::WorldCup] {
+            let error = read_published(data.path(), kind, &|_, _| {}).unwrap_err();
+            assert!(
+                matches!(error, ExperimentError::NothingToTest { .. }),
+                "{error}"
+            );
+        }
     }
 }

@@ -11,6 +11,7 @@ import importlib
 import json
 import os
 import socket
+import stat
 import subprocess
 import sys
 import tempfile
@@ -60,13 +61,24 @@ class Parts:
                     part.write(file.read())
 
 
+def scratch_folder(plan: str) -> str:
+    """The folder of this user for a plan, which the tasks of a node share; it is made if it is missing."""
+    path = os.path.join(tempfile.gettempdir(), f"touchline-{os.getuid()}-{hashlib.sha256(plan.encode()).hexdigest()[:16]}")
+    try:
+        os.mkdir(path, 0o700)
+    except FileExistsError:
+        # Others know its name and may have made it, or a link there, to read the plan or to put files into it.
+        there = os.lstat(path)
+        if not stat.S_ISDIR(there.st_mode) or there.st_uid != os.getuid() or there.st_mode & 0o022:
+            raise RuntimeError(f"{path} is not a folder of this user alone; remove it, or set TMPDIR to another folder") from None
+    return path
+
+
 def do_shard(plan: str, shard: str, place: str, touchline: Optional[str], found: Optional[Tuple[str, float]] = None) -> Tuple[str, float]:
     """Does a shard on this node; its name and its seconds. `found` is that of the shard that it needs: Ray waits for it."""
     begun, kept = time.time(), Parts(place)
-    # One folder for each user and plan, which the tasks of a node share.
-    scratch = os.path.join(tempfile.gettempdir(), f"touchline-{os.getuid()}-{hashlib.sha256(plan.encode()).hexdigest()[:16]}")
+    scratch = scratch_folder(plan)
     parts = os.path.join(scratch, "parts") if kept.remote else kept.folder
-    os.makedirs(scratch, exist_ok=True)
     os.makedirs(parts, exist_ok=True)
     with open(os.path.join(scratch, f"plan-{os.getpid()}.json"), "w") as file:
         file.write(plan)

@@ -24,7 +24,7 @@ use super::{Panel, PictureState, canvas, labels, loupe, masks, naming, theme, to
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{DragTarget, Pointer, Surroundings};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, Tool, ViewAction};
+use touchline_application::app::{Action, App, Tool, ViewAction};
 use touchline_application::render::{Layer, PictureKey, PictureLayer};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_vision::media;
@@ -315,12 +315,33 @@ fn show_frame(
 }
 
 /// Whether a drag from a place on the screen would move a drawn landmark or line.
-fn is_over_drawn_element(panel: &Panel<'_>, placement: &Placement, at: egui::Pos2) -> bool {
+fn is_over_drawn_element(app: &App, placement: &Placement, at: egui::Pos2) -> bool {
     let (in_image, reach) = (
         placement.image_from_screen(at),
         pointer::element_reach(placement),
     );
-    panel.app.grabbable(in_image, reach).is_some()
+    app.grabbable(in_image, reach).is_some()
+}
+
+/// The pointer's shape over the picture while it drags nothing and the space bar is up.
+fn resting_icon(app: &App, placement: &Placement, at: egui::Pos2) -> CursorIcon {
+    let (mode, tool) = (&app.session.mode, app.session.picture.tool);
+    let clicks: Vec<ImagePoint> = app
+        .frame()
+        .into_iter()
+        .flat_map(|frame| &frame.clicks)
+        .map(|click| click.image)
+        .collect();
+    // While a name waits for its place, a press places it, also with the tool that selects.
+    let is_placing = matches!(mode, Mode::Placing(_));
+    let is_on_click = pointer::click_to_grab(mode, placement, &clicks, at).is_some();
+    if tool != Tool::Mask && is_on_click {
+        CursorIcon::Move
+    } else if tool == Tool::Select && !is_placing || is_over_drawn_element(app, placement, at) {
+        CursorIcon::Grab
+    } else {
+        CursorIcon::Crosshair
+    }
 }
 
 /// Sets the pointer's shape according to what a press would do here.
@@ -336,25 +357,16 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &DragTa
             let Some(at) = pointer.filter(|at| is_uncovered(ui, placement.rect, *at)) else {
                 return;
             };
-            let clicks: Vec<ImagePoint> = panel
-                .app
-                .frame()
-                .into_iter()
-                .flat_map(|frame| &frame.clicks)
-                .map(|click| click.image)
-                .collect();
-            let tool = panel.app.session.picture.tool;
-            let is_on_click = pointer::click_at(placement, &clicks, at).is_some();
-            if ui.input(|input| input.key_down(Key::Space)) {
-                CursorIcon::Grab
-            } else if tool != Tool::Mask && is_on_click {
-                CursorIcon::Move
-            } else if tool == Tool::Select || is_over_drawn_element(panel, placement, at) {
+            let icon = if ui.input(|input| input.key_down(Key::Space)) {
                 CursorIcon::Grab
             } else {
+                resting_icon(panel.app, placement, at)
+            };
+            if icon == CursorIcon::Crosshair {
+                let tool = panel.app.session.picture.tool;
                 tools::paint_beside_pointer(&ui.painter_at(placement.rect), tool, at);
-                CursorIcon::Crosshair
             }
+            icon
         }
     };
     ui.ctx().set_cursor_icon(icon);
@@ -372,7 +384,41 @@ fn is_uncovered(ui: &egui::Ui, rect: Rect, at: egui::Pos2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::PointerButton;
+    use egui::{PointerButton, pos2, vec2};
+    use touchline_application::app::session::PictureView;
+    use touchline_application::app::{Opened, Settings};
+    use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame, Target};
+
+    #[test]
+    fn the_pointer_promises_to_move_a_point_only_while_none_is_to_be_placed() {
+        let size = ImageSize::new(1280, 720);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
+        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+        frame
+            .clicks
+            .push(Click::without_name(ImagePoint::new(100.0, 100.0)));
+        document.frames.push(frame.into());
+        let mut app = App::new(Settings::default());
+        let opened = Opened::new(document, "/match/project.json");
+        app.update(Action::Opened(Box::new(opened)));
+        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(1280.0, 720.0));
+        let placement = Placement::new(rect, 1.0, size, PictureView::Fit);
+        let on_click = pos2(102.0, 100.0);
+        assert_eq!(resting_icon(&app, &placement, on_click), CursorIcon::Move);
+        app.session.mode = Mode::Placing(Target::Landmark("centre_mark".into()));
+        assert_eq!(
+            resting_icon(&app, &placement, on_click),
+            CursorIcon::Crosshair
+        );
+        app.session.picture.tool = Tool::Select;
+        assert_eq!(
+            resting_icon(&app, &placement, pos2(400.0, 400.0)),
+            CursorIcon::Crosshair
+        );
+    }
 
     #[test]
     fn what_the_pointer_holds_is_forgotten_behind_another_page() {

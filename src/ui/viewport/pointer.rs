@@ -153,8 +153,22 @@ impl Pointer {
     }
 }
 
+/// Index of the click that a press at a screen position grabs. Once a name is chosen, a press
+/// places it, even near another point, and grabs none.
+pub fn click_to_grab(
+    mode: &Mode,
+    placement: &Placement,
+    clicks: &[ImagePoint],
+    at: Pos2,
+) -> Option<usize> {
+    match mode {
+        Mode::Placing(_) => None,
+        _ => click_at(placement, clicks, at),
+    }
+}
+
 /// Index of the nearest click within [`REACH_PT`] of a screen position.
-pub fn click_at(placement: &Placement, clicks: &[ImagePoint], at: Pos2) -> Option<usize> {
+fn click_at(placement: &Placement, clicks: &[ImagePoint], at: Pos2) -> Option<usize> {
     clicks
         .iter()
         .map(|click| placement.screen_from_image(*click).distance(at))
@@ -228,18 +242,15 @@ impl Reading<'_> {
                     };
                     return;
                 }
-                // Once a name is chosen, the next click places it, even near another point.
-                let on = match self.around.mode {
-                    Mode::Placing(_) => None,
-                    _ => click_at(&self.placement, self.around.clicks, at),
-                };
+                let (mode, clicks) = (self.around.mode, self.around.clicks);
+                let on = click_to_grab(mode, &self.placement, clicks, at);
                 let drawn = match on {
                     None => (self.around.drawn_at)(in_image),
                     Some(_) => None,
                 };
                 // The tool that places nothing grabs the picture. The application learns of the
                 // press all the same: it ends the selection.
-                let is_placing = matches!(self.around.mode, Mode::Placing(_));
+                let is_placing = matches!(mode, Mode::Placing(_));
                 if self.around.tool == Tool::Select && on.is_none() && !is_placing {
                     self.pointer.hold = DragTarget::Picture(button);
                     self.actions

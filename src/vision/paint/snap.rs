@@ -175,13 +175,10 @@ pub fn snap(
         scale: ground.size().scale_from_1920(),
         options,
     };
-    let mut fits = problem.fits(start);
+    let (mut fits, why_none) = problem.fits(start);
     fits.sort_by(|a, b| b.agreeing.total_cmp(&a.agreeing));
     let Some(best) = fits.first() else {
-        return Err(SnapError::TooFewSamples {
-            found: 0,
-            needed: options.min_samples,
-        });
+        return Err(why_none);
     };
     // Ambiguous: a fit that is nearly as good lies elsewhere. Parallel lines cause this.
     for other in fits
@@ -197,16 +194,13 @@ pub fn snap(
         return problem.verify(best);
     }
     // A new k₁ moves the predicted lines, so the picture is read again and the camera aligned once
-    // more. The test for ambiguity is not repeated. A camera that diverges has no samples.
+    // more. The test for ambiguity is not repeated.
     let OwnLens { base, ptz } = own_lens(ground, field, &PtzCamera::new(*base, best.ptz), clicks)?;
     let problem = Problem {
         base: &base,
         ..problem
     };
-    let realigned = problem.refine(ptz).ok_or(SnapError::TooFewSamples {
-        found: 0,
-        needed: options.min_samples,
-    })?;
+    let realigned = problem.refine(ptz)?;
     Ok(Snapped {
         own_lens: Some(base.distortion),
         ..problem.verify(&realigned)?
@@ -281,8 +275,13 @@ impl Problem<'_> {
         Some((around, seen, step))
     }
 
-    /// The distinct results of aligning from every likely step within reach of `start`.
-    fn fits(&self, start: Ptz) -> Vec<Fit> {
+    /// The distinct results of aligning from every likely step within reach of `start`, and the
+    /// reason if there are none: no step finds paint, or the camera diverges from all that do.
+    fn fits(&self, start: Ptz) -> (Vec<Fit>, SnapError) {
+        let mut why_none = SnapError::TooFewSamples {
+            found: 0,
+            needed: self.options.min_samples,
+        };
         let coarse = SamplingDistances {
             reach_px: self.options.reach_px,
             spacing_px: COARSE_SPACING_PX,
@@ -297,8 +296,12 @@ impl Problem<'_> {
         for step in likely_steps(&ridges, &clicks, self.options.reach_px * self.scale) {
             // The loss scales of the coarse stage, on the ridges of the coarse observations.
             let step = ridges.align(step, &self.scales_px(0), Some(&clicks), |_| true);
-            let Some(fit) = self.refine(around.ptz_after(&step)) else {
-                continue;
+            let fit = match self.refine(around.ptz_after(&step)) {
+                Ok(fit) => fit,
+                Err(diverged) => {
+                    why_none = diverged;
+                    continue;
+                }
             };
             // Several starts often end in one minimum; it is kept once.
             if fits
@@ -308,17 +311,28 @@ impl Problem<'_> {
                 fits.push(fit);
             }
         }
-        fits
+        (fits, why_none)
     }
 
-    /// The middle and the fine stage. None if the camera diverges.
-    fn refine(&self, start: Ptz) -> Option<Fit> {
+    /// The middle and the fine stage.
+    ///
+    /// # Errors
+    /// [`SnapError::Undetermined`] if the camera diverges: the paint that is seen keeps it nowhere.
+    fn refine(&self, start: Ptz) -> Result<Fit, SnapError> {
+        let diverged = SnapError::Undetermined {
+            sigma_px: f64::INFINITY,
+        };
         // In each stage the picture is read again around the new camera, within a smaller reach,
         // because the linearisation was exact at the old camera only. The fine stage has denser
         // samples and half-pixel profiles.
-        let (around, _, step) = self.align(start, MIDDLE, 1)?;
-        let (around, seen, step) = self.align(around.ptz_after(&step), FINE, 2)?;
-        let ptz = Some(around.ptz_after(&step)).filter(Ptz::is_finite)?;
+        let (around, _, step) = self.align(start, MIDDLE, 1).ok_or(diverged)?;
+        let (around, seen, step) = self
+            .align(around.ptz_after(&step), FINE, 2)
+            .ok_or(diverged)?;
+        let ptz = around.ptz_after(&step);
+        if !ptz.is_finite() {
+            return Err(diverged);
+        }
         // Agreement: a sample counts 1 for a ridge on its line, 1/2 for one 2 px away (at 1920 px
         // width), 0 for open ground without paint. Hidden samples do not count. The 1 in the
         // denominator lowers the score of fits with few samples.
@@ -332,7 +346,7 @@ impl Problem<'_> {
             )
         });
         let agreeing = sum / (count + seen.bare() as f64 + 1.0);
-        Some(Fit {
+        Ok(Fit {
             ptz,
             seen,
             around,
@@ -532,5 +546,25 @@ mod tests {
         // 150 px off another line may be within reach; it is refused whatever it is.
         let elsewhere = snapped(&camera(9.8, -14.0, 1500.0), &[]);
         assert!(elsewhere.is_err(), "{elsewhere:?}");
+    }
+
+    #[test]
+    fn a_camera_that_diverges_is_undetermined_and_not_without_paint() {
+        let (truth, field) = (truth(), soccer());
+        let ground = GroundPicture::new(&PICTURE, &[]);
+        let options = SnapOptions::default();
+        let problem = Problem {
+            ground: &ground,
+            field: &field,
+            base: truth.base(),
+            clicks: &[],
+            scale: 1.0,
+            options: &options,
+        };
+        let refused = problem.refine(Ptz::from_degrees(f64::NAN, -14.0, 1500.0));
+        let undetermined = SnapError::Undetermined {
+            sigma_px: f64::INFINITY,
+        };
+        assert_eq!(refused.err(), Some(undetermined));
     }
 }

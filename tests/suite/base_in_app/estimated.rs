@@ -6,10 +6,11 @@ use crate::refine_base_command::clicked_match;
 use touchline::app::guidance::next_step;
 use touchline::app::operation::{Breakdown, Failure, Report};
 use touchline::app::operations::BaseEstimate;
-use touchline::app::{Action, App, Command, EditAction, Navigation};
+use touchline::app::{Action, App, Command, DiskReport, EditAction, Navigation};
 use touchline::camera::CameraBase;
-use touchline::document::{FieldSize, Frame, SolutionSource, document_to_string};
+use touchline::document::{Document, FieldSize, Frame, SolutionSource, document_to_string};
 use touchline::geometry::Vec3;
+use touchline::store::Outside;
 
 /// Camera, residuals and verdict belong to one solution with the base that was found; a frame
 /// without points shows nothing of another base and says so.
@@ -52,6 +53,74 @@ fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
             .starts_with("This frame has no points to draw the estimated base with.")
     );
     fixture.act(Action::Navigate(Navigation::GoTo(0)));
+}
+
+/// The rows of an estimate name frames by their index.
+#[test]
+fn an_estimate_is_forgotten_when_a_merge_removes_frames() {
+    let mut fixture = Fixture::on(document(5, 4));
+    fixture.estimate();
+    let base = fixture.document().clone();
+    let mut merge = |theirs: Document| {
+        let base = base.clone();
+        let outside = DiskReport::Outside(Outside { base, theirs }.into());
+        // There is no disk behind this project, so the effects are not carried out.
+        drop(fixture.app.update(Action::Disk(outside)));
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .proposed_base()
+            .is_some()
+    };
+    assert!(merge(base.clone()), "no frame is moved");
+    let mut theirs = base.clone();
+    drop(theirs.frames.remove(4));
+    assert!(!merge(theirs));
+}
+
+#[test]
+fn the_key_that_shows_the_current_base_is_the_one_that_the_user_chose() {
+    let mut fixture = Fixture::on(document(5, 4));
+    fixture.estimate();
+    fixture.command(Command::UseEstimatedBase);
+    let keys = &mut fixture.app.settings.keys;
+    keys.assign(Command::Compare, "F8".parse().unwrap());
+    fixture.estimate();
+    let guidance = next_step(&fixture.app).text;
+    assert!(
+        guidance.ends_with("Hold F8 for the current one."),
+        "{guidance}"
+    );
+    let notices = &fixture.app.session.messages.notices;
+    assert!(
+        notices
+            .iter()
+            .any(|notice| notice.text.contains("; hold F8 for the current base.")),
+        "{notices:?}"
+    );
+}
+
+#[test]
+fn the_key_that_shows_the_current_base_is_the_one_that_the_user_chose() {
+    let mut fixture = Fixture::on(document(5, 4));
+    fixture.estimate();
+    fixture.command(Command::UseEstimatedBase);
+    let keys = &mut fixture.app.settings.keys;
+    keys.assign(Command::Compare, "F8".parse().unwrap());
+    fixture.estimate();
+    let guidance = next_step(&fixture.app).text;
+    assert!(
+        guidance.ends_with("Hold F8 for the current one."),
+        "{guidance}"
+    );
+    let notices = &fixture.app.session.messages.notices;
+    assert!(
+        notices
+            .iter()
+            .any(|notice| notice.text.contains("; hold F8 for the current base.")),
+        "{notices:?}"
+    );
 }
 
 #[test]

@@ -292,6 +292,13 @@ impl App {
         }
     }
 
+    /// Dismisses the last estimate and its tables, which name frames by their index in a document
+    /// that is no longer the present one.
+    pub(in crate::app) fn forget_estimate(&mut self) {
+        self.drop_estimated_base();
+        self.operations.base_estimate.last = LastEstimate::Nothing;
+    }
+
     /// Writes the proposed base into the document; one step of undo.
     fn use_estimated_base(&mut self) {
         if let Some(found) = self.operations.base_estimate.proposed_base() {

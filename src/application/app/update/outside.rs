@@ -158,6 +158,11 @@ impl App {
         let sides: Vec<&Document> = std::iter::once(&ours).chain(theirs).collect();
         let solved = solve_after_merge(&mut document, &sides, &open.folder);
         let replaced = frames_with_replaced_label(&ours, &document);
+        let are_frames_moved = !ours
+            .frames
+            .iter()
+            .map(|frame| &frame.id)
+            .eq(document.frames.iter().map(|frame| &frame.id));
         *open.document = document;
         let place = open
             .document
@@ -171,6 +176,9 @@ impl App {
         self.session.frames_selected.clear();
         // `solve_after_merge` has updated the frames already.
         self.close_step();
+        if are_frames_moved {
+            self.forget_estimate();
+        }
         self.tell_merged(of, solved, &conflicts, &replaced);
         true
     }

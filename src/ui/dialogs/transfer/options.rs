@@ -8,6 +8,10 @@ use touchline_documents::exchange::{
     Recording, Timecode, Zoom,
 };
 
+/// The pages, for the texts that are typed on them.
+const EXPORT: &str = "export";
+const IMPORT: &str = "import";
+
 /// The options of an export in this format.
 pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) {
     // Cameras can be rescaled to another size of picture. Clicked points, and the document itself,
@@ -15,6 +19,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
     if !format.is_of_points() && format != Format::Json {
         size(
             ui,
+            EXPORT,
             &mut options.size,
             "Cameras are rescaled to pictures of this size; SoccerNet's submissions want 960 × 540.",
         );
@@ -76,7 +81,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
             ui.horizontal(|ui| {
                 rate(ui, &mut options.rate);
                 if matches!(format, Format::Usda | Format::OpenTrackIo | Format::FreeD) {
-                    sensor(ui, &mut options.sensor_width_mm);
+                    sensor(ui, EXPORT, &mut options.sensor_width_mm);
                 }
             });
             if matches!(
@@ -144,6 +149,7 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
     }
     size(
         ui,
+        IMPORT,
         &mut options.size,
         "Of pictures that are not here, where the files do not say it.",
     );
@@ -153,14 +159,15 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
             let mut chosen = options.zoom.clone().unwrap_or_default();
             zoom(ui, &mut chosen);
             options.zoom = Some(chosen);
-            sensor(ui, &mut options.sensor_width_mm);
+            sensor(ui, IMPORT, &mut options.sensor_width_mm);
         });
     }
 }
 
 /// The size of pictures, px.
-fn size(ui: &mut Ui, size: &mut Option<ImageSize>, tip: &str) {
+fn size(ui: &mut Ui, page: &str, size: &mut Option<ImageSize>, tip: &str) {
     let typed = Typed {
+        page,
         name: "Picture size",
         tip,
         example: "1920 × 1080",
@@ -175,6 +182,7 @@ fn size(ui: &mut Ui, size: &mut Option<ImageSize>, tip: &str) {
 fn rate(ui: &mut Ui, rate: &mut Option<Rate>) {
     let tip = "25, 29.97 or 30000/1001; open: from the frames' times.";
     let typed = Typed {
+        page: EXPORT,
         name: "Frames a second",
         tip,
         example: "29.97",
@@ -186,9 +194,10 @@ fn rate(ui: &mut Ui, rate: &mut Option<Rate>) {
 }
 
 /// The width of the sensor, mm.
-fn sensor(ui: &mut Ui, width_mm: &mut Option<f64>) {
+fn sensor(ui: &mut Ui, page: &str, width_mm: &mut Option<f64>) {
     let tip = "Of the camera, mm, where its panel does not know it: lengths in mm follow from it.";
     let typed = Typed {
+        page,
         name: "Sensor width",
         tip,
         example: "9.59",
@@ -208,6 +217,7 @@ fn start(ui: &mut Ui, start: &mut Option<Timecode>) {
     let tip = "Of the video's first frame; 10:00:00;00 where numbers are dropped (29.97).";
     let (text, read) = (Timecode::to_string, Timecode::parse);
     let typed = Typed {
+        page: EXPORT,
         name: "First timecode",
         tip,
         example: "10:00:00:00",
@@ -248,6 +258,7 @@ fn recording(ui: &mut Ui, recording: &mut Recording) {
     ui.horizontal(|ui| {
         let tip = "The id that the other files about the match use.";
         Typed {
+            page: EXPORT,
             name: "The match's id",
             tip,
             example: "2026-118",
@@ -258,6 +269,7 @@ fn recording(ui: &mut Ui, recording: &mut Recording) {
         .show(ui, &mut recording.match_id);
         let tip = "When the video begins, in UTC.";
         Typed {
+            page: EXPORT,
             name: "Begins",
             tip,
             example: "2026-03-01T18:59:30Z",

@@ -6,6 +6,8 @@ use egui::{Id, RichText, TextEdit, Ui};
 
 /// A field for an optional typed value.
 pub struct Typed<'a, T> {
+    /// The page that it is on. A field of the same name on another page has a text of its own.
+    pub page: &'a str,
     /// The name, which is shown before the field.
     pub name: &'a str,
     /// The tooltip: what the value is for.
@@ -26,7 +28,7 @@ impl<T> Typed<'_, T> {
         // The typed text is remembered while the field has the focus, or else a value that is
         // shorter than its text ("29.970") would be written over it at each key.
         let palette = ui.palette();
-        let id = Id::unique(("typed", self.name));
+        let id = id_of_text(self.page, self.name);
         ui.label(self.name);
         let kept = ui.data(|data| data.get_temp::<String>(id));
         let mut text = kept.unwrap_or_else(|| value.as_ref().map_or_else(String::new, self.text));
@@ -56,5 +58,27 @@ impl<T> Typed<'_, T> {
                 data.remove_temp::<String>(id);
             }
         });
+    }
+}
+
+/// Where the text of a field is remembered while it is typed or cannot be read.
+fn id_of_text(page: &str, name: &str) -> Id {
+    Id::unique(("typed", page, name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_that_cannot_be_read_stays_on_its_page() {
+        let ctx = egui::Context::default();
+        let unreadable = "wide".to_owned();
+        ctx.data_mut(|data| data.insert_temp(id_of_text("export", "Picture size"), unreadable));
+        let kept = ["export", "import"].map(|page| {
+            let id = id_of_text(page, "Picture size");
+            ctx.data(|data| data.get_temp::<String>(id))
+        });
+        assert_eq!(kept, [Some("wide".to_owned()), None]);
     }
 }

@@ -19,11 +19,14 @@ pub(super) struct Colours {
 impl Colours {
     /// The colours at the centre of a marking and, averaged, `side_px` to both sides of it.
     pub fn at(picture: &Picture, at: ImagePoint, normal: Vec2, side_px: f64) -> Self {
-        // Whole pixels without interpolation: the sums over a component average their noise. Left
-        // of and above the picture the border pixel counts, right of and below it black.
+        // Whole pixels without interpolation: the sums over a component average their noise.
+        // Outside of the picture the border pixel counts, as for the brightness.
+        let size = picture.size();
+        let (right, bottom) = (size.width.saturating_sub(1), size.height.saturating_sub(1));
         let [stroke, one, other] = [0.0, side_px, -side_px].map(|beside_px| {
             let at = at.translate(normal * beside_px);
-            let pixel = picture.pixel(at.x.max(0.0) as u32, at.y.max(0.0) as u32);
+            let (column, row) = (at.x.max(0.0) as u32, at.y.max(0.0) as u32);
+            let pixel = picture.pixel(column.min(right), row.min(bottom));
             let [red, green, blue, _] = pixel.unwrap_or_default();
             [red, green, blue].map(f64::from)
         });
@@ -91,4 +94,22 @@ impl Colours {
 /// Green less the mean of red and blue.
 fn greenness([red, green, blue]: [f64; 3]) -> f64 {
     green - f64::midpoint(red, blue)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn the_ground_beside_a_marking_at_the_border_is_that_of_the_border() {
+        let turf = [60, 120, 60, 255];
+        let picture = Picture::with_colour(ImageSize::new(20, 20), turf);
+        for at in [ImagePoint::new(2.5, 2.5), ImagePoint::new(17.5, 17.5)] {
+            for normal in [Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)] {
+                let colours = Colours::at(&picture, at, normal, 8.0);
+                assert_eq!(colours.ground, [60.0, 120.0, 60.0], "{at:?} {normal:?}");
+            }
+        }
+    }
 }

@@ -185,9 +185,10 @@ impl Motion {
             / values.len() as f64;
         let (mut at, mut moves) = (values[0], 0.0);
         // Filter covariance [[place, both], [both, pace]] of (position, rate). The rate is
-        // initially almost unknown: ten mean squared steps.
-        let (mut place, mut both, mut pace) = (variances[0], 0.0, 10.0 * speed + self.unrest);
-        // The first measurement starts the filter and is no innovation.
+        // initially almost unknown: ten mean squared steps. The first measurement starts the
+        // filter, with the variance that the model gives every measurement, and is no innovation.
+        let mut place = self.scatter * variances[0];
+        let (mut both, mut pace) = (0.0, 10.0 * speed + self.unrest);
         let mut surprise = 0.0;
         for (value, variance) in values.iter().zip(variances).skip(1) {
             // Prediction P ← F P Fᵀ + Q with F = [[1, 1], [0, 1]] and Q = q [[1/3, 1/2], [1/2, 1]],
@@ -334,6 +335,18 @@ mod tests {
             off(&raw),
             off(&smoothed)
         );
+    }
+
+    #[test]
+    fn a_scatter_is_as_likely_as_variances_that_are_as_many_times_larger() {
+        let values = [0.0, 1.0, 1.5, 3.0, 3.5];
+        let stated = [2.0, 1.0, 0.5, 1.0, 1.0];
+        let scaled = stated.map(|variance| 4.0 * variance);
+        let [one, other] = [(4.0, stated), (1.0, scaled)].map(|(scatter, variances)| {
+            let unrest = 0.1;
+            Motion { unrest, scatter }.surprise(&values, &variances)
+        });
+        assert!((one - other).abs() < 1e-12, "{one} {other}");
     }
 
     #[test]
