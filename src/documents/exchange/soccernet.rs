@@ -158,6 +158,9 @@ const USUAL_PROPORTIONS: [f64; 5] = [16.0 / 9.0, 4.0 / 3.0, 3.0 / 2.0, 256.0 / 1
 /// Tolerance of the aspect ratio, because sides are whole numbers.
 const SAME_PROPORTIONS: f64 = 0.005;
 
+/// Maximum number of damaged samples at the beginning of a list.
+const MAX_DAMAGED: usize = 1000;
+
 /// The picture size if the principal point is its middle; none where that gives no whole numbers or
 /// an unusual aspect ratio, which means that the principal point is not in the middle.
 #[must_use]
@@ -225,6 +228,11 @@ fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
                 frames.push(FrameCamera::new(&name, size, camera));
             }
             Err(problem) => {
+                // Each damaged sample takes memory for its message. A list that begins with as many
+                // is none of theirs, however long it is.
+                if !is_any_read && frames.len() >= MAX_DAMAGED {
+                    return Err(first_problem.unwrap_or(problem));
+                }
                 frames.push(frame_without_camera(&name, None, &problem));
                 first_problem.get_or_insert(problem);
             }
