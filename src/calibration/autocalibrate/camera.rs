@@ -39,7 +39,8 @@ const MIN_EXPLAINED_TO_RETRY: f64 = 0.6;
 const MAX_MOVED: usize = 2;
 
 /// Finds a camera of a document from its frames' pictures, with the help of the clicks on landmarks
-/// of the ground that there are. Samples at most `look_at` frames, spread evenly over all of them.
+/// of the ground that there are. Samples at most `look_at` frames, spread evenly over all of them,
+/// and once more twice as many where these show too little.
 /// `picture` may be called for a frame more than once, because not all pictures are kept in memory.
 ///
 /// Two or more clicks, in one frame or in several, determine the poses to begin with. Where these
@@ -116,7 +117,26 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the answer; abstaining is an answer, not an error.
+    ///
+    /// Where the frames show too little and the camera has more of them, it is tried once more with
+    /// twice as many: a line that is worn, in the shade or behind players in some is seen in others.
     fn run(
+        &self,
+        max_sampled: usize,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
+        match self.run_with(max_sampled, picture)? {
+            AutocalibrationAnswer::Abstained { why, .. }
+                if self.of_camera.len() > max_sampled && why.is_for_want_of_frames() =>
+            {
+                self.run_with(2 * max_sampled, picture)
+            }
+            answer => Ok(answer),
+        }
+    }
+
+    /// Returns the answer by a number of sampled frames.
+    fn run_with(
         &self,
         max_sampled: usize,
         picture: PictureOfFrame<'_>,

@@ -118,7 +118,54 @@ pub enum Doubt {
     NotHeld,
 }
 
+impl Doubt {
+    /// Whether more frames may resolve it: it says that too little was seen, or that parts of the
+    /// frames disagree, not that something contradicts the answer.
+    pub(super) const fn is_for_want_of_frames(&self) -> bool {
+        match self {
+            Self::Unseen { .. }
+            | Self::FewLines { .. }
+            | Self::LinesMissing { .. }
+            | Self::PartsDisagree { .. }
+            | Self::Unconfirmed { .. }
+            | Self::FewSnapped { .. }
+            | Self::SizeOpen { .. }
+            | Self::NotHeld => true,
+            Self::Unexplained { .. }
+            | Self::OffLines { .. }
+            | Self::Leans { .. }
+            | Self::OtherSize { .. }
+            | Self::Rival
+            | Self::UnusualSize { .. }
+            | Self::ClickContradicts { .. } => false,
+        }
+    }
+}
+
 /// How a message speaks of a length of the field.
 fn extent(name: &str) -> &'static str {
     if name == "length_m" { "long" } else { "wide" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Doubt;
+    use crate::autocalibrate::Abstention;
+
+    #[test]
+    fn more_frames_are_tried_where_too_little_was_seen_and_nothing_contradicts() {
+        let few = Doubt::FewSnapped {
+            snapped: 16,
+            frames: 30,
+        };
+        let other_sport = Doubt::Unexplained { share: 0.8 };
+        let uncertain = |doubts: &[&Doubt]| Abstention::Uncertain {
+            doubts: doubts.iter().copied().cloned().collect(),
+            best: None,
+        };
+        assert!(uncertain(&[&few]).is_for_want_of_frames());
+        assert!(!uncertain(&[&few, &other_sport]).is_for_want_of_frames());
+        assert!(Abstention::LittlePaint { places: 40 }.is_for_want_of_frames());
+        assert!(!Abstention::NothingFits.is_for_want_of_frames());
+    }
 }

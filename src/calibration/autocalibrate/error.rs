@@ -72,6 +72,16 @@ impl Abstention {
             _ => None,
         }
     }
+
+    /// Whether more frames may lead to an answer: too little was seen, and nothing that was seen
+    /// contradicts the best answer.
+    pub(super) fn is_for_want_of_frames(&self) -> bool {
+        match self {
+            Self::NotConnected { .. } | Self::LittlePaint { .. } => true,
+            Self::Uncertain { doubts, .. } => doubts.iter().all(Doubt::is_for_want_of_frames),
+            Self::NotTurning(_) | Self::NothingFits => false,
+        }
+    }
 }
 
 fn join_doubts(doubts: &[Doubt]) -> String {
