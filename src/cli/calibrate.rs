@@ -41,7 +41,8 @@ pub struct CalibrateArgs {
     /// explain the paint.
     #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
     set: Vec<(String, f64)>,
-    /// The camera is found from this many frames at most, spread over all of them.
+    /// The camera is found from this many frames at most, spread over all of them; where they show
+    /// too little, once more from twice as many.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(3..=300))]
     look_at: u32,
     /// Also write a picture of what was found, over pan and tilt: the paint that stays in place

@@ -102,28 +102,6 @@ fn the_key_that_shows_the_current_base_is_the_one_that_the_user_chose() {
 }
 
 #[test]
-fn the_key_that_shows_the_current_base_is_the_one_that_the_user_chose() {
-    let mut fixture = Fixture::on(document(5, 4));
-    fixture.estimate();
-    fixture.command(Command::UseEstimatedBase);
-    let keys = &mut fixture.app.settings.keys;
-    keys.assign(Command::Compare, "F8".parse().unwrap());
-    fixture.estimate();
-    let guidance = next_step(&fixture.app).text;
-    assert!(
-        guidance.ends_with("Hold F8 for the current one."),
-        "{guidance}"
-    );
-    let notices = &fixture.app.session.messages.notices;
-    assert!(
-        notices
-            .iter()
-            .any(|notice| notice.text.contains("; hold F8 for the current base.")),
-        "{notices:?}"
-    );
-}
-
-#[test]
 fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     let mut fixture = Fixture::on(document(5, 4));
     let before = document_to_string(fixture.document()).unwrap();
