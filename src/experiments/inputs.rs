@@ -100,7 +100,7 @@ impl SharedInputs {
         once(&self.highlights, || {
             match (&self.own, self.data_folder(Experiment::Highlights)) {
                 (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
-                (None, Ok(folder)) => Ok(vec![self.published(
+                (None, Ok(folder)) => Ok(vec![self.published_set(
                     &folder,
                     PublishedKind::Highlights,
                     progress,
@@ -139,7 +139,7 @@ impl SharedInputs {
         once(&self.worldcup, || {
             match (&self.own, self.data_folder(Experiment::Worldcup)) {
                 (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
-                (None, Ok(folder)) => Ok(vec![self.published(
+                (None, Ok(folder)) => Ok(vec![self.published_set(
                     &folder,
                     PublishedKind::WorldCup,
                     progress,
@@ -214,7 +214,7 @@ impl SharedInputs {
     }
 
     /// The published frames in a folder.
-    fn published(
+    fn published_set(
         &self,
         folder: &Path,
         kind: PublishedKind,

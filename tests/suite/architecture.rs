@@ -134,12 +134,12 @@ const MOST_FIELDS: usize = 20;
 
 /// What the figures of legibility may not exceed: what was reached. Lower them where the sources
 /// get better.
-const MOST_CODE_LINES_PER_COMMENT: usize = 40;
-const MOST_CLOSURES_PER_10_000_LINES: usize = 30;
-const MOST_SHORT_FILES: usize = 75;
-const MOST_LONG_LINES: usize = 620;
+const MOST_CODE_LINES_PER_COMMENT: usize = 21;
+const MOST_CLOSURES_PER_10_000_LINES: usize = 26;
+const MOST_SHORT_FILES: usize = 62;
+const MOST_LONG_LINES: usize = 610;
 const MOST_PARTICIPLES: usize = 0;
-const MOST_DIALECT: usize = 330;
+const MOST_DIALECT: usize = 324;
 
 /// The workspace's folder.
 fn workspace() -> &'static Path {

@@ -140,7 +140,7 @@ struct TemplateFit {
 
 impl CoverageRegression {
     /// Residual sum of squares, grey levels².
-    fn unexplained(&self) -> f64 {
+    fn unexplained_squares(&self) -> f64 {
         self.about_mean - self.squares
     }
 }
@@ -287,12 +287,12 @@ impl TemplateScan {
         const DIRECTIONS: u32 = 16;
         let noise = pixels.len() as f64 * LEAST_NOISE.powi(2);
         // Noise is added on both sides: the ratio of two very small residuals says nothing.
-        let least = MUCH_WORSE * (self.fit_contrast(pixels, by).unexplained() + noise);
+        let least = MUCH_WORSE * (self.fit_contrast(pixels, by).unexplained_squares() + noise);
         (0..DIRECTIONS).all(|index| {
             let (y, x) =
                 (std::f64::consts::TAU * f64::from(index) / f64::from(DIRECTIONS)).sin_cos();
             let beside = by + Vec2::new(x, y) * beside_px;
-            self.fit_contrast(pixels, beside).unexplained() + noise >= least
+            self.fit_contrast(pixels, beside).unexplained_squares() + noise >= least
         })
     }
 
