@@ -149,7 +149,7 @@ pub fn drawn_matches(
                 &drawn.document,
                 &answer,
                 Some((&drawn.truth, &field)),
-                Measured::Ground,
+                Measured::Lines,
             );
             row((&says, seconds));
             all.without_clicks.add(&tally);
@@ -163,7 +163,7 @@ pub fn drawn_matches(
                 &with_clicks,
                 &answer,
                 Some((&drawn.truth, &field)),
-                Measured::Ground,
+                Measured::Lines,
             );
             row((&format!("two clicks: {says}"), seconds));
             all.two_clicks.add(&tally);
