@@ -57,7 +57,7 @@ pub fn next_clicks(
         .into_iter()
         .map(|projected| (&field.landmarks[projected.landmark], projected.image))
         .filter(|(landmark, at)| {
-            landmark.nominal_m.z == 0.0
+            landmark.is_on_ground()
                 && is_well_inside(*at, image_size, margin_px)
                 && !is_clicked(clicks, &landmark.id)
         })

@@ -42,6 +42,21 @@ pub struct WantedClicks {
     pub named: Vec<LandmarkId>,
 }
 
+impl WantedClicks {
+    /// What to click, as a part of a sentence; `label` returns how to name a landmark.
+    #[must_use]
+    pub fn describe_landmarks(&self, label: impl Fn(&LandmarkId) -> String) -> String {
+        match self.named.as_slice() {
+            [one, other] => format!(
+                "{} and {}, or two other landmarks far from each other,",
+                label(one),
+                label(other)
+            ),
+            _ => format!("{} landmarks far from each other", self.landmarks),
+        }
+    }
+}
+
 /// A landmark that two answers project to points far apart: one click on it in one frame decides
 /// between them.
 #[derive(Clone, Debug, PartialEq)]

@@ -125,26 +125,29 @@ impl<'a> Search<'a> {
         max_sampled: usize,
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
-        match self.run_with(max_sampled, picture)? {
+        let mut sampled = Vec::new();
+        match self.run_with(max_sampled, &mut sampled, picture)? {
             AutocalibrationAnswer::Abstained { why, .. }
                 if self.of_camera.len() > max_sampled && why.is_for_want_of_frames() =>
             {
-                self.run_with(2 * max_sampled, picture)
+                self.run_with(2 * max_sampled, &mut sampled, picture)
             }
             answer => Ok(answer),
         }
     }
 
-    /// Returns the answer by a number of sampled frames.
+    /// Returns the answer by a number of sampled frames, and adds those to `sampled` that are not
+    /// among them yet. An even spread of twice as many frames includes all of the first.
     fn run_with(
         &self,
         max_sampled: usize,
+        sampled: &mut Vec<SampledFrame>,
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
-        let sampled = self
-            .sample(&self.choose_frames(max_sampled), picture)
-            .and_then(|sampled| MatchedFrames::from_sampled(&sampled, self.progress));
-        let (answer, matched) = match sampled {
+        let matched = self
+            .sample(self.choose_frames(max_sampled), sampled, picture)
+            .and_then(|()| MatchedFrames::from_sampled(sampled, self.progress));
+        let (answer, matched) = match matched {
             Ok(matched) => (self.find(&matched, picture), Some(matched)),
             Err(stop) => (Err(stop), None),
         };
@@ -275,15 +278,18 @@ impl<'a> Search<'a> {
         chosen.into_iter().collect()
     }
 
-    /// Samples the frames whose picture can be read, a chunk at a time.
+    /// Samples those of some frames that are not sampled yet and whose picture can be read, a chunk
+    /// at a time.
     fn sample(
         &self,
-        indices: &[usize],
+        mut indices: Vec<usize>,
+        sampled: &mut Vec<SampledFrame>,
         picture: PictureOfFrame<'_>,
-    ) -> Result<Vec<SampledFrame>, Stop> {
+    ) -> Result<(), Stop> {
         let document = &self.searched.document;
         let masks_of = |index: usize| document.masks_of(&document.frames[index]);
-        let mut sampled = Vec::new();
+        let known: BTreeSet<usize> = sampled.iter().map(|frame| frame.index).collect();
+        indices.retain(|index| !known.contains(index));
         for (chunk, some) in indices.chunks(MAX_PICTURES_IN_MEMORY).enumerate() {
             let done = chunk * MAX_PICTURES_IN_MEMORY;
             report(
@@ -297,6 +303,7 @@ impl<'a> Search<'a> {
                 sample_frames(some, masks_of, picture).map_err(AutocalibrationError::from)?,
             );
         }
-        Ok(sampled)
+        sampled.sort_by_key(|frame| frame.index);
+        Ok(())
     }
 }

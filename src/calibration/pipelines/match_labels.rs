@@ -177,14 +177,7 @@ fn format_position(found: &AutocalibratedCamera) -> String {
 fn describe_clicks(document: &Document, clicks: Option<&WantedClicks>) -> String {
     clicks.map_or_else(String::new, |clicks| {
         let frame = document.frames[clicks.frame].name();
-        let landmarks = match clicks.named.as_slice() {
-            [one, other] => format!(
-                "{} and {}, or two other landmarks far from each other,",
-                one.as_str(),
-                other.as_str()
-            ),
-            _ => format!("{} landmarks far from each other", clicks.landmarks),
-        };
+        let landmarks = clicks.describe_landmarks(|id| id.as_str().to_owned());
         format!("; click {landmarks} on {frame} in the window, and search again with them")
     })
 }

@@ -74,6 +74,14 @@ pub struct Landmark {
     pub is_unmarked: bool,
 }
 
+impl Landmark {
+    /// Whether it lies on the ground by the rules, and is not the top of a post.
+    #[must_use]
+    pub fn is_on_ground(&self) -> bool {
+        self.nominal_m.z == 0.0
+    }
+}
+
 /// The fraction of a template's click variance `σ²` that comes from clicking; the rest comes from
 /// the landmark's position (see `calibrate`'s own noise).
 pub const CLICKING_SHARE: f64 = 0.5;

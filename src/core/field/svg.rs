@@ -51,7 +51,7 @@ pub fn svg(field: &FieldModel) -> String {
             "<g><title>{title}</title><circle cx=\"{x}\" cy=\"{y}\" r=\"3\"/></g>"
         );
         // From above, the top of a post lies on its foot, and two codes would cover each other.
-        if landmark.nominal_m.z == 0.0 {
+        if landmark.is_on_ground() {
             let _ = writeln!(
                 out,
                 "<text x=\"{x}\" y=\"{y}\" dx=\"4\" dy=\"-4\">{}</text>",

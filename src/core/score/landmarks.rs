@@ -40,7 +40,8 @@ pub fn landmark_errors(
             let landmark = &estimate.field.landmarks[twins[shown.landmark]?];
             let at = estimate.field.landmark_in_world(landmark);
             // A camera that looks into the sky must not score by the few landmarks that are left.
-            let ground_m = (landmark.nominal_m.z == 0.0)
+            let ground_m = landmark
+                .is_on_ground()
                 .then(|| ground_error_m(estimate.camera, shown.image, at).unwrap_or(f64::INFINITY));
             Some(LandmarkError {
                 landmark: shown.landmark,
@@ -147,7 +148,7 @@ mod tests {
         let errors = landmark_errors(truth, sky, ImageSize::new(1280, 720));
         assert!(!errors.is_empty());
         for error in errors {
-            let is_on_ground = field.landmarks[error.landmark].nominal_m.z == 0.0;
+            let is_on_ground = field.landmarks[error.landmark].is_on_ground();
             assert_eq!(error.ground_m, is_on_ground.then_some(f64::INFINITY));
         }
     }

@@ -535,14 +535,7 @@ fn clicks_that_help(
             "click 4 landmarks on 2 wide frames".to_owned()
         }
         (_, Some(clicks)) => {
-            let landmarks = match clicks.named.as_slice() {
-                [one, other] => format!(
-                    "“{}” and “{}”, or two other landmarks far from each other,",
-                    label(one),
-                    label(other)
-                ),
-                _ => format!("{} landmarks far from each other", clicks.landmarks),
-            };
+            let landmarks = clicks.describe_landmarks(|id| format!("“{}”", label(id)));
             format!("click {landmarks} on frame {} and look again", clicks.frame)
         }
         (_, None) => "click 2 landmarks far from each other and look again".to_owned(),

@@ -354,7 +354,7 @@ mod tests {
             let landmarks = project_landmarks(&camera.field, &looking(frame), IMAGE_SIZE, 0.0);
             let on_ground = landmarks
                 .iter()
-                .filter(|shown| camera.field.landmarks[shown.landmark].nominal_m.z == 0.0);
+                .filter(|shown| camera.field.landmarks[shown.landmark].is_on_ground());
             on_ground
                 .map(|shown| GroundClick {
                     frame: frame.index,

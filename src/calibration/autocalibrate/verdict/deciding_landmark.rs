@@ -32,7 +32,7 @@ pub fn deciding_landmark(
             .field
             .landmarks
             .iter()
-            .filter(|landmark| landmark.nominal_m.z == 0.0)
+            .filter(|landmark| landmark.is_on_ground())
         {
             // Each answer has its own field size, so the landmark differs in position as well.
             let id = landmark.id.as_str();

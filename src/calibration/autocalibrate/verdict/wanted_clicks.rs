@@ -76,7 +76,7 @@ fn farthest_landmarks(
     let on_ground: Vec<&Landmark> = shown
         .iter()
         .map(|shown| &camera.field.landmarks[shown.landmark])
-        .filter(|landmark| landmark.nominal_m.z == 0.0)
+        .filter(|landmark| landmark.is_on_ground())
         .collect();
     let mut farthest: Option<(f64, [&Landmark; 2])> = None;
     for (number, one) in on_ground.iter().enumerate() {

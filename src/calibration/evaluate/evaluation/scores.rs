@@ -229,7 +229,8 @@ fn on_ground_m(
     // Metres are only comparable on one plane: the crossbar of a goal has no error on the ground.
     let at = observation.shape.point()?;
     let landmark = shown.field.landmark(target?.as_str())?;
-    (landmark.nominal_m.z == 0.0)
+    landmark
+        .is_on_ground()
         .then(|| ground_error_m(shown.camera, observation.image, at).unwrap_or(f64::INFINITY))
 }
 
