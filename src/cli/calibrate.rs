@@ -105,7 +105,6 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         &options,
         &progress,
     );
-    // The report removes its bars when it is dropped, before messages are written below.
     drop(progress);
     drop(report);
     let labelled = match labels? {

@@ -8,9 +8,10 @@ use std::path::PathBuf;
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_core::progress::Progress;
 use touchline_season::collect::{
-    CollectError, CollectEvent, CollectOptions, QUEUE_FILE, collect as collect_parts,
+    CollectError, CollectEvent, CollectOptions, collect as collect_parts,
 };
 use touchline_season::plan::Plan;
+use touchline_season::season_file::QUEUE_FILE;
 
 /// Makes a project for each match of a season from the parts of its shards, a queue of the frames
 /// to look at, worst first, and a table. What is missing is named. May be run again when there are
@@ -69,8 +70,6 @@ pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome
         &options,
         &progress,
     );
-    // It borrows the bar.
-    drop(progress);
     bar.finish_and_clear();
     let collected = match collected {
         // Ctrl-C is no error: the message says what was written, and the next run goes on from

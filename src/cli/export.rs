@@ -188,11 +188,16 @@ fn parse_timecode(text: &str) -> Result<Timecode, String> {
         .ok_or_else(|| format!("{text} is no timecode such as 10:00:00:00 or 10:00:00;00"))
 }
 
+/// Parses a number that is neither infinite nor NaN.
+pub(super) fn parse_finite(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
 /// Parses a point such as `0,-20,0`.
 fn parse_point(text: &str) -> Result<Vec3, String> {
     let parts: Option<Vec<f64>> = text
         .split(',')
-        .map(|part| part.trim().parse().ok().filter(|m: &f64| m.is_finite()))
+        .map(|part| parse_finite(part.trim()))
         .collect();
     let point = parts
         .and_then(|parts| <[f64; 3]>::try_from(parts).ok())
@@ -202,19 +207,12 @@ fn parse_point(text: &str) -> Result<Vec3, String> {
 
 /// Parses the direction of a stage, degrees.
 fn parse_heading(text: &str) -> Result<f64, String> {
-    let degrees = text
-        .parse()
-        .ok()
-        .filter(|degrees: &f64| degrees.is_finite());
-    degrees.ok_or_else(|| format!("{text} is no number of degrees"))
+    parse_finite(text).ok_or_else(|| format!("{text} is no number of degrees"))
 }
 
 /// Parses the width of a sensor, mm.
 pub(super) fn parse_width(text: &str) -> Result<f64, String> {
-    let mm = text
-        .parse()
-        .ok()
-        .filter(|mm: &f64| mm.is_finite() && *mm > 0.0);
+    let mm = parse_finite(text).filter(|mm| *mm > 0.0);
     mm.ok_or_else(|| format!("{text} is no width above 0, such as 9.6"))
 }
 

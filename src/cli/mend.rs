@@ -103,7 +103,6 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         }
         Err(error) => return Err(error.into()),
     };
-    // The report removes its bars when it is dropped, before messages are written below.
     drop(progress);
     drop(report);
     document.count_edits_since(&before);

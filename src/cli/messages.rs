@@ -4,7 +4,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::{Display, Write as _};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
-use touchline_core::files::plain;
+use touchline_core::files::{is_control, plain};
 use touchline_core::progress::Progress;
 use touchline_documents::document::Document;
 use touchline_vision::media::VideoBackend;
@@ -103,7 +103,8 @@ pub fn count_steps(bar: &ProgressBar) -> Progress<'_, ()> {
     })
 }
 
-/// The bar of the step that a command of several steps is at.
+/// The bar of the step that a command of several steps is at. Dropping it removes the bar, so that
+/// messages written afterwards do not run into it.
 pub struct StepBar {
     messages: Messages,
     /// The bar, with the name of its step.
@@ -121,7 +122,7 @@ impl StepBar {
 
     /// The bar of a step of `count` parts. Removes the bar of another step.
     pub fn of(&mut self, step: &'static str, count: usize) -> &ProgressBar {
-        if self.current_step().is_some_and(|shown| shown != step) {
+        if self.shown.as_ref().is_some_and(|(shown, _)| *shown != step) {
             self.clear();
         }
         let messages = self.messages;
@@ -136,10 +137,6 @@ impl StepBar {
     /// The bar that is shown.
     pub fn current(&self) -> Option<&ProgressBar> {
         self.shown.as_ref().map(|(_, bar)| bar)
-    }
-
-    fn current_step(&self) -> Option<&'static str> {
-        self.shown.as_ref().map(|(step, _)| *step)
     }
 
     /// Removes the bar, so that messages do not run into it.
@@ -174,20 +171,20 @@ fn shorten_message(message: &str) -> String {
     format!("{begin} … {} characters … {end}", length - first - last)
 }
 
-/// A JSON value on one line. What a terminal would obey, as [`plain`] decides it, is escaped as
-/// JSON does, so that readers of the value get it back.
+/// A JSON value on one line. What a terminal would obey is escaped as JSON does, so that readers of
+/// the value get it back.
 fn plain_json(value: &serde_json::Value) -> String {
     let text = value.to_string();
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
-        // Such characters occur only within the strings of the value, where an escape has a place.
-        if plain(letter.encode_utf8(&mut [0; 4])).starts_with(letter) {
+        if !is_control(letter) {
             escaped.push(letter);
-        } else {
-            for unit in letter.encode_utf16(&mut [0; 2]) {
-                // Writing to a string cannot fail.
-                let _ = write!(escaped, "\\u{unit:04x}");
-            }
+            continue;
+        }
+        // Such characters occur only within the strings of the value, where an escape has a place.
+        for unit in letter.encode_utf16(&mut [0; 2]) {
+            // Writing to a string cannot fail.
+            let _ = write!(escaped, "\\u{unit:04x}");
         }
     }
     escaped

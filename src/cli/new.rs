@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::document::refuse_unwritable;
+use super::export::parse_finite;
 use super::messages::{Messages, count_steps};
 use super::output::{refuse_existing, refuse_file};
 use anyhow::{Context as _, ensure};
@@ -40,9 +41,9 @@ pub(super) fn parameter(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or("write NAME=NUMBER, such as length_m=105")?;
-    match value.trim().parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok((name.trim().to_owned(), number)),
-        _ => Err(format!(
+    match parse_finite(value.trim()) {
+        Some(number) => Ok((name.trim().to_owned(), number)),
+        None => Err(format!(
             "{value:?} is not a number; write NAME=NUMBER, such as length_m=105"
         )),
     }

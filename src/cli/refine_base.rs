@@ -3,14 +3,16 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::messages::{Messages, count_steps};
+use super::export::parse_finite;
+use super::messages::Messages;
+use super::solve::solve_and_report;
 use super::track::track_and_report;
 use clap::ValueEnum;
 use std::collections::BTreeSet;
 use std::path::Path;
 use touchline_calibration::calibrate::{
-    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome,
-    describe_mirrored, describe_size, estimate_on_paint, follow_all_bases, solve_document,
+    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT,
+    describe_mirrored, describe_size, estimate_on_paint, follow_all_bases,
 };
 use touchline_calibration::pipelines::{TrackingOptions, give_first_base};
 use touchline_calibration::proposals::read_picture;
@@ -73,8 +75,7 @@ fn crown(text: &str) -> Result<Crown, String> {
     if text == "auto" {
         return Ok(Crown::Auto);
     }
-    let metres = text.parse().ok().filter(|metres: &f64| metres.is_finite());
-    metres
+    parse_finite(text)
         .map(Crown::Metres)
         .ok_or_else(|| "auto or a number of metres".to_owned())
 }
@@ -163,20 +164,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         report(estimate, &document, messages);
         estimate.write_camera(&mut document);
     }
-    let bar = messages.progress(document.frames.len(), "Solving");
-    let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
-    bar.finish_and_clear();
-    let (mut solved, mut failed) = (0, errors.len());
-    for (frame, outcome) in document.frames.iter().zip(&outcomes) {
-        match outcome {
-            SolveOutcome::Solved => solved += 1,
-            SolveOutcome::Failed(error) => {
-                failed += 1;
-                messages.frame_failed(&frame.name(), &error.to_string());
-            }
-            _ => {}
-        }
-    }
+    let counts = solve_and_report(&mut document, location.folder(), messages)?;
     // Align the frames to their painted lines, with the new base.
     for found in &on_paint {
         report_on_paint(found, messages);
@@ -192,7 +180,6 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             pulled.solved
         ));
     }
-    // Proposals that were made with the old base are no longer valid.
     // The angles of a proposal are those in one base. Under another base they point elsewhere.
     let withdrawn = follow_all_bases(&mut document, &before);
     if withdrawn > 0 {
@@ -200,7 +187,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             "{withdrawn} proposals for the base before are withdrawn: relocalize or track again"
         ));
     }
-    failed += pictures.unreadable.len();
+    let failed = errors.len() + counts.failed + pictures.unreadable.len();
     for estimate in &estimates {
         // After the frames are solved, for solving writes their warnings again.
         estimate.mark_disputes(&mut document);
@@ -210,7 +197,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     messages.note(&format!(
         "{} estimated, {} solved",
         pluralise(estimates.len(), "camera"),
-        pluralise(solved, "frame")
+        pluralise(counts.solved, "frame")
     ));
     Ok(Outcome::from_failure(failed > 0))
 }

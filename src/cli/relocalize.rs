@@ -6,19 +6,20 @@ use super::features::{FeaturesArg, tell_refusal};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::output::write_file;
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{Context as _, anyhow, ensure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use touchline_application::app::where_to_label::where_to_label;
 use touchline_calibration::pipelines::{ForestRequest, PictureFiles, label_frames};
 use touchline_calibration::proposals::{
-    Coverage, KeyWindow, TrainingFrames, adopt_bases, label_advice,
+    CameraOfSizeError, Coverage, KeyWindow, TrainingFrames, adopt_bases, camera_of_size,
+    label_advice,
 };
 use touchline_core::files::read_named;
-use touchline_core::geometry::{ImageSize, pluralise};
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    Camera, Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
+    Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
 };
 use touchline_vision::media::{FrameReader, FrameSource, image_size};
 use touchline_vision::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
@@ -318,48 +319,14 @@ fn images_of(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// Appends a frame for an image, with the camera that has pictures of its size.
 fn add_image(input: &mut Input, model: &ForestModel, path: &Path) -> anyhow::Result<()> {
     let size = image_size(path)?;
-    // Cameras without references have no forest, so that no image can be answered with them.
-    let cameras = input.document.cameras.iter().map(|camera| &**camera);
-    let with_forest = cameras.filter(|camera| {
-        let mut forests = model.cameras.iter();
-        forests.any(|forest| forest.camera == camera.id.as_str())
-    });
-    let camera = camera_of_size(with_forest, size)?;
+    let camera = camera_of_size(&input.document, model, size).map_err(|error| match error {
+        CameraOfSizeError::Several { .. } => anyhow!("{error}: relocalize a document"),
+        CameraOfSizeError::Missing { .. } => error.into(),
+    })?;
     let name = path_between(&input.folder, &path.canonicalize()?);
     let frame = Frame::from_image(&name, camera.id.clone(), size);
     input.document.frames.push(frame.into());
     Ok(())
-}
-
-/// The camera with pictures of a size. An image says nothing else of its camera, so that there has
-/// to be one alone.
-///
-/// # Errors
-/// There is none, or there are several.
-fn camera_of_size<'a>(
-    cameras: impl Iterator<Item = &'a Camera>,
-    size: ImageSize,
-) -> anyhow::Result<&'a Camera> {
-    let of_size: Vec<&Camera> = cameras.filter(|camera| camera.image_size == size).collect();
-    match of_size[..] {
-        [camera] => Ok(camera),
-        [] => bail!(
-            "{} × {} px; the forest has no camera with pictures of this size",
-            size.width,
-            size.height
-        ),
-        _ => {
-            let names: Vec<&str> = of_size.iter().map(|camera| camera.id.as_str()).collect();
-            bail!(
-                "{} × {} px; {} cameras of the forest have pictures of this size ({}), and an \
-                 image does not say which is its own: relocalize a document",
-                size.width,
-                size.height,
-                names.len(),
-                names.join(", ")
-            )
-        }
-    }
 }
 
 /// Writes the document; to a `.jsonl` file its frames, one per line.
@@ -382,35 +349,4 @@ fn write(output: &DocumentOutput, document: Document, folder: &Path) -> anyhow::
         lines.push('\n');
     }
     write_file(path, lines.as_bytes(), output.force)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_image_whose_size_two_cameras_have_is_given_to_neither() {
-        let (wide, small) = (ImageSize::new(1920, 1080), ImageSize::new(1280, 720));
-        let cameras = [("main", wide), ("left", small), ("right", small)]
-            .map(|(name, size)| Camera::new(name.into(), size));
-        assert_eq!(
-            camera_of_size(cameras.iter(), wide).unwrap().id.as_str(),
-            "main"
-        );
-        for (size, said) in [
-            (
-                small,
-                "2 cameras of the forest have pictures of this size (left, right)",
-            ),
-            (
-                ImageSize::new(64, 48),
-                "64 × 48 px; the forest has no camera",
-            ),
-        ] {
-            let refused = camera_of_size(cameras.iter(), size)
-                .unwrap_err()
-                .to_string();
-            assert!(refused.contains(said), "{refused}");
-        }
-    }
 }

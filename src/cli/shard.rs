@@ -52,7 +52,6 @@ pub fn shard(args: &ShardArgs, messages: Messages) -> anyhow::Result<Outcome> {
         interrupt.check()
     });
     let done = do_shard(&args.plan, &plan, &args.id, &args.output, &progress);
-    // The bars are removed before the message below.
     drop(progress);
     drop(report);
     let what = plan.shard(&args.id).map(|shard| shard.describe());

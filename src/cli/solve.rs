@@ -39,20 +39,11 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
     }
-    let bar = messages.progress(document.frames.len(), "Solving");
-    let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
-    bar.finish_and_clear();
-    let (mut solved, mut failed, mut passed) = (0, 0, 0);
-    for (frame, outcome) in document.frames.iter().zip(&outcomes) {
-        match outcome {
-            SolveOutcome::Solved => solved += 1,
-            SolveOutcome::Failed(error) => {
-                failed += 1;
-                messages.frame_failed(&frame.name(), &error.to_string());
-            }
-            _ => passed += 1,
-        }
-    }
+    let SolveCounts {
+        solved,
+        failed,
+        passed,
+    } = solve_and_report(&mut document, location.folder(), messages)?;
     if args.line_check {
         check_lines(&mut document, location.folder(), messages)?;
     }
@@ -65,6 +56,43 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
         pluralise(solved, "frame")
     ));
     Ok(Outcome::from_failure(failed > 0))
+}
+
+/// How many frames became what.
+#[derive(Default)]
+pub(super) struct SolveCounts {
+    /// Frames with a solution.
+    pub solved: usize,
+    /// Frames whose clicks should suffice but give no camera.
+    pub failed: usize,
+    /// Frames with too few clicks.
+    pub passed: usize,
+}
+
+/// Solves the document's frames. Counts the outcomes, and reports each frame that fails.
+///
+/// # Errors
+/// The field is invalid.
+pub(super) fn solve_and_report(
+    document: &mut Document,
+    folder: &Path,
+    messages: Messages,
+) -> anyhow::Result<SolveCounts> {
+    let bar = messages.progress(document.frames.len(), "Solving");
+    let outcomes = solve_document(document, folder, &count_steps(&bar))?;
+    bar.finish_and_clear();
+    let mut counts = SolveCounts::default();
+    for (frame, outcome) in document.frames.iter().zip(&outcomes) {
+        match outcome {
+            SolveOutcome::Solved => counts.solved += 1,
+            SolveOutcome::Failed(error) => {
+                counts.failed += 1;
+                messages.frame_failed(&frame.name(), &error.to_string());
+            }
+            _ => counts.passed += 1,
+        }
+    }
+    Ok(counts)
 }
 
 /// Compares every solved frame with the painted lines in its picture and records the result in it.

@@ -84,14 +84,14 @@ pub enum ExperimentError {
 
 /// The message for missing data: what an experiment needs.
 fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
+    if !experiment.takes_data() {
+        return format!("{experiment} needs no data; omit --data");
+    }
     let wanted = match experiment {
         Experiment::Homographies => "train_val.json, or a file N.homographyMatrix for each frame",
         Experiment::Motion | Experiment::Annotator => "soccer_ground_truth.json",
         Experiment::Worldcup => {
             "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup"
-        }
-        Experiment::Synthetic | Experiment::Ransac | Experiment::Assumptions | Experiment::Pose => {
-            return format!("{experiment} needs no data; omit --data");
         }
         _ => "MATLAB files such as seq1_anno.mat, in it or in a folder named highlights",
     };

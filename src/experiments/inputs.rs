@@ -72,18 +72,13 @@ impl SharedInputs {
     /// # Errors
     /// No data was given, or it contains nothing for this experiment.
     pub fn data_folder(&self, experiment: Experiment) -> Result<PathBuf, ExperimentError> {
-        let data = self.data.as_deref();
+        let data = self.data.as_deref().filter(|_| experiment.takes_data());
         let found = data.and_then(|data| match experiment {
             Experiment::Homographies => folder_with(data, holds_homographies),
             Experiment::Motion | Experiment::Annotator => {
                 folder_with(data, |folder| folder.join(MOTION_FILE).is_file())
             }
             Experiment::Worldcup => published_folder(data, PublishedKind::WorldCup),
-            // The lens of the pose experiment bends strongly, as that of no published data does.
-            Experiment::Synthetic
-            | Experiment::Ransac
-            | Experiment::Assumptions
-            | Experiment::Pose => None,
             _ => published_folder(data, PublishedKind::Highlights),
         });
         found.ok_or_else(|| ExperimentError::NotGiven {

@@ -68,7 +68,6 @@ pub fn nearest(query: &DescriptorRows, reference: &DescriptorRows) -> Vec<Neares
     if reference.is_empty() {
         return Vec::new();
     }
-    // Each column belongs to one feature of the picture.
     // 128 products of two bytes are below 2²³, and ‖b‖² − 2 a·b stays within ±2²⁴: all exact in
     // `f32`.
     let products = &reference.matrix * query.matrix.transpose();
@@ -102,6 +101,7 @@ pub fn nearest(query: &DescriptorRows, reference: &DescriptorRows) -> Vec<Neares
             ..best
         }
     };
+    // Each column belongs to one feature of the picture, and the columns lie one after the other.
     products
         .as_slice()
         .chunks_exact(reference.len())

@@ -112,6 +112,16 @@ impl Experiment {
         !matches!(self, Self::Pose | Self::Annotator)
     }
 
+    /// Whether it can use published data.
+    #[must_use]
+    pub const fn takes_data(self) -> bool {
+        // The lens of the pose experiment bends strongly, as that of no published data does.
+        !matches!(
+            self,
+            Self::Synthetic | Self::Ransac | Self::Assumptions | Self::Pose
+        )
+    }
+
     /// Whether it needs data that does not come with the program.
     #[must_use]
     pub const fn needs_data(self) -> bool {

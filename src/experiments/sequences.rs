@@ -147,9 +147,8 @@ fn claims_of_table_2(report: &mut Report) {
         "the paper compares five references with all; a part of its lead is their number",
     )
     .test(report, &on_both(five_against_five));
-    // The lead of the mean of the other sequences.
+    // The lead of the mean of the sequences other than the third.
     let others = TABLE_2.map(|sequence| sequence.theirs.mean);
-    // Sequence 3 has index 2.
     let mean_of_others = (others[0] + others[1] + others[3]) / 3.0;
     let lead_of_others = |way: &str| {
         [1, 2, 4].into_iter().fold(

@@ -12,13 +12,13 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_calibration::pipelines::{ForestRequest, PictureFiles, label_frames};
 use touchline_calibration::proposals::{
-    FeatureStore, FramePictures, LearnError, LearnOptions, TrainingFrames, adopt_bases, learn,
-    measure, study,
+    CameraOfSizeError, FeatureStore, FramePictures, LearnError, LearnOptions, TrainingFrames,
+    adopt_bases, camera_of_size, learn, measure, study,
 };
 use touchline_core::files::{read_named, refuse_part_of_project};
 use touchline_core::geometry::Mat3;
 use touchline_core::progress::{Progress, Share};
-use touchline_documents::document::{Camera, Document, document_from_bytes};
+use touchline_documents::document::{Camera, CameraId, Document, document_from_bytes};
 use touchline_documents::store::{write_new, write_output};
 use touchline_vision::media::{FrameReader, Picture};
 use touchline_vision::relocalize::{
@@ -48,36 +48,33 @@ impl PyForest {
         Ok(Self { model, trained_on })
     }
 
-    /// The camera of the forest by its name; without a name the one with pictures of this size.
+    /// The camera of the forest by its name; without a name the only one with pictures of this
+    /// size.
     fn camera(&self, name: Option<&str>, picture: &Picture) -> PyResult<&Camera> {
-        let known = || self.trained_on.cameras.iter().map(|camera| &**camera);
         let size = picture.size();
-        let found = match name {
-            Some(name) => {
-                let named = known().find(|camera| camera.id.as_str() == name);
-                named.ok_or_else(|| {
-                    PyKeyError::new_err(format!("camera {name:?}: the forest has no such camera"))
-                })?
-            }
-            None => known()
-                .find(|camera| camera.image_size == size)
-                .ok_or_else(|| no_such_size(picture))?,
+        let Some(name) = name else {
+            let found = camera_of_size(&self.trained_on, &self.model, size);
+            return found.map_err(|error| refuse_size(&error));
         };
-        if found.image_size == size {
-            Ok(found)
+        let named = self.trained_on.camera(&CameraId::from(name));
+        let named = named.ok_or_else(|| {
+            PyKeyError::new_err(format!("camera {name:?}: the forest has no such camera"))
+        })?;
+        if named.image_size == size {
+            Ok(named)
         } else {
-            Err(no_such_size(picture))
+            Err(refuse_size(&CameraOfSizeError::Missing { size }))
         }
     }
 }
 
-/// The exception for a picture of a size that no camera of the forest has.
-fn no_such_size(picture: &Picture) -> PyErr {
-    let size = picture.size();
-    PyValueError::new_err(format!(
-        "image: {} × {} px; the forest has no camera with pictures of this size",
-        size.width, size.height
-    ))
+/// The exception for a picture whose size does not decide its camera.
+fn refuse_size(error: &CameraOfSizeError) -> PyErr {
+    let remedy = match error {
+        CameraOfSizeError::Several { .. } => ": name it with `camera=`",
+        CameraOfSizeError::Missing { .. } => "",
+    };
+    PyValueError::new_err(format!("image: {error}{remedy}"))
 }
 
 #[pymethods]
@@ -177,8 +174,8 @@ impl PyForest {
     /// The camera of a picture: (height, width, 3), uint8, red first, or blue with `bgr`.
     ///
     /// The answer is that of `touchline relocalize`, the check against the painted lines included.
-    /// `camera`: which camera took it, by default the one with pictures of this size. `snap`: align
-    /// the answer to the painted lines. Where no camera is found, `Answer.camera` is None.
+    /// `camera`: which camera took it, by default the only one with pictures of this size. `snap`:
+    /// align the answer to the painted lines. Where no camera is found, `Answer.camera` is None.
     #[pyo3(signature = (
         image, camera = None, *, bgr = false, min_confidence = None, snap = false, seed = 0
     ))]

@@ -40,9 +40,14 @@ const MAX_BYTES: u64 = 16 << 20;
 /// Maximum length of a match's name, bytes: it becomes the name of a folder.
 const MAX_NAME_BYTES: usize = 100;
 
+/// The file of a collected season's queue.
+pub const QUEUE_FILE: &str = "queue.json";
+/// The files of its table: as CSV and as Markdown.
+pub(crate) const TABLE_FILES: [&str; 2] = ["season.csv", "season.md"];
+/// Locked while the folder of a collected season is written into.
+pub(crate) const LOCK_FILE: &str = "collect.lock";
 /// Files that lie beside the folders of the matches once the season is collected.
-pub(crate) const FILES_BESIDE_MATCHES: [&str; 4] =
-    ["queue.json", "season.csv", "season.md", "collect.lock"];
+const FILES_BESIDE_MATCHES: [&str; 4] = [QUEUE_FILE, TABLE_FILES[0], TABLE_FILES[1], LOCK_FILE];
 
 /// The field of a match without a venue.
 const USUAL_FIELD: &str = "soccer";

@@ -368,30 +368,14 @@ fn is_held_down(app: &App, command: Command) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ui::open_with_click;
     use touchline_application::app::Navigation;
-    use touchline_application::app::{Opened, Settings};
-    use touchline_core::geometry::{ImagePoint, ImageSize};
-    use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame};
+    use touchline_core::geometry::ImagePoint;
 
     const NONE: Modifiers = Modifiers::NONE;
 
     fn app() -> App {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let size = ImageSize::new(1280, 720);
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
-        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
-        frame
-            .clicks
-            .push(Click::without_name(ImagePoint::new(10.0, 20.0)));
-        document.frames.push(frame.into());
-        let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(
-            document,
-            "/match/project.json",
-        ))));
-        app
+        open_with_click(ImagePoint::new(10.0, 20.0))
     }
 
     fn stroke(key: Key, modifiers: Modifiers) -> KeyStroke {

@@ -73,7 +73,7 @@ pub use theme::apply as apply_theme;
 pub use touchline_application::jobs::PictureState;
 pub use window::{WindowError, run, say_in_dialog};
 
-use egui::Response;
+use egui::{Button, Response, Ui};
 use touchline_application::app::{Action, App, Command, Navigation};
 
 /// What every panel receives.
@@ -100,9 +100,25 @@ impl Panel<'_> {
         clicked
     }
 
+    /// Shows a button that runs a command. While the command is not available, the button is
+    /// disabled and its tooltip says why. Returns whether it was clicked.
+    fn command_button(&mut self, ui: &mut Ui, button: Button<'_>, command: Command) -> bool {
+        let why_not = self.app.why_not(command);
+        let button = ui.add_enabled(why_not.is_none(), button);
+        let button = button.on_disabled_hover_text(why_not.unwrap_or_default());
+        self.run_on_click(button, command)
+    }
+
     /// Shows a frame, which is given by its position in the document.
     fn go_to(&mut self, frame: usize) {
         let action = Action::Navigate(Navigation::GoTo(frame));
+        self.actions.push(action);
+    }
+
+    /// Shows a frame and selects one of its clicks. Both are given by their positions.
+    fn go_to_click(&mut self, frame: usize, click: usize) {
+        self.go_to(frame);
+        let action = Action::Navigate(Navigation::Select(Some(click)));
         self.actions.push(action);
     }
 
@@ -112,4 +128,24 @@ impl Panel<'_> {
         let action = Action::Navigate(Navigation::LookAt { frame, click });
         self.actions.push(action);
     }
+}
+
+/// An application that shows a picture of 1280 × 720 px with one click, which has no name.
+#[cfg(test)]
+fn open_with_click(click: touchline_core::geometry::ImagePoint) -> App {
+    use touchline_application::app::{Opened, Settings};
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame};
+    let size = ImageSize::new(1280, 720);
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document
+        .cameras
+        .push(Camera::new("main".into(), size).into());
+    let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+    frame.clicks.push(Click::without_name(click));
+    document.frames.push(frame.into());
+    let mut app = App::new(Settings::default());
+    let opened = Opened::new(document, "/match/project.json");
+    app.update(Action::Opened(Box::new(opened)));
+    app
 }

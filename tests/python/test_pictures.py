@@ -74,6 +74,19 @@ class Forests(unittest.TestCase):
         with self.assertRaisesRegex(touchline.Error, "damaged"):
             touchline.Forest.load(self.folder.name + "/damaged")
 
+    def test_an_image_whose_size_two_cameras_have_is_given_to_neither(self):
+        two = json.loads(self.document.to_json())
+        two["cameras"].append({**two["cameras"][0], "id": "second"})
+        for frame in [frame for frame in two["frames"] if frame["status"] == "reference"][::2]:
+            frame["camera"] = "second"
+        forest = touchline.Forest.train(touchline.Document.from_json(json.dumps(two), support.DEMO), measured=False)
+        self.assertEqual(sorted(forest.cameras), ["main", "second"])
+        image = self.document.image(0)
+        with self.assertRaisesRegex(ValueError, r"2 cameras .*\(main, second\).*`camera=`"):
+            forest.relocalize(image)
+        for name in forest.cameras:
+            self.assertTrue(forest.relocalize(image, name))
+
     @unittest.skipIf(support.NO_PROGRAM, support.NO_PROGRAM)
     def test_forest_and_answers_are_those_of_the_command_line(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -45,10 +45,14 @@ pub enum Effect {
         /// What to do with it.
         order: OrphanOrder,
     },
-    /// Write a copy of the project into a folder.
+    /// Write a copy of the project into a folder and report `DiskReport::Copied`.
     SaveCopy {
+        /// The document's file.
+        of: PathBuf,
         /// The document to copy.
         document: Box<Document>,
+        /// Its revision.
+        revision: u64,
         /// The folder to which its relative paths refer.
         from: PathBuf,
         /// The destination.

@@ -213,22 +213,26 @@ fn guide_base_estimate(app: &App) -> Option<Guidance> {
     app.operations.proposed_base()?;
     let proposal = app.current().proposal.as_ref();
     let is_drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
-    let key = app.settings.keys.key_label(Command::Compare);
-    let text = match (proposal, app.current().base) {
-        (None, _) => "The estimated base is of another camera. Go to one of its frames to see it.",
-        _ if !is_drawn => {
+    // Only a camera that has a base has another one to look at.
+    let held = if app.current().base.is_some() {
+        app.settings.keys.with_key(Command::Compare, |key| {
+            format!(
+                "Lines and numbers are those of the estimated base. Hold {key} for the current one."
+            )
+        })
+    } else {
+        String::new()
+    };
+    Some(Guidance::say(match proposal {
+        None => "The estimated base is of another camera. Go to one of its frames to see it.",
+        Some(_) if !is_drawn => {
             "This frame has no points to draw the estimated base with. Step to one that has."
         }
-        (_, Some(_)) if !key.is_empty() => {
-            return Some(Guidance::say(format!(
-                "Lines and numbers are those of the estimated base. Hold {key} for the current one."
-            )));
-        }
-        _ => {
+        Some(_) if held.is_empty() => {
             "Lines and numbers are those of the estimated base. Step through the frames and check them."
         }
-    };
-    Some(Guidance::say(text))
+        Some(_) => held.as_str(),
+    }))
 }
 
 /// The camera has no base: what is needed for it.
@@ -371,11 +375,12 @@ fn snapped_frame_text(app: &App, frame: &Frame) -> String {
             "Enter accepts it, a click solves from the points.",
         ),
     };
-    let key = app.settings.keys.key_label(Command::Snap);
-    let before = app
-        .before_snap()
-        .map(|_| format!(" Hold {key}: before."))
-        .unwrap_or_default();
+    let before = if app.before_snap().is_some() {
+        let keys = &app.settings.keys;
+        keys.with_key(Command::Snap, |key| format!(" Hold {key}: before."))
+    } else {
+        String::new()
+    };
     format!("{means} to the painted lines{points}. {then}{before}")
 }
 

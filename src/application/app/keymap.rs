@@ -162,6 +162,17 @@ impl Keymap {
         }
     }
 
+    /// A text that names the key of a command; empty if the command has none.
+    #[must_use]
+    pub fn with_key(&self, command: Command, say: impl FnOnce(&str) -> String) -> String {
+        let key = self.key_label(command);
+        if key.is_empty() {
+            String::new()
+        } else {
+            say(&key)
+        }
+    }
+
     /// Gives a command one key. Returns the command that had the key and loses it, if any.
     pub fn assign(&mut self, command: Command, chord: Chord) -> Option<Command> {
         // A key starts one command only: whichever had it loses it, but keeps its other keys.
@@ -239,6 +250,9 @@ mod tests {
         assert_eq!(loser, Some(Command::NextNeedsMe));
         assert!(keymap.chords(Command::NextNeedsMe).is_empty());
         assert_eq!(keymap.key_label(Command::ZoomToFit), "N");
+        let say = |key: &str| format!("Press {key}.");
+        assert_eq!(keymap.with_key(Command::ZoomToFit, say), "Press N.");
+        assert_eq!(keymap.with_key(Command::NextNeedsMe, say), "");
         keymap.reset();
         assert_eq!(keymap.key_label(Command::ZoomToFit), "F");
     }

@@ -58,13 +58,9 @@ impl OpenProject {
         &self,
         position: usize,
     ) -> impl Iterator<Item = (usize, u64)> + '_ {
-        let here = self
-            .frame(position)
-            .and_then(|frame| Some(frame.video.as_ref()?.path.clone()));
+        let here = self.frame(position).and_then(Frame::video_path);
         let frames = self.document.frames.iter().enumerate();
-        let alike = frames.filter(move |(_, frame)| {
-            frame.video.as_ref().map(|video| &video.path) == here.as_ref()
-        });
+        let alike = frames.filter(move |(_, frame)| frame.video_path() == here);
         alike.map(|(at, frame)| (at, frame.number_at(at)))
     }
 

@@ -86,7 +86,7 @@ impl PlayClock {
 
 /// Whether two frames are of the same video, or both of none.
 fn is_same_video(open: &OpenProject, one: usize, other: usize) -> bool {
-    let [one, other] = [one, other].map(|at| Some(&open.frame(at)?.video.as_ref()?.path));
+    let [one, other] = [one, other].map(|at| open.frame(at)?.video_path());
     one == other
 }
 

@@ -12,7 +12,7 @@ use super::tour::Tour;
 use super::video::VideoState;
 use super::{Command, TrainerState};
 use crate::scene::uncertainty::UncertaintyView;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{FrameId, RejectReason, Target};
@@ -127,8 +127,8 @@ pub struct DiskState {
     pub changed_outside: Option<PathBuf>,
     /// The file in which the window's version is kept until that decision.
     pub own_version: Option<PathBuf>,
-    /// Copies of the document to other folders.
-    pub copies: Copies,
+    /// The latest revision of the document that was copied to another folder.
+    pub copied: Option<u64>,
     /// Edits that belong to another version of the document and were set aside.
     pub orphans: Vec<Orphan>,
 }
@@ -142,16 +142,6 @@ pub struct PendingAcceptance {
     pub version: u64,
     /// Whether the frame was to stay shown after it is accepted.
     pub stay: bool,
-}
-
-/// Revisions of the document that were copied to other folders.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Copies {
-    /// The revision that is being copied to each folder. Several copies may be written at once, and
-    /// any of them may fail.
-    pub begun: BTreeMap<PathBuf, u64>,
-    /// The latest revision that was copied.
-    pub written: Option<u64>,
 }
 
 /// The label of a reason for rejection.

@@ -114,6 +114,7 @@ fn with_cameras_of(document: &Document, origin: &Document) -> Document {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use crate::calibrate::{FrameLookup, calibrate};
     use touchline_core::camera::{BaseAngles, Ptz, PtzCamera};
     use touchline_core::field::builtin;
@@ -134,10 +135,7 @@ mod tests {
 
     /// Two untouched frames.
     fn document() -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base(1.0));
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base(1.0), SIZE);
         document.frames = ["a", "b"]
             .map(|name| Frame::from_image(name, "main".into(), SIZE).into())
             .into_iter()

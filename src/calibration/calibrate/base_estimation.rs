@@ -1,7 +1,8 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
 use super::base_readiness::LANDMARKS_ALONE;
-use super::field_size::{field_of_camera_mut, set_field_size};
+use super::field_size::write_base;
+use super::follow_base::pan_turn;
 use super::on_paint::BasePaintAlignment;
 use super::own_cameras::cameras_from_lines;
 use super::solve_frames::{FrameFields, is_by_clicks, solve_frames};
@@ -328,26 +329,11 @@ impl EstimatedBase {
     /// Writes position, rotation, lens and σ into the camera, and the crown and a fitted size into
     /// its field. Frames are not changed.
     ///
-    /// With several cameras, each gets a field of its own with its crown: they may be at different
-    /// venues.
+    /// With several cameras, each gets a field of its own where crown or size change: they may be
+    /// at different venues.
     pub fn write_camera(&self, document: &mut Document) {
-        // The size comes first: among several cameras it may give this one a field of its own,
-        // which then also gets the crown.
-        set_field_size(document, &self.camera, &self.sizes);
-        // The shared field is copied to this camera only if its crown changes.
-        let shared = (document.cameras.len() > 1).then(|| document.field.clone());
-        let Some(camera) = document.camera_mut(&self.camera) else {
-            return;
-        };
-        camera.set_base(&self.estimate.base);
-        if let Some(shared) = shared
-            && shared.crown_m() != self.estimate.crown_m
-        {
-            camera.field.get_or_insert(shared);
-        }
-        if let Some(field) = field_of_camera_mut(document, &self.camera) {
-            field.set_crown_m(self.estimate.crown_m);
-        }
+        let BaseEstimate { base, crown_m, .. } = &self.estimate;
+        write_base(document, &self.camera, base, *crown_m, &self.sizes);
     }
 
     /// Marks the clicks that disagree with the base and the frames with mirrored names in the
@@ -470,13 +456,7 @@ impl EstimatedBase {
         // Pan zero is a gauge. If the heading of the base changed, shift every pan by the
         // difference, so that a frame which is not solved again still looks in the same direction
         // of the world.
-        let turned_deg = before.map_or(0.0, |before| {
-            before
-                .angles()
-                .heading
-                .turn_from(self.estimate.base.angles().heading)
-                .degrees()
-        });
+        let turned_deg = pan_turn(before.as_ref(), Some(&self.estimate.base)).degrees();
         // Every frame of the camera follows the gauge, rejected ones included, because the user may
         // take them back; only frames from clicks are solved again.
         let mut clicked = Vec::new();
@@ -588,10 +568,11 @@ pub fn describe_mirrored(mirrored: &MirroredFrame) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use touchline_core::camera::{BaseAngles, Ptz};
     use touchline_core::geometry::{Mat3, Vec3};
     use touchline_core::solve::base::ModelReason;
-    use touchline_documents::document::{FieldSpec, FramePtz};
+    use touchline_documents::document::FramePtz;
 
     fn base(heading_deg: f64) -> CameraBase {
         let angles = BaseAngles {
@@ -609,10 +590,7 @@ mod tests {
     #[test]
     fn a_rejected_frame_keeps_its_direction_in_the_world() {
         let size = ImageSize::new(1920, 1080);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), size);
-        camera.set_base(&base(20.0));
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base(20.0), size);
         let mut frame = Frame::from_image("1.jpg", "main".into(), size);
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -12.0, 2000.0), None));
         frame.status = FrameStatus::Rejected;

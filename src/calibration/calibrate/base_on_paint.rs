@@ -11,7 +11,6 @@ use super::known_frames::{
 use super::on_paint::{BasePaintAlignment, BasePaintEvidence};
 use super::paint::{record_snapped, snap_frame};
 use super::refit::refit;
-use super::size_fit::OpenSize;
 use super::solve_frames::is_by_clicks;
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
 use rayon::prelude::*;
@@ -208,13 +207,6 @@ pub fn estimate_on_paint(
     let problem = BaseProblem::with_solved(document, camera)?;
     let start = first_cameras(&problem, document, options, progress)?;
     let spec = document.field_of_camera(camera);
-    let open = if size {
-        let template = spec.template(document.folder);
-        let template = template.map_err(BaseEstimationError::from)?;
-        Some(OpenSize::new(template, &problem.field))
-    } else {
-        None
-    };
     let frames: Vec<&Frame> = problem
         .frames
         .iter()
@@ -234,9 +226,10 @@ pub fn estimate_on_paint(
         problem,
         estimate,
         sizes,
+        open_size,
         seen,
     } = known.estimate_base(options, progress)?;
-    let sizes = match open {
+    let sizes = match open_size {
         Some(open) => open.fitted_or_assumed(sizes),
         None => sizes,
     };
@@ -308,10 +301,11 @@ fn first_cameras(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use std::path::Path;
     use touchline_core::camera::BaseAngles;
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Click, FieldSpec};
+    use touchline_documents::document::Click;
 
     #[test]
     fn check_clicks_alone_leave_the_base_of_the_document() {
@@ -321,10 +315,7 @@ mod tests {
             BaseAngles::default().base_from_world(),
             SIZE.centre(),
         );
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base, SIZE);
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-4.0, -14.0, 2300.0), None));
         let mut click = Click::landmark("centre_mark".into(), SIZE.centre());

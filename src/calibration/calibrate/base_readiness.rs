@@ -163,29 +163,24 @@ impl SubAssign for BaseReadiness {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::field::builtin;
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Click, FieldSpec, FramePtz, FrameStatus};
+    use touchline_documents::document::{Click, FramePtz, FrameStatus};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     #[test]
     fn the_next_frame_for_the_base_looks_where_no_wide_one_does() {
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
         let turned = BaseAngles {
             pitch: Angle::from_degrees(-2.0),
             ..BaseAngles::default()
         }
         .base_from_world();
-        camera.set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            turned,
-            SIZE.centre(),
-        ));
-        document.cameras.push(camera.into());
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turned, SIZE.centre());
+        let mut document = document_with(&base, SIZE);
         // The last one is so close up that it shows too few landmarks.
         for (pan_deg, focal_px) in [
             (0.0, 1800.0),

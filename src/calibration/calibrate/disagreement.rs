@@ -288,23 +288,21 @@ fn corners_off_px(own: &PtzCamera, other: &PtzCamera, image_size: ImageSize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::geometry::{ImagePoint, Vec3};
-    use touchline_documents::document::{Clip, FieldSpec, VideoFrame};
+    use touchline_documents::document::{Clip, VideoFrame};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     /// A shot whose frames look at these pans.
     fn document(pans_deg: &[f64]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
         let base = CameraBase::new(
             Vec3::new(0.0, -60.0, 18.0),
             BaseAngles::default().base_from_world(),
             SIZE.centre(),
         );
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base, SIZE);
         for &pan_deg in pans_deg {
             let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
             frame.clip = Some(Clip::Number(1));

@@ -1,36 +1,52 @@
-//! Writes a fitted field size into a document.
+//! Writes an estimated base into a document, with the crown and the fitted size of its field.
 
+use touchline_core::camera::CameraBase;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document, FieldSize, FieldSpec};
 
+/// Writes a base into a camera, and the crown and a fitted size into its field.
+///
+/// With several cameras, each gets a field of its own where one of these changes: they may be at
+/// different venues.
+pub(super) fn write_base(
+    document: &mut Document,
+    camera: &CameraId,
+    base: &CameraBase,
+    crown_m: f64,
+    sizes: &[FittedSize],
+) {
+    let Some(known) = document.camera_mut(camera) else {
+        return;
+    };
+    known.set_base(base);
+    set_field_size(document, camera, sizes);
+    if document.field_of_camera(camera).crown_m() != crown_m
+        && let Some(field) = own_field_mut(document, camera)
+    {
+        field.set_crown_m(crown_m);
+    }
+}
+
 /// Writes a fitted size into the field of a camera. With several cameras, each gets a field of its
-/// own.
+/// own. A size that the frames do not show changes nothing.
 pub(crate) fn set_field_size(document: &mut Document, camera: &CameraId, sizes: &[FittedSize]) {
-    if sizes.is_empty() {
+    if sizes.iter().all(|size| size.is_open) {
         return;
     }
-    let shared = (document.cameras.len() > 1).then(|| document.field.clone());
-    if let Some(shared) = shared
-        && let Some(known) = document.camera_mut(camera)
-    {
-        known.field.get_or_insert(shared);
-    }
-    if let Some(field) = field_of_camera_mut(document, camera) {
+    if let Some(field) = own_field_mut(document, camera) {
         set_size(field, sizes);
     }
 }
 
-/// The field that a camera looks at, its own or else the document's, to change it; none if the
-/// document has no such camera.
-pub(super) fn field_of_camera_mut<'a>(
-    document: &'a mut Document,
-    camera: &CameraId,
-) -> Option<&'a mut FieldSpec> {
-    if document.camera(camera)?.field.is_some() {
-        document.camera_mut(camera)?.field.as_mut()
-    } else {
-        Some(&mut document.field)
+/// The field that a camera looks at, to change it for this camera alone: where it shares the
+/// document's with others, it gets a copy of that first. None if the document has no such camera.
+fn own_field_mut<'a>(document: &'a mut Document, camera: &CameraId) -> Option<&'a mut FieldSpec> {
+    let has_own = document.camera(camera)?.field.is_some();
+    if !has_own && document.cameras.len() == 1 {
+        return Some(&mut document.field);
     }
+    let shared = document.field.clone();
+    Some(document.camera_mut(camera)?.field.get_or_insert(shared))
 }
 
 /// Writes a fitted size into a field.
@@ -43,5 +59,72 @@ pub(crate) fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
     }
     if !sizes.is_empty() && sizes.iter().all(|size| !size.is_open) {
         field.size = Some(FieldSize::Fitted);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::fixtures::document_with;
+    use touchline_core::camera::BaseAngles;
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::Camera;
+
+    const IMAGE_SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn base() -> CameraBase {
+        CameraBase::new(
+            Vec3::new(0.0, -62.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            IMAGE_SIZE.centre(),
+        )
+    }
+
+    /// Two cameras that share the document's field.
+    fn two_cameras() -> Document {
+        let mut document = document_with(&base(), IMAGE_SIZE);
+        document
+            .cameras
+            .push(Camera::new("second".into(), IMAGE_SIZE).into());
+        document
+    }
+
+    fn length(is_open: bool) -> FittedSize {
+        FittedSize {
+            name: "length_m".to_owned(),
+            assumed_m: 105.0,
+            value_m: 102.0,
+            sigma_m: 0.3,
+            position_sigma_m: Vec3::zeros(),
+            is_open,
+        }
+    }
+
+    #[test]
+    fn a_size_that_no_frame_shows_leaves_the_shared_field_to_its_cameras() {
+        let before = two_cameras();
+        let mut document = before.clone();
+        set_field_size(&mut document, &"main".into(), &[length(true)]);
+        assert_eq!(document, before);
+        set_field_size(&mut document, &"main".into(), &[length(false)]);
+        assert_eq!(document.field, before.field);
+        let own = document.field_of_camera(&"main".into());
+        assert_eq!(own.params["length_m"], 102.0);
+    }
+
+    #[test]
+    fn the_crown_of_one_camera_does_not_raise_the_field_of_another() {
+        let mut document = two_cameras();
+        write_base(&mut document, &"main".into(), &base(), 0.0, &[]);
+        assert_eq!(document.cameras[0].field, None, "it has not changed");
+        write_base(&mut document, &"main".into(), &base(), 0.15, &[]);
+        assert_eq!(document.field_of_camera(&"main".into()).crown_m(), 0.15);
+        assert_eq!(document.field_of_camera(&"second".into()).crown_m(), 0.0);
+        // A camera by itself needs no field of its own.
+        document.cameras.truncate(1);
+        document.cameras[0].field = None;
+        write_base(&mut document, &"main".into(), &base(), 0.15, &[]);
+        assert_eq!(document.field.crown_m(), 0.15);
+        assert_eq!(document.cameras[0].field, None);
     }
 }

@@ -3,6 +3,7 @@
 use super::paint::{LINE_CHECK, replace_warning};
 use super::refit::refit;
 use std::collections::BTreeSet;
+use touchline_core::camera::CameraBase;
 use touchline_core::geometry::Angle;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
@@ -132,16 +133,22 @@ fn is_same_camera(now: (&Document, &Frame), before: (&Document, &Frame)) -> bool
     if ptz == known {
         return true;
     }
-    let headings = [now, before].map(|(document, frame)| {
-        let base = document.camera_of(frame).and_then(Camera::base);
-        base.map_or(Angle::ZERO, |base| base.angles().heading)
-    });
+    let [base, base_before] =
+        [now, before].map(|(document, frame)| document.camera_of(frame).and_then(Camera::base));
     // The pan that looks in the same direction of the world from the present base. All other
     // numbers, known and unknown keys included, have to be equal to the last digit.
-    let turned = known.ptz().pan + headings[1].turn_from(headings[0]);
+    let turned = known.ptz().pan + pan_turn(base_before.as_ref(), base.as_ref());
     let mut in_gauge = known.clone();
     in_gauge.pan_deg = ptz.pan_deg;
     in_gauge == *ptz && ptz.ptz().pan.turn_from(turned).degrees().abs() < SAME_PAN_DEG
+}
+
+/// What is added to a pan where the base changes, so that it looks in the same direction of the
+/// world: pan zero is along the heading of the base. Zero unless there is a base before and after.
+pub(super) fn pan_turn(before: Option<&CameraBase>, now: Option<&CameraBase>) -> Angle {
+    before.zip(now).map_or(Angle::ZERO, |(before, now)| {
+        before.angles().heading.turn_from(now.angles().heading)
+    })
 }
 
 /// Whether a frame's camera came from its picture. One from clicks is solved again; one that a
@@ -192,9 +199,10 @@ fn keeps_proposal(frame: &Frame) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::calibrate::fixtures::document_with;
+    use touchline_core::camera::{BaseAngles, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{FieldSpec, FramePtz, PaintEvidence, Solution};
+    use touchline_documents::document::{FramePtz, PaintEvidence, Solution};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -208,10 +216,7 @@ mod tests {
                 SIZE.centre(),
             )
         };
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base(17.0));
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base(17.0), SIZE);
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -14.0, 2300.0), None));
         let line_check = Some(PaintEvidence {

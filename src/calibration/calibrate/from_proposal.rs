@@ -97,13 +97,14 @@ fn stated_prior(
 
 #[cfg(test)]
 mod tests {
+    use crate::calibrate::fixtures::document_with;
     use crate::calibrate::{CalibrationError, FrameLookup, calibrate};
     use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
     use touchline_core::field::{FieldModel, builtin};
     use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
     use touchline_core::solve::{FrameSolution, Uncertainty};
     use touchline_documents::document::{
-        Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+        Click, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
     };
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -116,10 +117,7 @@ mod tests {
             SIZE.centre(),
         );
         let truth = PtzCamera::new(base, Ptz::from_degrees(-4.0, -14.0, 2300.0));
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base, SIZE);
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-2.0, -13.5, 2310.0), None));
         let source = Some(SolutionSource::Forest);

@@ -9,6 +9,7 @@
 
 use super::field_size::set_size;
 use super::on_paint::{BasePaintEvidence, OnPaintErrors};
+use super::size_fit::OpenSize;
 use super::{BaseEstimationError, BaseProblem};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -121,6 +122,8 @@ pub(crate) struct PaintEstimate {
     pub estimate: BaseEstimate,
     /// The fitted lengths of the field.
     pub sizes: Vec<FittedSize>,
+    /// The lengths of the field as assumed, where they were to be fitted.
+    pub open_size: Option<OpenSize>,
     /// The amount of paint, and the errors at it.
     pub seen: BasePaintEvidence,
 }
@@ -153,15 +156,17 @@ impl KnownFrames<'_> {
         // Step 3: measure again from the adjusted cameras. Frames that failed at first may align
         // now, and paint that was assigned to the wrong line may find its own.
         let mut again = PaintObservations::measure(&problem, &start, &masks, picture)?;
-        let mut sizes = Vec::new();
+        let (mut sizes, mut open_size) = (Vec::new(), None);
         // Only with its size fitted does a field of another size have the right lines to align to.
         // Seen from one end, a far line that is off by 2 px for another reason gives a width that
         // is off by 1 m and moves the near line by 20 px. So the fitted lines must find the paint
         // too.
         if let Some(open) = open_field {
             let template = open.template().map_err(BaseEstimationError::from)?;
+            let size = OpenSize::new(template, &problem.field);
             let from = (&start.base, start.ptz.as_slice());
-            let mut fitted = problem.fit_size(template, &seen.painted, from, &model);
+            let mut fitted = problem.fit_size(&size, &seen.painted, from, &model);
+            open_size = Some(size);
             if !first.by_clicks {
                 as_paint_alone_gives(&mut fitted);
             }
@@ -254,6 +259,7 @@ impl KnownFrames<'_> {
             problem,
             estimate,
             sizes,
+            open_size,
             seen,
         })
     }

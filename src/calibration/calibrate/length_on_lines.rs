@@ -353,6 +353,7 @@ pub fn take_length(document: &mut Document, found: &LengthOnLines) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use std::path::Path;
     use touchline_core::camera::BaseAngles;
     use touchline_core::geometry::ImageSize;
@@ -361,14 +362,12 @@ mod tests {
     #[test]
     fn pictures_that_cannot_be_read_give_no_length() {
         const SIZE: ImageSize = ImageSize::new(640, 360);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&CameraBase::new(
+        let base = CameraBase::new(
             Vec3::new(3.0, -62.0, 17.0),
             BaseAngles::default().base_from_world(),
             SIZE.centre(),
-        ));
-        document.cameras.push(camera.into());
+        );
+        let mut document = document_with(&base, SIZE);
         // Three frames in doubt, and four certain ones that show the right end alone.
         for (pan_deg, confidence) in [
             (13.0, 0.3),

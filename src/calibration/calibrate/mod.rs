@@ -15,6 +15,8 @@ mod check;
 mod clip;
 mod disagreement;
 mod field_size;
+#[cfg(test)]
+mod fixtures;
 mod follow_base;
 mod found_camera;
 mod frame_lookup;

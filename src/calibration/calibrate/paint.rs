@@ -281,11 +281,9 @@ pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
         covariance: Some(snapped.uncertainty.ptz_covariance_deg()),
         own_covariance: Some(snapped.uncertainty.own_covariance_deg()),
         rms_px: Some(snapped.rms_px),
-        worst_corner_sigma_px: Some(
-            snapped
-                .uncertainty
-                .worst_corner_sigma_px(&camera, frame.image_size),
-        ),
+        worst_corner_sigma_px: snapped
+            .uncertainty
+            .corner_sigma_px_if_known(&camera, frame.image_size),
         source: Some(SolutionSource::Markings),
         confidence: Some(snapped.check.score),
         samples: Some(snapped.samples),

@@ -1,23 +1,20 @@
 //! Writes the result of autocalibration into its document.
 
-use super::field_size::{field_of_camera_mut, set_field_size};
+use super::field_size::write_base;
 use super::{AutocalibratedCamera, record_snapped};
 use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};
 
 /// Writes the result of autocalibration into a document: base, size of the field, crown, and its
-/// frames as suggestions. References do not change.
+/// frames as suggestions. References do not change. With several cameras, a field that changes
+/// becomes the camera's own.
 pub fn record_found(document: &mut Document, camera: &CameraId, found: &AutocalibratedCamera) {
-    let Some(of_document) = document.camera_mut(camera) else {
+    if document.camera(camera).is_none() {
         return;
-    };
-    of_document.set_base(&found.base);
-    // The size may give this camera a field of its own, so the crown is written after it.
-    set_field_size(document, camera, &found.sizes);
-    if let Some(field) = field_of_camera_mut(document, camera) {
-        field.set_crown_m(found.field.crown_m);
     }
+    let crown_m = found.field.crown_m;
+    write_base(document, camera, &found.base, crown_m, &found.sizes);
     for of_found in &found.frames {
         let Some(frame) = document.frames.get_mut(of_found.index) else {
             continue;

@@ -126,8 +126,9 @@ fn visible_ground(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use touchline_core::camera::BaseAngles;
-    use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution};
+    use touchline_documents::document::{FramePtz, Solution};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -140,10 +141,7 @@ mod tests {
     }
 
     fn accepted() -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base(17.0));
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base(17.0), SIZE);
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -14.0, 2300.0), None));
         frame.solution = Some(Solution::default());

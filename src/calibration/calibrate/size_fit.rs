@@ -45,8 +45,8 @@ impl BaseProblem {
         let template = document
             .field_of_camera(&self.camera)
             .template(document.folder)?;
-        let open = OpenSize::new(template.clone(), &self.field);
-        let fitted = self.fit_size(template, &self.clicks, (&found.estimate.base, &ptz), model);
+        let open = OpenSize::new(template, &self.field);
+        let fitted = self.fit_size(&open, &self.clicks, (&found.estimate.base, &ptz), model);
         let sizes = open.fitted_or_assumed(fitted);
         // The base again, on a copy of the document with the fitted field.
         let mut sized = document.document.clone();
@@ -56,16 +56,15 @@ impl BaseProblem {
         Ok(EstimatedBase { sizes, ..found })
     }
 
-    /// Fits length and width of the field to what the frames show, from an approximate base and
+    /// Fits the open lengths of the field to what the frames show, from an approximate base and
     /// cameras. Empty if the template leaves no choice or the fit fails.
     pub(super) fn fit_size(
         &self,
-        template: Template,
+        open: &OpenSize,
         frames: &[FrameClicks],
         (base, ptz): (&CameraBase, &[Option<Ptz>]),
         model: &BaseModel,
     ) -> Vec<FittedSize> {
-        let open = OpenSize::new(template, &self.field);
         let start = SizeStart {
             field: &self.field,
             frames,

@@ -180,12 +180,13 @@ pub(super) fn record_if_solved(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use std::ops::ControlFlow;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::field::builtin;
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Click, FieldSpec};
+    use touchline_documents::document::Click;
 
     /// So many frames, each with four exact points.
     fn clicked(frames: usize) -> (Document, FieldModel) {
@@ -196,10 +197,7 @@ mod tests {
         let upright = BaseAngles::default().base_from_world();
         let base = CameraBase::new(Vec3::new(0.0, -66.0, 18.0), upright, size.centre());
         let pointed = PtzCamera::new(base, Ptz::from_degrees(-30.0, -12.0, 1500.0));
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), size);
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base, size);
         let seen = field.landmarks.iter().filter_map(|landmark| {
             let image = pointed
                 .image_from_world(field.landmark_in_world(landmark))

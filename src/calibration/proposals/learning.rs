@@ -299,14 +299,7 @@ fn without_frames(document: &Document) -> Document {
         extra: Extra::new(),
         ..document.clone()
     };
-    // The field of the document and those of single cameras.
-    // Only cameras with a field are borrowed to be changed, because that copies a shared camera.
-    let of_cameras = kept
-        .cameras
-        .iter_mut()
-        .filter(|camera| camera.field.is_some())
-        .filter_map(|camera| camera.field.as_mut());
-    for field in of_cameras.chain([&mut kept.field]) {
+    for field in kept.fields_mut() {
         if field.is_file()
             && let Some(name) = Path::new(&field.template).file_name()
         {

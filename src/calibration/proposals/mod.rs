@@ -18,6 +18,7 @@
 //! | `find_suspects` | references whose labels contradict others |
 //! | [`UsedFeatures`] | the use of a picture's features by the forest |
 //! | [`adopt_bases`] | check that a forest and a document have the same camera bases |
+//! | [`camera_of_size`] | the camera of a picture that says nothing but its size |
 //!
 //! The trainer of the window and the command line both use this module. Nothing here starts a
 //! thread of its own.
@@ -26,6 +27,7 @@ mod advice;
 mod bases;
 mod batches;
 mod burnt_in;
+mod camera_of_size;
 mod coverage;
 mod expected_wrong;
 mod features;
@@ -57,6 +59,7 @@ pub use advice::{LabelAdvice, LabelNext, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
 pub use batches::FrameWithFeatures;
 pub use burnt_in::FoundMask;
+pub use camera_of_size::{CameraOfSizeError, camera_of_size};
 pub use coverage::{Coverage, CoverageCell};
 pub use expected_wrong::ExpectedWrong;
 pub use features::{FrameFeatures, FramePictures, Resolution};

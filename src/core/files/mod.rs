@@ -17,7 +17,7 @@ mod replace;
 mod temporary;
 
 pub use named_file::{open_named, read_named, read_named_text};
-pub use plain::plain;
+pub use plain::{is_control, plain};
 pub use regular_file::{
     NotReadable, WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder,
 };

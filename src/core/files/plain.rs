@@ -15,7 +15,8 @@ pub fn plain(text: &str) -> String {
 }
 
 /// Whether a terminal or a text view obeys a character instead of showing it.
-fn is_control(letter: char) -> bool {
+#[must_use]
+pub fn is_control(letter: char) -> bool {
     // Beside the control characters: the marks, embeddings, overrides and isolates of Unicode's
     // bidirectional algorithm (UAX 9), characters of zero width, line and paragraph separators.
     letter.is_control()

@@ -27,7 +27,6 @@ pub fn project_landmarks(
         .iter()
         .enumerate()
         .filter_map(|(landmark, of)| {
-            // A landmark behind the camera or beyond the lens's fold is not in the picture.
             let image = camera.image_from_world(field.landmark_in_world(of)).ok()?;
             is_within_margin(image, size, margin_px)
                 .then_some(ProjectedLandmark { landmark, image })

@@ -221,8 +221,7 @@ fn uncertain_corner(
     context: &SolveContext,
 ) -> Option<Warning> {
     let scale = context.image_size.scale_from_1920();
-    let corner_px = solution.worst_corner_sigma_px;
-    if corner_px <= WARN_CORNER_SIGMA_PX * scale {
+    if solution.worst_corner_sigma_px <= WARN_CORNER_SIGMA_PX * scale {
         return None;
     }
     let worst = solution
@@ -237,6 +236,8 @@ fn uncertain_corner(
             clicks: Vec::new(),
         });
     }
+    // Nothing is predicted of a corner of which nothing is known; the verdict says that.
+    let corner_px = solution.corner_sigma_px_if_known()?;
     // Advice is about landmarks: frames of lines alone, or of one landmark, get none.
     let separation_px = solution.separation_px?;
     let one_more = OneMoreClick::new(camera, solution, context.image_size);
@@ -376,7 +377,7 @@ fn short(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::camera::{BaseAngles, BaseSigma, CameraBase, Ptz};
-    use crate::geometry::{Angle, Vec3};
+    use crate::geometry::{Angle, Mat3, Vec3};
     use crate::solve::{PtzPrior, solve_frame};
     use nalgebra::SMatrix;
 
@@ -457,6 +458,21 @@ mod tests {
         );
         let fine = solved(&camera(0.0), &apart, 0.5);
         assert!(fine.warnings.is_empty(), "{:?}", fine.warnings);
+    }
+
+    #[test]
+    fn a_corner_of_which_nothing_is_known_gets_no_figure() {
+        let camera = camera(0.0);
+        let mut solution = solved(&camera, &[[900.0, 500.0], [1000.0, 560.0]], 2.0);
+        assert_eq!(only_warning(&solution).code, WarningCode::Separation);
+        let stated_px = format!("±{:.1} px", solution.worst_corner_sigma_px);
+        assert_eq!(solution.describe_corner(), stated_px);
+        solution.uncertainty.clicks = Mat3::repeat(f64::NAN);
+        solution.worst_corner_sigma_px = solution.uncertainty.worst_corner_sigma_px(&camera, SIZE);
+        assert_eq!(solution.corner_sigma_px_if_known(), None);
+        assert_eq!(solution.describe_corner(), "unknown");
+        let context = SolveContext::new(SIZE);
+        assert_eq!(uncertain_corner(&camera, &[], &solution, &context), None);
     }
 
     #[test]

@@ -223,12 +223,13 @@ impl Uncertainty {
 
     /// The 1-σ at a corner, px, split by cause; `point` is the overlay point there.
     fn corner_sigma(&self, corner: ImagePoint, point: &OverlayPoint) -> CornerSigma {
-        // Rounding may leave the trace of a nearly singular covariance slightly negative.
+        // Rounding may leave the trace of a nearly singular covariance slightly negative; `clamp`
+        // keeps one that is not a number, where `max` would state certainty.
         let by_clicks = point.by_ptz * self.clicks * point.by_ptz.transpose();
         let by_base = self.by_base_in_sigmas(point);
         CornerSigma {
             corner,
-            clicks_px: by_clicks.trace().max(0.0).sqrt(),
+            clicks_px: by_clicks.trace().clamp(0.0, f64::INFINITY).sqrt(),
             base_px: by_base.norm(),
         }
     }
@@ -236,7 +237,7 @@ impl Uncertainty {
     /// The largest 1-σ of the overlay at some points, px; infinite without a point, and where one
     /// is not a number.
     pub(super) fn worst_sigma_px(&self, points: &[Option<OverlayPoint>]) -> f64 {
-        // `f64::max` would take any number in place of one that is none, and zero means certain.
+        // `f64::max` ignores NaN, and the result would state certainty.
         points
             .iter()
             .flatten()
@@ -408,7 +409,8 @@ pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigm
         distortion: FocalCurve::NONE,
         ..base
     };
-    // A covariance of zero would state that the camera is exact.
+    // Without its lens every pixel has a ray, so that the zeros below, which would state that the
+    // camera is exact, are not reached.
     [base, without_lens]
         .into_iter()
         .find_map(|base| {
@@ -602,6 +604,11 @@ mod tests {
             ..known
         };
         assert_eq!(unknown.worst_corner_sigma_px(&camera, SIZE), f64::INFINITY);
+        let worst = unknown.worst_corner(&camera, SIZE).unwrap();
+        assert!(
+            worst.clicks_px.is_nan() && !worst.is_from_base(),
+            "{worst:?}"
+        );
         assert_eq!(known.worst_corner_sigma_px(&camera, SIZE), 0.0);
     }
 

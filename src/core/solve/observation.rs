@@ -145,6 +145,19 @@ impl Observation {
             .residual_px(camera, self.image)
             .map(|residual| residual.norm())
     }
+
+    /// The same distance, infinite where there is no image, so that a camera gains nothing by
+    /// hiding what was clicked.
+    pub(super) fn distance_px_or_infinite(&self, camera: &PtzCamera) -> f64 {
+        self.distance_px(camera).unwrap_or(f64::INFINITY)
+    }
+
+    /// Its distance from the image of its shape, in its own 1-σ; infinite where there is no image.
+    #[must_use]
+    pub fn distance_sigmas(&self, camera: &PtzCamera) -> f64 {
+        self.distance_px(camera)
+            .map_or(f64::INFINITY, |px| px / self.sigma_px)
+    }
 }
 
 /// The observations of landmarks among others, in their order.

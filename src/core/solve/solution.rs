@@ -130,6 +130,22 @@ impl FrameSolution {
             .fold(0.0, f64::max)
     }
 
+    /// [`Self::worst_corner_sigma_px`] as documents state it, which cannot express that it is
+    /// infinite: none then.
+    #[must_use]
+    pub fn corner_sigma_px_if_known(&self) -> Option<f64> {
+        Some(self.worst_corner_sigma_px).filter(|sigma_px| sigma_px.is_finite())
+    }
+
+    /// The 1-σ at the worst corner in words.
+    #[must_use]
+    pub fn describe_corner(&self) -> String {
+        self.corner_sigma_px_if_known().map_or_else(
+            || "unknown".to_owned(),
+            |sigma_px| format!("±{sigma_px:.1} px"),
+        )
+    }
+
     /// 1-σ of the pan.
     #[must_use]
     pub fn sigma_pan(&self) -> Angle {
@@ -145,7 +161,6 @@ impl FrameSolution {
     /// Adds the result of the search for other names; its warning comes before all others.
     #[must_use]
     pub fn with_identity(mut self, found: Option<IdentityFinding>) -> Self {
-        // An option is an iterator of at most one warning.
         self.warnings
             .splice(0..0, found.as_ref().map(IdentityFinding::warning));
         self.identity = found;

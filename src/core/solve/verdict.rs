@@ -56,11 +56,10 @@ impl Judgement {
 /// clicks, its warnings and its worst corner, in this order.
 #[must_use]
 pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
-    let corner = if solution.worst_corner_sigma_px.is_finite() {
-        format!("worst corner ±{:.1} px", solution.worst_corner_sigma_px)
-    } else {
-        "the lens shows no corner of the picture: check its distortion".to_owned()
-    };
+    let corner = solution.corner_sigma_px_if_known().map_or_else(
+        || "the lens shows no corner of the picture: check its distortion".to_owned(),
+        |sigma_px| format!("worst corner ±{sigma_px:.1} px"),
+    );
     // If other names fit better, the frame is wrong. If they fit as well and are only favoured by
     // the motion prior, the user should check.
     let contradicted = solution

@@ -123,7 +123,15 @@ impl Document {
         of_frames.collect()
     }
 
-    /// The fields of the cameras that have one of their own, then the document's, to change them.
+    /// The fields of the cameras that have one of their own, then the document's.
+    pub fn fields(&self) -> impl Iterator<Item = &FieldSpec> {
+        let cameras = self.cameras.iter();
+        cameras
+            .filter_map(|camera| camera.field.as_ref())
+            .chain([&self.field])
+    }
+
+    /// The same, to change them.
     pub fn fields_mut(&mut self) -> impl Iterator<Item = &mut FieldSpec> {
         // A shared camera is copied when it is borrowed to be changed, so cameras without a field
         // are left out before that.

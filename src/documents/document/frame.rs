@@ -376,6 +376,12 @@ impl Frame {
         self.image.as_ref().map(|image| folder.join(image))
     }
 
+    /// The path of its video as the document writes it; none where it has no video.
+    #[must_use]
+    pub fn video_path(&self) -> Option<&str> {
+        self.video.as_ref().map(|video| video.path.as_str())
+    }
+
     /// Its number in its video, counted from 0; none where it has no video.
     #[must_use]
     pub fn video_frame_index(&self) -> Option<u64> {

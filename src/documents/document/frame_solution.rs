@@ -63,8 +63,7 @@ impl Frame {
             covariance: Some(solved.covariance),
             own_covariance: Some(solved.uncertainty.own_covariance_deg()),
             rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
-            worst_corner_sigma_px: Some(solved.worst_corner_sigma_px)
-                .filter(|sigma_px| sigma_px.is_finite()),
+            worst_corner_sigma_px: solved.corner_sigma_px_if_known(),
             source: Some(source),
             confidence: None,
             timings_ms: None,

@@ -75,7 +75,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
         "sensorResolutionHeightPixels",
     )?;
     let view = camera.key("horizontalFieldOfViewDegrees")?.positive()?;
-    // At 180° the focal length is zero; written so that NaN is refused.
+    // Towards 180° the focal length goes to zero; written so that NaN is refused.
     if !(view < 179.0) {
         let what = format!("[{name:?}].cp.horizontalFieldOfViewDegrees");
         return Err(Problem::OutOfRange {

@@ -65,7 +65,7 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
             found,
         })?;
     let number = frame_number("the frame", number)?;
-    // At 180° the focal length is zero; written so that NaN is refused.
+    // Towards 180° the focal length goes to zero; written so that NaN is refused.
     if !(view > 0.0 && view < 179.0) {
         let what = "the field of view".to_owned();
         return Err(Problem::OutOfRange {

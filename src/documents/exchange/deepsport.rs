@@ -86,7 +86,7 @@ impl CameraFormat for DeepSport {
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         // The origin is a corner of the court, so that its size must be known to find the middle.
-        // The import has placed a template of the user's own.
+        // The import has put its folder before the name of a template of the user's own.
         let court = options.field.model(Path::new(""))?;
         read_frame_files(&files.sorted_entries(), without_ending, |stem, bytes| {
             let (pinhole, size) = camera(bytes, &court)?;
@@ -150,12 +150,11 @@ mod tests {
     #[test]
     fn a_court_of_the_users_own_is_found_beside_the_files() {
         let place = tempfile::tempdir().unwrap();
-        let fields = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/fields");
-        std::fs::copy(
-            fields.join("basketball_fiba.json"),
-            place.path().join("mine.json"),
-        )
-        .unwrap();
+        let (_, template) = touchline_assets::FIELDS
+            .iter()
+            .find(|(name, _)| *name == "basketball_fiba")
+            .unwrap();
+        std::fs::write(place.path().join("mine.json"), template).unwrap();
         let file = place.path().join("camcourt1_7.json");
         std::fs::write(&file, published().to_string()).unwrap();
         let options = ImportOptions {

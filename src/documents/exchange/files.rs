@@ -25,6 +25,11 @@ pub fn base_name(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
+/// The folder of a file's path, with its last `/`; empty if there is none.
+pub fn folder_prefix(path: &str) -> &str {
+    path.rfind('/').map_or("", |at| &path[..=at])
+}
+
 /// A file's name or path without the ending.
 pub fn without_ending(path: &str) -> &str {
     path.rsplit_once('.').map_or(path, |(stem, _)| stem)
@@ -196,12 +201,16 @@ impl Files {
     fn write_temporary_folder(&self, path: &Path) -> io::Result<tempfile::TempDir> {
         let new = temporary_folder_in(folder_of(path))?;
         for (name, bytes) in &self.0 {
-            let file = new.path().join(name);
-            fs::create_dir_all(folder_of(&file))?;
-            fs::write(file, bytes)?;
+            write_new(&new.path().join(name), bytes)?;
         }
         Ok(new)
     }
+}
+
+/// Writes a file, and the folders that it lies in.
+pub(super) fn write_new(file: &Path, bytes: &[u8]) -> io::Result<()> {
+    fs::create_dir_all(folder_of(file))?;
+    fs::write(file, bytes)
 }
 
 /// The error that a file or folder holds nothing of what is wanted.

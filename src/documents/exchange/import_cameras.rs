@@ -36,13 +36,9 @@ pub fn import_cameras(
     )?;
     // Formats that state no size read pixels with that of the options, or of the video to which the
     // frames may be attached; which one a frame gets at last is decided below.
-    let mut reading = options.with_any_size();
     // A format that needs the size of the field reads a template of the user's own, which lies where
     // the new document does.
-    if reading.field.is_file() {
-        let template = folder.join(&reading.field.template);
-        reading.field.template = template.to_string_lossy().into_owned();
-    }
+    let reading = options.with_any_size().with_template_in(folder);
     let mut frames = camera_format.read(&files, &reading)?;
     if frames.is_empty() {
         return Err(no_files(path, "frame"));
@@ -106,6 +102,19 @@ pub fn import_cameras(
         format,
         notes,
     })
+}
+
+impl ImportOptions {
+    /// The options with the whole path of a template of the user's own, whose relative path starts
+    /// from a folder.
+    #[must_use]
+    pub fn with_template_in(mut self, folder: &Path) -> Self {
+        if self.field.is_file() {
+            let template = folder.join(&self.field.template);
+            self.field.template = template.to_string_lossy().into_owned();
+        }
+        self
+    }
 }
 
 /// Refuses two frames of one name.

@@ -96,15 +96,6 @@ fn point_from_percent([x, y]: [f64; 2], size: ImageSize, shift_px: f64) -> Image
     ImagePoint::new(x / 100.0 * width + shift_px, y / 100.0 * height + shift_px)
 }
 
-fn size_of(node: &Node<'_>, width: &str, height: &str) -> Result<Option<ImageSize>, Problem> {
-    match (node.find(width), node.find(height)) {
-        (Some(width), Some(height)) => {
-            Ok(Some(ImageSize::new(width.side_px()?, height.side_px()?)))
-        }
-        _ => Ok(None),
-    }
-}
-
 /// The annotation to be read.
 fn annotation<'a>(task: &Node<'a>, annotator: Option<&str>) -> Result<Option<Node<'a>>, Problem> {
     let Some(all) = task
@@ -147,7 +138,7 @@ fn read_task(
     let image = file_name(data.key("image")?.text()?)?;
     // Each result states the size of the picture that it was placed in, which is the surest one.
     // An image without results has its size beside its name, if this program wrote it.
-    let mut size = size_of(&data, "width", "height")?.or_else(|| sizes(&image));
+    let mut size = data.find_size("width", "height")?.or_else(|| sizes(&image));
     let mut marks = Vec::new();
     let results: Vec<(Node<'_>, Node<'_>)> =
         if let Some(annotation) = annotation(task, options.annotator.as_deref())? {
@@ -180,7 +171,7 @@ fn read_task(
                 why: "rotate the picture itself",
             });
         }
-        if let Some(of_result) = size_of(&result, "original_width", "original_height")? {
+        if let Some(of_result) = result.find_size("original_width", "original_height")? {
             size = Some(of_result);
         }
         let labels = labels

@@ -9,11 +9,11 @@ use super::clicked_frame::{
     ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
 };
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, without_ending};
+use super::files::{Files, folder_prefix, without_ending};
 use super::node::{Node, parse};
 use super::options::{ImportOptions, Pixels};
 use serde_json::{Value, json};
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::ImagePoint;
 
 /// The format.
 pub struct Labelme;
@@ -44,11 +44,6 @@ fn to_json(frame: &ClickedFrame) -> Value {
     })
 }
 
-/// The folder of a file's path, with its last `/`; empty if there is none.
-fn folder_prefix(path: &str) -> &str {
-    path.rfind('/').map_or("", |at| &path[..=at])
-}
-
 /// The frame of a file. `folder` is the folder from which its image's path starts.
 fn read_file(
     bytes: &[u8],
@@ -59,10 +54,7 @@ fn read_file(
     let value = parse(bytes)?;
     let root = Node::root(&value);
     let image = format!("{folder}{}", root.key("imagePath")?.image_name()?);
-    let stated = match (root.find("imageWidth"), root.find("imageHeight")) {
-        (Some(width), Some(height)) => Some(ImageSize::new(width.side_px()?, height.side_px()?)),
-        _ => None,
-    };
+    let stated = root.find_size("imageWidth", "imageHeight")?;
     // labelme counts pixels in the picture as its EXIF orientation shows it. A stated size that
     // differs from the picture's own means that the points are of another orientation or picture.
     let there = sizes(&image);

@@ -166,6 +166,16 @@ impl<'a> Node<'a> {
         ))
     }
 
+    /// The same where it may be absent: none where a key is absent or null.
+    pub fn find_size(&self, width: &str, height: &str) -> Result<Option<ImageSize>, Problem> {
+        match (self.find(width), self.find(height)) {
+            (Some(width), Some(height)) => {
+                Ok(Some(ImageSize::new(width.side_px()?, height.side_px()?)))
+            }
+            _ => Ok(None),
+        }
+    }
+
     /// The numbers under some keys.
     pub fn numbers_at<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N], Problem> {
         let mut numbers = [0.0; N];

@@ -13,7 +13,7 @@ use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::node::{Node, parse};
 use super::options::ImportOptions;
 use super::picture_size::SizeSource;
-use super::unreadable::{frame_without_camera, read_frame_files};
+use super::unreadable::{FrameCollector, read_frame_files};
 use super::values::{refuse_further_coefficients, refuse_oblong_pixels};
 use serde_json::{Value, json};
 use touchline_core::camera::Radial;
@@ -189,12 +189,13 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
         .find("cam_params")
         .or_else(|| node.find("parameters"))
         .unwrap_or(node);
-    let pinhole = from_json(&node)?;
-    Ok(FrameCamera::new(
-        name,
-        size_by_principal_point(pinhole.principal_point),
-        FrameProjection::Camera(pinhole),
-    ))
+    Ok(frame_from_pinhole(name, from_json(&node)?))
+}
+
+/// The frame of a camera, whose principal point is the only thing that states its picture's size.
+fn frame_from_pinhole(name: &str, pinhole: Pinhole) -> FrameCamera {
+    let size = size_by_principal_point(pinhole.principal_point);
+    FrameCamera::new(name, size, FrameProjection::Camera(pinhole))
 }
 
 fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
@@ -212,7 +213,7 @@ fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
     let Ok(samples) = root.items() else {
         return Ok(None);
     };
-    let (mut frames, mut first_problem, mut is_any_read) = (Vec::new(), None, false);
+    let mut frames = FrameCollector::default();
     for (index, sample) in samples.enumerate() {
         let image = sample.find("image_id").or_else(|| sample.find("image_ids"));
         let named = image.map(|image| image.image_name()).transpose();
@@ -220,28 +221,16 @@ fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
             Ok(Some(name)) => stem(name).to_owned(),
             _ => format!("{index:06}"),
         };
-        match named.and_then(|_| from_json(&sample)) {
-            Ok(pinhole) => {
-                is_any_read = true;
-                let size = size_by_principal_point(pinhole.principal_point);
-                let camera = FrameProjection::Camera(pinhole);
-                frames.push(FrameCamera::new(&name, size, camera));
-            }
-            Err(problem) => {
-                // Each damaged sample takes memory for its message. A list that begins with as many
-                // is none of theirs, however long it is.
-                if !is_any_read && frames.len() >= MAX_DAMAGED {
-                    return Err(first_problem.unwrap_or(problem));
-                }
-                frames.push(frame_without_camera(&name, None, &problem));
-                first_problem.get_or_insert(problem);
-            }
+        let pinhole = named.and_then(|_| from_json(&sample));
+        let frame = pinhole.map(|pinhole| frame_from_pinhole(&name, pinhole));
+        frames.add(&name, None, frame);
+        // Each damaged sample takes memory for its message. A list that begins with more of them
+        // is none of theirs, however long it is.
+        if frames.has_only_damaged(MAX_DAMAGED) {
+            break;
         }
     }
-    match first_problem {
-        Some(problem) if !is_any_read => Err(problem),
-        _ => Ok(Some(frames)),
-    }
+    frames.finish().map(Some)
 }
 
 /// Whether the principal point of a frame is not in the middle of its picture.

@@ -26,32 +26,63 @@ pub fn read_frame_files(
     frame_name: impl Fn(&str) -> &str,
     read: impl Fn(&str, &[u8]) -> Result<FrameCamera, Problem>,
 ) -> Result<Vec<FrameCamera>, ExchangeError> {
-    let mut frames = Vec::with_capacity(files.len());
-    let mut first_problem = None;
-    let mut is_any_read = false;
+    let mut frames = FrameCollector {
+        frames: Vec::with_capacity(files.len()),
+        ..FrameCollector::default()
+    };
     for &(file, bytes) in files {
         let name = frame_name(file);
-        match read(name, bytes) {
+        frames.add(name, Some(file), read(name, bytes));
+    }
+    // Where all are damaged, the problem is that of the first file.
+    let first = files.first().map_or("", |(file, _)| *file);
+    frames.finish().map_err(|problem| problem.within(first))
+}
+
+/// Collects frames as they are read, the damaged ones without a camera.
+#[derive(Default)]
+pub struct FrameCollector {
+    frames: Vec<FrameCamera>,
+    first_problem: Option<Problem>,
+    is_any_read: bool,
+}
+
+impl FrameCollector {
+    /// Adds a frame, or what is wrong with it; `file` is a file of its own.
+    pub fn add(&mut self, name: &str, file: Option<&str>, read: Result<FrameCamera, Problem>) {
+        match read {
             Ok(frame) => {
-                is_any_read = true;
-                frames.push(frame);
+                self.is_any_read = true;
+                self.frames.push(frame);
             }
             // The frame stays in its place in the order, because frames without numbers are
             // attached to a video by their order.
             Err(problem) => {
-                frames.push(frame_without_camera(name, Some(file), &problem));
-                first_problem.get_or_insert_with(|| problem.within(file));
+                self.frames.push(frame_without_camera(name, file, &problem));
+                self.first_problem.get_or_insert(problem);
             }
         }
     }
-    match first_problem {
-        Some(problem) if !is_any_read => Err(problem),
-        _ => Ok(frames),
+
+    /// Whether more than `count` frames were added and all of them are damaged.
+    pub fn has_only_damaged(&self, count: usize) -> bool {
+        !self.is_any_read && self.frames.len() > count
+    }
+
+    /// The frames in the order in which they were added.
+    ///
+    /// # Errors
+    /// All of them are damaged; the problem is that of the first.
+    pub fn finish(self) -> Result<Vec<FrameCamera>, Problem> {
+        match self.first_problem {
+            Some(problem) if !self.is_any_read => Err(problem),
+            _ => Ok(self.frames),
+        }
     }
 }
 
 /// A frame of which the camera cannot be read; `file` is a file of its own.
-pub fn frame_without_camera(name: &str, file: Option<&str>, problem: &Problem) -> FrameCamera {
+fn frame_without_camera(name: &str, file: Option<&str>, problem: &Problem) -> FrameCamera {
     let unreadable = Unreadable {
         file: file.map(ToOwned::to_owned),
         problem: problem.to_string(),

@@ -10,7 +10,7 @@
 
 use super::dataset::{OwnPlaces, with_templates};
 use super::error::ExchangeError;
-use super::files::{cannot_read, cannot_write};
+use super::files::{cannot_read, cannot_write, write_new};
 use crate::document::{
     CameraId, Document, DocumentAt, FieldSpec, Frame, document_to_string, restore_package,
     split_into_packages,
@@ -69,12 +69,6 @@ pub fn write_packages(
         .iter()
         .map(|package| package.frames.len())
         .collect())
-}
-
-/// Writes a file, and the folders that it lies in.
-fn write_new(file: &Path, bytes: &[u8]) -> io::Result<()> {
-    fs::create_dir_all(folder_of(file))?;
-    fs::write(file, bytes)
 }
 
 /// A version of `base` as a whole document: what a package does not contain is taken from `base`,

@@ -78,10 +78,8 @@ impl DrawnClip {
         let field = spec.model(Path::new(""))?;
         // Another stadium than those of the other experiments, for the same seed.
         let seed = options.seed.wrapping_add(61);
-        // The light is that of the preset, too.
-        let daylight = shoot.daylight;
         let scene = stadium(&StadiumOptions {
-            daylight,
+            daylight: shoot.daylight,
             ..StadiumOptions::new(field.clone(), seed)
         });
         let (base, path, motion) = match &real {

@@ -206,10 +206,9 @@ fn camera_through(
 ) -> Option<PtzCamera> {
     let size = query.features.image_size;
     let (width, height) = (f64::from(size.width), f64::from(size.height));
-    // A grid over the lower part of the picture, where ground is likely.
+    // A grid of 20 points over the lower part of the picture, where ground is likely: from 0.1 to
+    // 0.9 of the width and from 0.35 to 0.95 of the height.
     let grid = (0..5)
-        // 20 points from the tenth to the nine tenths of the width, and from 0.35 to 0.95 of the
-        // height.
         .flat_map(|i| (0..4).map(move |j| (0.1 + 0.2 * f64::from(i), 0.35 + 0.2 * f64::from(j))));
     let pairs = grid.filter_map(|(x, y)| {
         let pixel = ImagePoint::new(x * width, y * height);

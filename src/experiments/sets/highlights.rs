@@ -303,14 +303,7 @@ mod tests {
                 (|ptz| ptz.tilt.degrees(), stated.tilt_deg),
                 (|ptz| ptz.focal_px, stated.focal_px),
             ] {
-                let least = steps
-                    .iter()
-                    .map(|step| of(&step.ptz))
-                    .fold(f64::INFINITY, f64::min);
-                let greatest = steps
-                    .iter()
-                    .map(|step| of(&step.ptz))
-                    .fold(f64::NEG_INFINITY, f64::max);
+                let [least, greatest] = range_of(steps.iter().map(|step| of(&step.ptz)));
                 assert!(
                     (least - from).abs() < 1e-6 && (greatest - to).abs() < 1e-6,
                     "{least} {greatest}"

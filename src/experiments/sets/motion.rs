@@ -78,7 +78,6 @@ impl RealMotion {
             ));
         }
         let [x, y] = file.principal_point_px.map(|at| at + CORNER_FROM_CENTRE);
-        // The file's origin is a corner of the field, ours is its centre.
         let corner_m = Vec3::new(0.5 * Self::FIELD_M[0], 0.5 * Self::FIELD_M[1], 0.0);
         let rotation = Mat3::from_fn(|row, column| file.base_rotation[row][column]);
         Ok(Self {

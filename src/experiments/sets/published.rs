@@ -5,6 +5,7 @@ use super::{FrameSet, SetKind, Split};
 use crate::ExperimentError;
 use crate::given::folder_with;
 use crate::progress::{Progress, step_counter};
+use crate::setting::FIELD_YD;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use touchline_documents::exchange::read_authors_folder;
@@ -39,7 +40,7 @@ impl PublishedKind {
     /// authors state.
     const fn field_yd(self) -> [f64; 2] {
         match self {
-            Self::Highlights => [118.0, 70.0],
+            Self::Highlights => FIELD_YD,
             Self::WorldCup => [115.0, 74.0],
         }
     }

@@ -271,9 +271,7 @@ mod tests {
                 (|ptz| ptz.tilt.degrees(), real.tilt_deg),
                 (|ptz| ptz.focal_px, focal_px),
             ] {
-                let values = || path.iter().map(|step| of(&step.ptz));
-                let least = values().fold(f64::INFINITY, f64::min);
-                let greatest = values().fold(f64::NEG_INFINITY, f64::max);
+                let [least, greatest] = range_of(path.iter().map(|step| of(&step.ptz)));
                 assert!(
                     (least - low).abs() < 1e-6 && (greatest - high).abs() < 1e-6,
                     "{least} {greatest}"

@@ -110,12 +110,17 @@ def watch_head(address: str) -> None:
     os._exit(3)
 
 
+def lines_of(error: Exception) -> List[str]:
+    """The lines of an error's text, at least one."""
+    return (str(error).strip() or repr(error)).splitlines()
+
+
 def run(plan: Dict[str, Any], place: str, address: Optional[str], touchline: Optional[str]) -> int:
     ray: Any = importlib.import_module("ray")
     try:
         ray.init(address=address, log_to_driver=False, logging_level="FATAL")
     except (ConnectionError, RuntimeError) as error:
-        sys.exit(f"touchline: {(str(error).strip() or repr(error)).splitlines()[0]}")
+        sys.exit(f"touchline: {lines_of(error)[0]}")
     threading.Thread(target=watch_head, args=(ray.get_runtime_context().gcs_address,), daemon=True).start()
     # A lost node or a killed program is no fault of the shard: any number of tries. Other errors end it at once.
     task = ray.remote(max_retries=-1, retry_exceptions=[Killed], scheduling_strategy="SPREAD", num_cpus=1)(do_shard)
@@ -140,7 +145,7 @@ def run(plan: Dict[str, Any], place: str, address: Optional[str], touchline: Opt
                 seconds, frames = seconds + ray.get(shard)[1], frames + frames_of[shard]
             except Exception as error:
                 failed += 1
-                print(f"touchline: {(str(error).strip() or repr(error)).splitlines()[-1]}", file=sys.stderr)
+                print(f"touchline: {lines_of(error)[-1]}", file=sys.stderr)
         if time.time() - reported > REPORT_S or not left:
             reported = time.time()
             print(f"touchline: {frames / (reported - begun):.1f} frames/s, {len(left)} shards left, {seconds / 3600:.2f} core hours", file=sys.stderr)

@@ -24,7 +24,7 @@ pub use queue::{Queue, QueueEntry, QueueError};
 
 use crate::part::shard_of_path;
 use crate::plan::Plan;
-use crate::season_file::FILES_BESIDE_MATCHES;
+use crate::season_file::{LOCK_FILE, QUEUE_FILE, TABLE_FILES};
 use project::{CollectedMatch, MatchToCollect};
 use std::collections::BTreeSet;
 use std::fs;
@@ -33,13 +33,6 @@ use table::SeasonTable;
 use touchline_core::progress::Progress;
 use touchline_documents::store::{ReadOnly, lock_file, write_atomically};
 use touchline_vision::relocalize::CERTAIN;
-
-/// The queue's file.
-pub const QUEUE_FILE: &str = FILES_BESIDE_MATCHES[0];
-/// The table's files.
-const TABLE_FILES: [&str; 2] = [FILES_BESIDE_MATCHES[1], FILES_BESIDE_MATCHES[2]];
-/// Locked while a folder is written into.
-const LOCK_FILE: &str = FILES_BESIDE_MATCHES[3];
 
 /// Options of collecting.
 #[derive(Clone, Copy, Debug, PartialEq)]

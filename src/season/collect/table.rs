@@ -69,6 +69,7 @@ impl SeasonTable {
             ..Counts::default()
         };
         let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut of_match = 0;
         if let Some(document) = &found.document {
             let with_base = document
                 .cameras
@@ -76,6 +77,8 @@ impl SeasonTable {
                 .filter(|camera| camera.base().is_some());
             counts.cameras = with_base.count();
             for frame in &document.frames {
+                // Frames of the match's project that are of other pictures fill no gap.
+                of_match += usize::from(!is_of_other_frames(frame, planned));
                 if frame.ptz.is_none() {
                     counts.none += 1;
                     *reasons.entry(reason_of(frame)).or_default() += 1;
@@ -87,10 +90,7 @@ impl SeasonTable {
             }
         }
         // Frames of the match that no part has: of missing windows, and images that cannot be read.
-        // Frames of the match's project that are of other pictures fill no gap.
-        let of_match = found.document.iter().flat_map(|document| &document.frames);
-        let of_match = of_match.filter(|frame| !is_of_other_frames(frame, planned));
-        counts.gap = planned.num_frames.saturating_sub(of_match.count());
+        counts.gap = planned.num_frames.saturating_sub(of_match);
         self.push(
             &planned.name,
             &counts,

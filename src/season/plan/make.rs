@@ -186,12 +186,7 @@ fn plan_forest(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, Ma
 /// The document cannot be written.
 pub fn hash_of_project(location: &Location, document: &Document) -> Result<String, WriteError> {
     let mut text = document_to_string(document)?;
-    let of_cameras = document
-        .cameras
-        .iter()
-        .filter_map(|camera| camera.field.as_ref());
-    let fields = of_cameras.chain([&document.field]);
-    for field in fields.filter(|field| field.is_file()) {
+    for field in document.fields().filter(|field| field.is_file()) {
         // A template that cannot be read stops the shards, which say why.
         let hash = sha256_of_file(&location.folder().join(&field.template));
         text.push_str(&hash.unwrap_or_default());

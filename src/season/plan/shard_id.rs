@@ -49,9 +49,9 @@ pub(super) fn label_id(find: &str, first: usize, last: usize) -> String {
 }
 
 fn hash_of(kind: &str, input: &impl Serialize) -> String {
-    // Plain structures of texts and finite numbers always become JSON.
-    // The kind keeps a find shard and a label shard apart, whatever goes into them. JSON of a
-    // structure has its keys in the order of the fields, so the same input gives the same text.
+    // Plain structures of texts and finite numbers always become JSON, with their keys in the order
+    // of the fields, so the same input gives the same text.
     let text = serde_json::to_string(input).unwrap_or_default();
+    // The kind keeps a find shard and a label shard apart, whatever goes into them.
     sha256_of_bytes(format!("{kind} {text}").as_bytes())
 }

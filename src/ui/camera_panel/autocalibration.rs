@@ -97,8 +97,6 @@ fn go_there(panel: &mut Panel<'_>, ui: &mut Ui, frame: &FrameId, tip: &str) {
 
 /// Shows the button that starts a search, disabled with the reason.
 fn start(panel: &mut Panel<'_>, ui: &mut Ui, says: &str) {
-    let why_not = panel.app.why_not(Command::FindCamera);
-    let button = ui.add_enabled(why_not.is_none(), Button::new(RichText::new(says).strong()));
-    let button = button.on_disabled_hover_text(why_not.unwrap_or_default());
-    panel.run_on_click(button, Command::FindCamera);
+    let button = Button::new(RichText::new(says).strong());
+    panel.command_button(ui, button, Command::FindCamera);
 }

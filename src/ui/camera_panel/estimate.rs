@@ -7,7 +7,7 @@ use crate::ui::{
 };
 use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
 use touchline_application::app::operations::base_estimate::EstimateProgress;
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, Keymap};
 use touchline_calibration::calibrate::BaseReadiness;
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::geometry::{pluralise, thousands};
@@ -115,12 +115,17 @@ fn show_proposal(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         summary(ui, found);
         ui.add_space(theme::SPACE);
         if panel.app.current().base.is_some() {
-            let key = panel.app.settings.keys.key_label(Command::Compare);
-            let text =
-                format!("Picture and numbers show this base. Hold {key} for the current one.");
-            theme::weak_text(ui, text);
+            theme::weak_text(ui, describe_shown_base(&panel.app.settings.keys));
         }
     });
+}
+
+/// Says which base is shown, and how to see the current one.
+fn describe_shown_base(keys: &Keymap) -> String {
+    let hint = keys.with_key(Command::Compare, |key| {
+        format!(" Hold {key} for the current one.")
+    });
+    format!("Picture and numbers show this base.{hint}")
 }
 
 /// Shows the numbers of an estimate with their 1-σ. Lengths are m in the field's frame, fits are
@@ -188,5 +193,15 @@ mod tests {
             describe_readiness(&ready),
             "1 frame, 12,345 points, 1,000 left out"
         );
+    }
+
+    #[test]
+    fn the_current_base_is_mentioned_only_with_a_key_that_shows_it() {
+        let mut keys = Keymap::default();
+        let text = "Picture and numbers show this base. Hold B for the current one.";
+        assert_eq!(describe_shown_base(&keys), text);
+        keys.assign(Command::ZoomToFit, "B".parse().unwrap());
+        let text = "Picture and numbers show this base.";
+        assert_eq!(describe_shown_base(&keys), text);
     }
 }

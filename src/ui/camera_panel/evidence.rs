@@ -14,7 +14,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
-use touchline_application::app::{Action, EditAction, Navigation};
+use touchline_application::app::{Action, EditAction};
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::field::Symmetry;
 use touchline_core::solve::base::{DisputedClick, MirroredFrame};
@@ -269,10 +269,7 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
             fit.clicks, fit.worst_px
         );
         if response.on_hover_text(tip).clicked() {
-            panel.actions.extend([
-                Action::Navigate(Navigation::GoTo(fit.worst.0)),
-                Action::Navigate(Navigation::Select(Some(fit.worst.1))),
-            ]);
+            panel.go_to_click(fit.worst.0, fit.worst.1);
         }
     }
     // The estimate sorts the landmarks, the worst first.
@@ -411,10 +408,7 @@ fn show_disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedCl
                 .on_hover_text("Rename this point to the name that fits.")
                 .clicked();
         if goes || renames {
-            panel.actions.extend([
-                Action::Navigate(Navigation::GoTo(disputed.frame)),
-                Action::Navigate(Navigation::Select(Some(disputed.click))),
-            ]);
+            panel.go_to_click(disputed.frame, disputed.click);
         }
         // The application changes a name in the shown frame, so the frame is shown first.
         if let Some((target, _)) = better.filter(|_| renames) {

@@ -138,16 +138,10 @@ fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
         return;
     };
     let title = sport_title(&spec.template);
-    let command = Command::ChooseSport;
-    let why_not = panel.app.why_not(command);
     ui.horizontal(|ui| {
         ui.add_space(8.0);
-        let button = ui.add_enabled(
-            why_not.is_none(),
-            Button::new(RichText::new(title).small()).small(),
-        );
-        let button = button.on_disabled_hover_text(why_not.unwrap_or_default());
-        panel.run_on_click(button, command);
+        let button = Button::new(RichText::new(title).small()).small();
+        panel.command_button(ui, button, Command::ChooseSport);
     });
 }
 

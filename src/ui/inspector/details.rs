@@ -140,11 +140,10 @@ fn uncertainty(ui: &mut Ui, solved: &FrameSolution) {
         let share = 100.0 * solved.sigma_focal_px() / solved.ptz.focal_px;
         let focal = format!("±{:.1} px  ({share:.2} %)", solved.sigma_focal_px());
         pair(ui, "Focal length", focal, "1-σ of the focal length.");
-        let corner = format!("±{:.1} px", solved.worst_corner_sigma_px);
         pair(
             ui,
             "Worst corner",
-            corner,
+            solved.describe_corner(),
             "1-σ of the lines at the worst corner of the picture.",
         );
     });

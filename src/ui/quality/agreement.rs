@@ -3,8 +3,8 @@
 //!
 //! Distances are px at 1920 px width.
 
+use super::card;
 use super::scatter::Scatter;
-use super::{card, nothing_yet};
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
 use crate::ui::{
@@ -44,8 +44,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         |panel, ui| beside(panel, ui, made.as_ref()),
         |panel, ui| match &made {
             Some(compared) => show_agreement(panel, ui, &compared.agreement),
-            None if is_running => nothing_yet(ui, "Comparing…"),
-            None => nothing_yet(ui, NOTHING),
+            None if is_running => theme::weak_text(ui, "Comparing…"),
+            None => theme::weak_text(ui, NOTHING),
         },
     );
 }

@@ -6,7 +6,7 @@
 //! in degrees, focal lengths in px.
 
 use super::time::time_ticks;
-use super::{card, legend, nothing_yet};
+use super::{card, legend};
 use crate::ui::menu::file_name;
 use crate::ui::plot::Plot;
 use crate::ui::{
@@ -67,7 +67,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui,
             TITLE,
             |_, _| {},
-            |_, ui| nothing_yet(ui, NOTHING),
+            |_, ui| theme::weak_text(ui, NOTHING),
         );
         return;
     };

@@ -1,10 +1,13 @@
 //! A map over pan and tilt of where references and suggestions look. A click shows the nearest
 //! frame.
 
-use super::{card, legend, nothing_yet};
+use super::{card, legend};
 use crate::ui::coverage_map::{CoverageMap, coverage_colour, label_next, missing};
 use crate::ui::menu::file_name;
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
 use touchline_application::app::quality::{CoursePoint, CoverageComparison, PointKind};
 use touchline_application::app::where_to_label::whole_degrees;
@@ -27,7 +30,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         |_, _| {},
         |panel, ui| {
             let Some(seen) = seen else {
-                nothing_yet(ui, NOTHING);
+                theme::weak_text(ui, NOTHING);
                 return;
             };
             let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());

@@ -3,9 +3,12 @@
 //! Errors are distances in px at 1920 px width between a click and where the frame's camera
 //! projects its landmark or line.
 
-use super::{card, legend, nothing_yet};
+use super::{card, legend};
 use crate::ui::plot::Plot;
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{
     CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,
     WidgetInfo, pos2, vec2,
@@ -39,7 +42,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         },
         |panel, ui| {
             if errors.clicks.is_empty() {
-                nothing_yet(ui, NOTHING);
+                theme::weak_text(ui, NOTHING);
             } else {
                 one(panel, ui, errors.used.as_ref(), false);
                 one(panel, ui, errors.held_out.as_ref(), true);
@@ -81,7 +84,7 @@ fn without_evidence(ui: &mut Ui, errors: &ClickErrors) {
             "{count} frames are not counted: too few clicks for their errors to be evidence."
         ),
     };
-    nothing_yet(ui, text);
+    theme::weak_text(ui, text);
 }
 
 /// Shows one histogram: of the check points if `check`, else of the clicks that cameras were fitted
@@ -98,7 +101,7 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
     // Without check points, how to make one.
     let Some(spread) = spread else {
         if check {
-            nothing_yet(
+            theme::weak_text(
                 ui,
                 "No check points. Press K to make a point a check point.",
             );

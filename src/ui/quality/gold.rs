@@ -3,10 +3,13 @@
 //!
 //! Distances are px at 1920 px width.
 
+use super::card;
 use super::scatter::Scatter;
-use super::{card, nothing_yet};
 use crate::ui::bar::Bar;
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Label, RichText, Ui, vec2};
 use touchline_application::app::Command;
 use touchline_calibration::calibrate::OwnNoise;
@@ -34,7 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             let app = panel.app;
             let own = &app.gold().own;
             if own.repeats == 0 {
-                nothing_yet(ui, NOTHING);
+                theme::weak_text(ui, NOTHING);
                 return;
             }
             ui.horizontal_top(|ui| {
@@ -103,10 +106,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
         commands.push(("Use the usual", Command::UseUsualNoise));
     }
     for (says, command) in commands {
-        let why_not = app.why_not(command);
-        let button = ui.add_enabled(why_not.is_none(), Button::new(says).small());
-        let button = button.on_disabled_hover_text(why_not.unwrap_or_default());
-        panel.run_on_click(button, command);
+        panel.command_button(ui, Button::new(says).small(), command);
     }
     let gold = app.gold().frames;
     let plural = if gold == 1 { "" } else { "s" };

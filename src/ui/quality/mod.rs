@@ -24,8 +24,6 @@ mod targets;
 mod time;
 
 use super::heading::Heading;
-// The text of an empty card: what will appear, and how to get it.
-use super::theme::weak_text as nothing_yet;
 use super::{
     Panel,
     theme::{self, Themed as _},

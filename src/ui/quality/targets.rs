@@ -3,10 +3,13 @@
 //!
 //! Errors are px at 1920 px width.
 
-use super::{card, nothing_yet};
+use super::card;
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Id, RichText, Ui};
 use touchline_application::app::quality::TargetErrors;
 
@@ -27,7 +30,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         |_, ui| explain_bars(ui, targets.is_empty()),
         |panel, ui| {
             if targets.is_empty() {
-                nothing_yet(ui, NOTHING);
+                theme::weak_text(ui, NOTHING);
                 return;
             }
             let unfolded = Id::unique("all landmarks of the quality page");

@@ -2,7 +2,7 @@
 //! lines where the camera that was solved from them projects them.
 
 use crate::ui::labels::{PlateStyle, plate};
-use crate::ui::pictures::decode_texture;
+use crate::ui::pictures::{WHOLE, decode_texture};
 use crate::ui::theme::{self, Themed as _};
 use egui::{
     Align2, Color32, Context, CornerRadius, FontId, Id, Painter, Pos2, Rect, Sense, Shape, Stroke,
@@ -119,10 +119,9 @@ fn caption(at_s: f64) -> &'static str {
 impl Film {
     /// Draws the picture of a moment.
     fn paint(&self, painter: &Painter, within: Rect, at_s: f64) {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         let corner = CornerRadius::same(6);
         let picture = egui::epaint::RectShape::filled(within, corner, Color32::WHITE);
-        painter.add(picture.with_texture(self.picture.id(), whole));
+        painter.add(picture.with_texture(self.picture.id(), WHOLE));
         let at = |share: Pos2| within.lerp_inside(share.to_vec2());
 
         // The lines fade in after the second click, as in the program itself the solution follows

@@ -384,27 +384,16 @@ fn is_uncovered(ui: &egui::Ui, rect: Rect, at: egui::Pos2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ui::open_with_click;
     use egui::{PointerButton, pos2, vec2};
     use touchline_application::app::session::PictureView;
-    use touchline_application::app::{Opened, Settings};
-    use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame, Target};
+    use touchline_documents::document::Target;
 
     #[test]
     fn the_pointer_promises_to_move_a_point_only_while_none_is_to_be_placed() {
-        let size = ImageSize::new(1280, 720);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
-        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
-        frame
-            .clicks
-            .push(Click::without_name(ImagePoint::new(100.0, 100.0)));
-        document.frames.push(frame.into());
-        let mut app = App::new(Settings::default());
-        let opened = Opened::new(document, "/match/project.json");
-        app.update(Action::Opened(Box::new(opened)));
+        let mut app = open_with_click(ImagePoint::new(100.0, 100.0));
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(1280.0, 720.0));
+        let size = ImageSize::new(1280, 720);
         let placement = Placement::new(rect, 1.0, size, PictureView::Fit);
         let on_click = pos2(102.0, 100.0);
         assert_eq!(resting_icon(&app, &placement, on_click), CursorIcon::Move);

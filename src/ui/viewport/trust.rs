@@ -102,7 +102,7 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
         .filter(|at| placement.image_size.contains(*at))
         .and_then(|at| solved.uncertainty.overlay_sigma_px(camera, at));
     let value = here.map_or_else(
-        || format!("worst corner ±{:.1} px", solved.worst_corner_sigma_px),
+        || format!("worst corner {}", solved.describe_corner()),
         |px| format!("here ±{px:.1} px"),
     );
     let title = format!("1-σ of the lines: {value}");

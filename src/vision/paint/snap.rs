@@ -256,23 +256,17 @@ impl Problem<'_> {
         overlays_apart_px(&PtzCamera::new(*self.base, one), other, self.ground.size())
     }
 
-    /// Observes the paint around a camera and aligns the camera to it and to the clicks. The step
-    /// leads from the linearised camera to the aligned one. None if the start is not finite.
+    /// Aligns a linearised camera to the ridges around it and to the clicks. The step leads from
+    /// there to the aligned camera.
     fn align(
         &self,
-        start: Ptz,
-        look: SamplingDistances,
+        around: &LinearisedCamera,
+        ridges: &RidgeAlignment<'_>,
         stage: usize,
-    ) -> Option<(LinearisedCamera, LineObservations, StepPx)> {
-        let (around, seen) = self.look(Some(start).filter(Ptz::is_finite)?, look);
-        let clicks = ClickAlignment::new(&around, self.clicks);
-        let step = RidgeAlignment::new(&around, &seen, self.scale).align(
-            StepPx::zeros(),
-            &self.scales_px(stage),
-            Some(&clicks),
-            |_| true,
-        );
-        Some((around, seen, step))
+    ) -> StepPx {
+        let clicks = ClickAlignment::new(around, self.clicks);
+        let scales_px = self.scales_px(stage);
+        ridges.align(StepPx::zeros(), &scales_px, Some(&clicks), |_| true)
     }
 
     /// The distinct results of aligning from every likely step within reach of `start`, and the
@@ -322,13 +316,21 @@ impl Problem<'_> {
         let diverged = SnapError::Undetermined {
             sigma_px: f64::INFINITY,
         };
+        if !start.is_finite() {
+            return Err(diverged);
+        }
         // In each stage the picture is read again around the new camera, within a smaller reach,
         // because the linearisation was exact at the old camera only. The fine stage has denser
         // samples and half-pixel profiles.
-        let (around, _, step) = self.align(start, MIDDLE, 1).ok_or(diverged)?;
-        let (around, seen, step) = self
-            .align(around.ptz_after(&step), FINE, 2)
-            .ok_or(diverged)?;
+        let (around, seen) = self.look(start, MIDDLE);
+        let ridges = RidgeAlignment::new(&around, &seen, self.scale);
+        let middle = around.ptz_after(&self.align(&around, &ridges, 1));
+        if !middle.is_finite() {
+            return Err(diverged);
+        }
+        let (around, seen) = self.look(middle, FINE);
+        let ridges = RidgeAlignment::new(&around, &seen, self.scale);
+        let step = self.align(&around, &ridges, 2);
         let ptz = around.ptz_after(&step);
         if !ptz.is_finite() {
             return Err(diverged);
@@ -336,7 +338,6 @@ impl Problem<'_> {
         // Agreement: a sample counts 1 for a ridge on its line, 1/2 for one 2 px away (at 1920 px
         // width), 0 for open ground without paint. Hidden samples do not count. The 1 in the
         // denominator lowers the score of fits with few samples.
-        let ridges = RidgeAlignment::new(&around, &seen, self.scale);
         let residuals =
             (0..ridges.num_samples()).filter_map(|sample| ridges.residual_px(sample, &step));
         let (count, sum) = residuals.fold((0.0, 0.0), |(count, sum), residual| {
@@ -388,9 +389,7 @@ impl Problem<'_> {
         // the alignment or the click is wrong.
         let camera = PtzCamera::new(*self.base, fit.ptz);
         for click in self.clicks.iter().filter(|click| !click.check) {
-            let sigmas = click
-                .distance_px(&camera)
-                .map_or(f64::INFINITY, |distance_px| distance_px / click.sigma_px);
+            let sigmas = click.distance_sigmas(&camera);
             if !(sigmas <= options.click_sigmas) {
                 return Err(SnapError::AgainstClicks {
                     click: click.click,

@@ -108,9 +108,7 @@ impl Pose {
         image_size: ImageSize,
         seen: &SeenRange,
     ) -> Self {
-        // Errors of features and labels are independent; `Uncertainty` adds that of the base. The
-        // probability is by the part given the base (`with_exact_base`): an error of the base is
-        // common to all frames, references included.
+        // Errors of features and labels are independent; `Uncertainty` adds that of the base.
         let by_features = covariance_in_radians(&self.own_covariance);
         let by_labels =
             label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);
@@ -129,6 +127,8 @@ impl Pose {
         self.worst_corner_sigma_px = stated.map_or(f64::INFINITY, |stated| {
             stated.worst_corner_sigma_px(&camera, image_size)
         });
+        // The probability is by the part given the base: an error of the base is common to all
+        // frames, references included.
         let exact_base = uncertainty.with_exact_base();
         self.labelled_sigma_px = exact_base.worst_corner_sigma_px(&camera, image_size);
         self.from_reference = FromReference::from_nearest(&self.ptz, image_size, seen);

@@ -263,10 +263,10 @@ impl Stadium {
             if hits[x].surface != GRASS {
                 continue;
             }
-            let Some((ray, ground)) = caster
-                .ray_of_pixel(x, y)
-                .and_then(|ray| Some((ray, self.ground_along(&ray)?)))
-            else {
+            let Some(ray) = caster.ray_of_pixel(x, y) else {
+                continue;
+            };
+            let Some(ground) = self.ground_along(&ray) else {
                 continue;
             };
             let blur_m = 0.03 + ground.depth * ray.pixel_at_unit_depth();

@@ -36,8 +36,7 @@ impl View {
     /// Back-projects a pixel to the common frame; `None` beyond the fold of the lens.
     pub fn direction(&self, at: ImagePoint, lens: &FocalCurve) -> Option<PointDirection> {
         // Remove the distortion: the ideal point u solves D(u) = d for the distorted point d = (x −
-        // pp) / f.
-        // Solved by iteration in `undistort`; the derivatives below need its result only.
+        // pp) / f. `undistort` iterates; the derivatives below need its result only.
         let radial = lens.radial_at(self.focal_px);
         let distorted = at.offset_from(self.principal_point) / self.focal_px;
         let ideal: Vec2 = undistort(distorted, radial).ok()?;

@@ -66,5 +66,12 @@ pub enum DiskReport {
         renamed: PathBuf,
     },
     /// A copy was written.
-    Copied(PathBuf),
+    Copied {
+        /// The file of the document that was copied.
+        of: PathBuf,
+        /// The revision that was copied.
+        revision: u64,
+        /// The copy's folder.
+        folder: PathBuf,
+    },
 }

@@ -158,9 +158,5 @@ impl Derived {
 
 /// All fields that a document names: the cameras' own, then the document's. May contain duplicates.
 fn field_specs(document: &Document) -> Vec<FieldSpec> {
-    let own = document
-        .cameras
-        .iter()
-        .filter_map(|camera| camera.field.as_ref());
-    own.chain([&document.field]).cloned().collect()
+    document.fields().cloned().collect()
 }

@@ -118,8 +118,10 @@ impl Operation for BaseEstimate {
     ) {
         match result {
             Ok(found) => {
-                let key = app.settings.keys.key_label(Command::Compare);
-                let text = describe(&found, &key);
+                let hint = app.settings.keys.with_key(Command::Compare, |key| {
+                    format!("; hold {key} for the current base")
+                });
+                let text = describe(&found, &hint);
                 app.session.retract(Command::EstimateBase);
                 app.operations.base_estimate.last = LastEstimate::Proposed(found.into());
                 app.session.notify(Level::Info, text);
@@ -292,11 +294,12 @@ impl App {
         }
     }
 
-    /// Dismisses the last estimate and its tables, which name frames by their index in a document
-    /// that is no longer the present one.
+    /// Stops the running estimation and dismisses the last estimate and its tables, which name
+    /// frames by their index in a document that is no longer the present one.
     pub(in crate::app) fn forget_estimate(&mut self) {
-        self.drop_estimated_base();
-        self.operations.base_estimate.last = LastEstimate::Nothing;
+        let state = &mut self.operations.base_estimate;
+        state.slot.cancel();
+        state.last = LastEstimate::Nothing;
     }
 
     /// Writes the proposed base into the document; one step of undo.
@@ -393,21 +396,15 @@ impl BaseEstimateState {
     }
 }
 
-/// The result in one sentence, with the error of the previous base. `key` shows that base; it is
-/// empty if the command has none.
-fn describe(found: &EstimatedBase, key: &str) -> String {
+/// The result in one sentence, with the error of the previous base. `hint` says how to see that
+/// base.
+fn describe(found: &EstimatedBase, hint: &str) -> String {
     let estimate = &found.estimate;
     let frames = estimate.frames.iter().flatten().count();
     let before = estimate
         .previous_median_px
         .filter(|px| px.is_finite())
-        .map(|px| {
-            if key.is_empty() {
-                format!(" (currently {px:.1} px)")
-            } else {
-                format!(" (currently {px:.1} px); hold {key} for the current base")
-            }
-        })
+        .map(|px| format!(" (currently {px:.1} px){hint}"))
         .unwrap_or_default();
     let one_view = estimate
         .one_view()

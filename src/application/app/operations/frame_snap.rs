@@ -266,8 +266,10 @@ impl App {
         }
         self.commit();
         if let Some(before) = before {
-            let key = self.settings.keys.key_label(Command::Snap);
-            let text = describe_snap(&before, found, &request.frame, &key);
+            let hint = self.settings.keys.with_key(Command::Snap, |key| {
+                format!(" Hold {key} to see it before.")
+            });
+            let text = describe_snap(&before, found, &request.frame, &hint);
             self.operations
                 .frame_snap
                 .before
@@ -355,13 +357,13 @@ impl FrameSnapState {
     }
 }
 
-/// How far the centre of the picture moved, and the evidence, as text. `key` shows the camera
-/// before; it is empty if the command has none.
+/// How far the centre of the picture moved, and the evidence, as text. `hint` says how to see the
+/// camera before.
 fn describe_snap(
     before: &PtzCamera,
     CameraOnPaint { base, found }: &CameraOnPaint,
     frame: &Frame,
-    key: &str,
+    hint: &str,
 ) -> String {
     let after = PtzCamera::new(*base, found.ptz);
     let centre = frame.image_size.centre();
@@ -372,13 +374,48 @@ fn describe_snap(
     let moved = moved
         .map(|to| format!(", {:.1} px away", to.distance_px(centre)))
         .unwrap_or_default();
-    let hint = if key.is_empty() {
-        String::new()
-    } else {
-        format!(" Hold {key} to see it before.")
-    };
     format!(
         "Snapped to {} points on painted lines (within {:.1} px){moved}.{hint}",
         found.samples, found.rms_px
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::guidance::next_step;
+    use touchline_core::camera::{BaseAngles, Ptz};
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution, SolutionSource};
+
+    #[test]
+    fn the_camera_before_is_mentioned_only_with_a_key_that_shows_it() {
+        let size = ImageSize::new(1280, 720);
+        let level = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, size.centre());
+        let ptz = Ptz::from_degrees(0.0, -10.0, 1000.0);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+        frame.ptz = Some(FramePtz::new(ptz, None));
+        frame.status = FrameStatus::Draft;
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Markings),
+            ..Solution::default()
+        });
+        document.frames.push(frame.into());
+        let mut app = App::with_document(document);
+        let id = app.frame().unwrap().id.clone();
+        let before = &mut app.operations.frame_snap.before;
+        before.insert(id, PtzCamera::new(base, ptz));
+        let text = next_step(&app).text;
+        assert!(text.ends_with(" Hold S: before."), "{text}");
+        let keys = &mut app.settings.keys;
+        keys.assign(Command::ZoomToFit, "S".parse().unwrap());
+        let text = next_step(&app).text;
+        assert!(text.starts_with("Aligned to the painted lines"), "{text}");
+        assert!(!text.contains("Hold"), "{text}");
+    }
 }

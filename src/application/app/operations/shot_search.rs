@@ -225,7 +225,7 @@ impl App {
         let Some((open, frame)) = self.open.as_ref().zip(self.frame()) else {
             return;
         };
-        let video = frame.video.as_ref().map(|video| video.path.clone());
+        let video = frame.video_path().map(str::to_owned);
         if let Some((video, path)) = video.zip(file_of(frame, &open.folder)) {
             self.begin_shot_search(video, path);
         }

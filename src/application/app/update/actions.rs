@@ -145,11 +145,18 @@ impl App {
                 document,
             } => self.handle_save(revision, at, document),
             DiskReport::SaveFailed(message) => self.save_failed(message),
-            DiskReport::Copied(path) => {
-                let copies = &mut self.session.disk.copies;
-                copies.written = copies.written.max(copies.begun.remove(&path));
+            DiskReport::Copied {
+                of,
+                revision,
+                folder,
+            } => {
+                // A copy of a document that was closed since says nothing of the open one.
+                if self.open.as_ref().is_some_and(|open| open.file == of) {
+                    let copied = &mut self.session.disk.copied;
+                    *copied = (*copied).max(Some(revision));
+                }
                 self.session
-                    .notify(Level::Info, format!("Copy written: {}", path.display()));
+                    .notify(Level::Info, format!("Copy written: {}", folder.display()));
             }
             DiskReport::ChangedOutside { path, own } => self.handle_outside_change(path, own),
             DiskReport::Outside(outside) => self.merge_outside(&outside),

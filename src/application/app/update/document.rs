@@ -159,17 +159,13 @@ impl App {
             (Question::Project | Question::Folder | Question::Video | Question::Queue, _) => {
                 self.open_path(path);
             }
-            (Question::CopyTo, Some(open)) => {
-                // Of two copies to one folder only the first can succeed: the other one finds a
-                // project there.
-                let begun = &mut self.session.disk.copies.begun;
-                begun.entry(path.clone()).or_insert(open.revision);
-                self.effects.push(Effect::SaveCopy {
-                    document: Box::new((*open.document).clone()),
-                    from: open.folder.clone(),
-                    folder: path,
-                });
-            }
+            (Question::CopyTo, Some(open)) => self.effects.push(Effect::SaveCopy {
+                of: open.file.clone(),
+                document: Box::new((*open.document).clone()),
+                revision: open.revision,
+                from: open.folder.clone(),
+                folder: path,
+            }),
             (Question::ExportAs(_) | Question::DatasetTo | Question::ImportFrom(_), Some(_)) => {
                 self.place_chosen(question, path, !is_typed);
             }
@@ -283,17 +279,60 @@ mod tests {
         Box::new(builtin("soccer").unwrap().clone())
     }
 
+    /// Requests a copy. Returns the report of its success.
+    fn copy_to(app: &mut App, folder: &str) -> Action {
+        let effects = app.update(Action::Answer(Question::CopyTo, folder.into()));
+        let report = effects.into_iter().find_map(|effect| match effect {
+            Effect::SaveCopy {
+                of,
+                revision,
+                folder,
+                ..
+            } => Some(DiskReport::Copied {
+                of,
+                revision,
+                folder,
+            }),
+            _ => None,
+        });
+        Action::Disk(report.unwrap())
+    }
+
     #[test]
     fn a_copy_counts_for_the_edits_that_it_contains() {
         let (mut app, _) = opened_with_own_template();
-        app.update(Action::Answer(Question::CopyTo, "/copies/one".into()));
+        let one = copy_to(&mut app, "/copies/one");
         app.update(Action::Edit(EditAction::SetComment("blurred".to_owned())));
-        app.update(Action::Answer(Question::CopyTo, "/copies/two".into()));
+        let two = copy_to(&mut app, "/copies/two");
         let revision = app.open().unwrap().revision;
-        app.update(Action::Disk(DiskReport::Copied("/copies/one".into())));
-        assert_eq!(app.session.disk.copies.written, Some(revision - 1));
-        app.update(Action::Disk(DiskReport::Copied("/copies/two".into())));
-        assert_eq!(app.session.disk.copies.written, Some(revision));
+        app.update(one);
+        assert_eq!(app.session.disk.copied, Some(revision - 1));
+        app.update(two);
+        assert_eq!(app.session.disk.copied, Some(revision));
+    }
+
+    #[test]
+    fn a_copy_after_one_that_failed_counts_for_the_edits_since() {
+        let (mut app, _) = opened_with_own_template();
+        drop(copy_to(&mut app, "/copies/one"));
+        let failed = DiskReport::Failed("No space is left.".to_owned());
+        app.update(Action::Disk(failed));
+        app.update(Action::Edit(EditAction::SetComment("blurred".to_owned())));
+        let again = copy_to(&mut app, "/copies/one");
+        app.update(again);
+        let revision = app.open().unwrap().revision;
+        assert_eq!(app.session.disk.copied, Some(revision));
+    }
+
+    #[test]
+    fn a_copy_of_a_document_that_was_closed_counts_for_no_other() {
+        let (mut app, _) = opened_with_own_template();
+        let late = copy_to(&mut app, "/copies/one");
+        let document = Document::new(FieldSpec::new("soccer"));
+        let another = Opened::new(document, "/another/project.json");
+        app.update(Action::Opened(Box::new(another)));
+        app.update(late);
+        assert_eq!(app.session.disk.copied, None);
     }
 
     #[test]

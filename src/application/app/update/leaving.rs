@@ -102,6 +102,6 @@ impl App {
     fn is_copied(&self) -> bool {
         self.open
             .as_ref()
-            .is_some_and(|open| self.session.disk.copies.written == Some(open.revision))
+            .is_some_and(|open| self.session.disk.copied == Some(open.revision))
     }
 }

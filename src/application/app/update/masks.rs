@@ -153,7 +153,7 @@ fn put_mask(
         return;
     };
     let (here, camera) = (frame.video_frame_index(), frame.camera.clone());
-    let shown_video = frame.video.as_ref().map(|video| video.path.clone());
+    let shown_video = frame.video_path();
     // The first and last frame of the range; none for a mask of single frames. A range that the
     // mask has already is cut at the shown frame.
     let range = match scope {
@@ -169,10 +169,8 @@ fn put_mask(
                 .iter()
                 .map(|&index| {
                     let frame = document.frames.get(index)?;
-                    let video = frame.video.as_ref()?;
-                    let is_of_range =
-                        frame.camera == camera && Some(&video.path) == shown_video.as_ref();
-                    is_of_range.then_some(video.frame_index)
+                    let is_of_range = frame.camera == camera && frame.video_path() == shown_video;
+                    frame.video_frame_index().filter(|_| is_of_range)
                 })
                 .collect();
             numbers.map(|numbers| (numbers.iter().min().copied(), numbers.iter().max().copied()))

@@ -344,13 +344,16 @@ impl App {
     }
 
     /// After frames were added or removed: shows and selects the same frames as before, by their
-    /// ids. If the shown frame was removed, its neighbour is shown.
+    /// ids. If the shown frame was removed, its neighbour is shown. An estimate is forgotten if any
+    /// frame was moved, because its tables name frames by their positions.
     fn follow_frames(&mut self, before: &Frames) {
         let Some(open) = &self.open else { return };
         // Selected frames that are gone leave the selection.
         let now = &open.document.frames;
         let place_now = |place: usize| now.position_of(&before.get(place)?.id);
         let last = now.len().saturating_sub(1);
+        let [ids, former_ids] = [now, before].map(|frames| frames.iter().map(|frame| &frame.id));
+        let are_frames_moved = !ids.eq(former_ids);
         self.session.frame =
             place_now(self.session.frame).unwrap_or_else(|| self.session.frame.min(last));
         self.session.frames_selected = self
@@ -360,6 +363,9 @@ impl App {
             .copied()
             .filter_map(place_now)
             .collect();
+        if are_frames_moved {
+            self.forget_estimate();
+        }
     }
 
     fn clamp_selection(&mut self) {

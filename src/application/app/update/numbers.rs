@@ -284,6 +284,23 @@ mod tests {
         App::with_document(document)
     }
 
+    /// A camera of another document, with a base.
+    fn loaded_camera() -> Camera {
+        let level = BaseAngles::default().base_from_world();
+        let mut base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 15.0),
+            level,
+            ImagePoint::new(970.0, 530.0),
+        );
+        base.distortion.at_focal_px = 2000.0;
+        base.distortion.per_1000_px = 0.2;
+        base.sigma.principal_point_px = Vec2::new(8.0, 4.0);
+        base.sigma.k1_per_1000_px = 0.03;
+        let mut loaded = Camera::new("other".into(), ImageSize::new(1920, 1080));
+        loaded.set_base(&base);
+        loaded
+    }
+
     #[test]
     fn the_size_of_the_shown_field_is_confirmed_in_one_step() {
         for own_field in [false, true] {
@@ -324,20 +341,8 @@ mod tests {
 
     #[test]
     fn a_base_for_pictures_of_half_the_size_keeps_its_relative_errors() {
-        let level = BaseAngles::default().base_from_world();
-        let mut base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            level,
-            ImagePoint::new(970.0, 530.0),
-        );
-        base.distortion.at_focal_px = 2000.0;
-        base.distortion.per_1000_px = 0.2;
-        base.sigma.principal_point_px = Vec2::new(8.0, 4.0);
-        base.sigma.k1_per_1000_px = 0.03;
-        let mut loaded = Camera::new("other".into(), ImageSize::new(1920, 1080));
-        loaded.set_base(&base);
         let camera = Camera::new("main".into(), ImageSize::new(960, 540));
-        let adopted = adopt(&camera, &loaded).unwrap().base().unwrap();
+        let adopted = adopt(&camera, &loaded_camera()).unwrap().base().unwrap();
         assert_eq!(adopted.principal_point, ImagePoint::new(485.0, 265.0));
         assert_eq!(adopted.sigma.principal_point_px, Vec2::new(4.0, 2.0));
         assert_eq!(
@@ -348,21 +353,13 @@ mod tests {
 
     #[test]
     fn no_camera_is_said_to_be_loaded_into_a_read_only_document() {
-        let size = ImageSize::new(1920, 1080);
-        let mut loaded = Camera::new("other".into(), size);
-        let level = BaseAngles::default().base_from_world();
-        loaded.set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            level,
-            size.centre(),
-        ));
         for read_only in [false, true] {
             let mut app = app(false);
             let document = (*app.open().unwrap().document).clone();
             let mut opened = Opened::new(document, "/match/project.json");
             opened.read_only = read_only.then(|| "locked".to_owned());
             app.update(Action::Opened(Box::new(opened)));
-            let report = DiskReport::CameraLoaded(Box::new(loaded.clone()));
+            let report = DiskReport::CameraLoaded(Box::new(loaded_camera()));
             app.update(Action::Disk(report));
             let notices = &app.session.messages.notices;
             let is_said = notices

@@ -9,7 +9,7 @@ use crate::app::session::{Dialog, Level, Mode};
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
 use touchline_core::field::FieldError;
-use touchline_documents::document::{Document, Frame, Merged, Step, merge};
+use touchline_documents::document::{Document, Merged, Step, merge};
 use touchline_documents::store::{Orphan, OrphanEdits, Outside};
 
 /// Maximum number of conflicts that are listed by name.
@@ -142,7 +142,6 @@ impl App {
     /// Solves the frames again that the other side solved on another base. Lists conflicts and
     /// replaced labels. Returns false if the document cannot be changed.
     fn take_merged(&mut self, merged: Merged, theirs: Option<&Document>, of: MergeOf) -> bool {
-        let shown = self.frame().map(Frame::name);
         if !self.begin_step(Step::on_document(of.step())) {
             return false;
         }
@@ -158,27 +157,13 @@ impl App {
         let sides: Vec<&Document> = std::iter::once(&ours).chain(theirs).collect();
         let solved = solve_after_merge(&mut document, &sides, &open.folder);
         let replaced = frames_with_replaced_label(&ours, &document);
-        let are_frames_moved = !ours
-            .frames
-            .iter()
-            .map(|frame| &frame.id)
-            .eq(document.frames.iter().map(|frame| &frame.id));
         *open.document = document;
-        let place = open
-            .document
-            .frames
-            .iter()
-            .position(|frame| Some(frame.name()) == shown);
-        let last = open.document.frames.len().saturating_sub(1);
-        self.session.frame = place.unwrap_or(self.session.frame.min(last));
+        self.follow_frames(&ours.frames);
         self.session.mode = Mode::Idle;
         self.session.points.selected = None;
         self.session.frames_selected.clear();
         // `solve_after_merge` has updated the frames already.
         self.close_step();
-        if are_frames_moved {
-            self.forget_estimate();
-        }
         self.tell_merged(of, solved, &conflicts, &replaced);
         true
     }
@@ -252,4 +237,57 @@ fn name_some(names: &[String]) -> String {
         String::new()
     };
     named.join(", ") + &more
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, DiskReport, EditAction};
+    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Camera, FieldSpec, Frame};
+
+    /// Three frames of a camera with a base.
+    fn app() -> App {
+        let size = ImageSize::new(1280, 720);
+        let level = BaseAngles::default().base_from_world();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        camera.set_base(&CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            level,
+            size.centre(),
+        ));
+        document.cameras.push(camera.into());
+        let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), size).into();
+        document.frames.extend((0..3).map(frame));
+        App::with_document(document)
+    }
+
+    /// Whether an estimation that was started before an action goes on after it.
+    fn outlasts(app: &mut App, action: Action) -> bool {
+        app.update(Action::Command(Command::EstimateBase));
+        assert!(app.operations.base_estimate.running().is_some());
+        app.update(action);
+        app.operations.base_estimate.running().is_some()
+    }
+
+    #[test]
+    fn an_estimate_ends_with_the_order_of_the_frames_that_it_names() {
+        let mut app = app();
+        let comment = EditAction::SetComment("blurred".to_owned());
+        assert!(outlasts(&mut app, Action::Edit(comment)));
+        assert!(outlasts(&mut app, Action::Command(Command::Undo)));
+        let base = (*app.open().unwrap().document).clone();
+        let mut theirs = base.clone();
+        drop(theirs.frames.remove(2));
+        let outside = Box::new(Outside { base, theirs });
+        let report = Action::Disk(DiskReport::Outside(outside));
+        assert!(!outlasts(&mut app, report));
+        assert_eq!(app.open().unwrap().document.frames.len(), 2);
+        assert!(!outlasts(&mut app, Action::Command(Command::Undo)));
+        assert_eq!(app.open().unwrap().document.frames.len(), 3);
+        assert!(!outlasts(&mut app, Action::Command(Command::Redo)));
+        assert_eq!(app.open().unwrap().document.frames.len(), 2);
+    }
 }

@@ -125,12 +125,18 @@ impl Runner {
             Effect::ReadOutside => self.tell_saver(Saver::read_outside),
             Effect::Orphan { file, order } => self.begin_with_orphan(file, order),
             Effect::SaveCopy {
+                of,
                 document,
+                revision,
                 from,
                 folder,
             } => self.begin("copy", Kind::Other, move |_| {
                 save_copy(document.at(&from), &folder)?;
-                Ok(Outcome::Action(Action::Disk(DiskReport::Copied(folder))))
+                Ok(Outcome::Action(Action::Disk(DiskReport::Copied {
+                    of,
+                    revision,
+                    folder,
+                })))
             }),
             Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
                 camera_with_base(&path).map(|camera| {

@@ -94,12 +94,12 @@ pub fn impossible_camera(
 ) -> Option<Fault> {
     let pointed = document.ptz_camera(frame)?;
     // The checks below suppose finite numbers, and would find nothing wrong with others.
-    let is_finite = [
-        ("the base", pointed.base().is_finite()),
-        ("ptz", pointed.ptz().is_finite()),
-    ];
-    if let Some((what, _)) = is_finite.into_iter().find(|(_, is_finite)| !is_finite) {
-        let what = what.to_owned();
+    if !pointed.base().is_finite() {
+        let what = "the base".to_owned();
+        return Some(Fault::NotFinite { what });
+    }
+    if !pointed.ptz().is_finite() {
+        let what = "ptz".to_owned();
         return Some(Fault::NotFinite { what });
     }
     let mut found = Vec::new();
@@ -140,11 +140,12 @@ fn sees_field(pointed: &PtzCamera, size: ImageSize, field: &FieldModel) -> bool 
 mod tests {
     use super::*;
     use crate::calibrate::check_values;
+    use crate::calibrate::fixtures::document_with;
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, FocalCurve, Ptz};
     use touchline_core::field::builtin;
     use touchline_core::geometry::Vec3;
-    use touchline_documents::document::{FieldSpec, FramePtz};
+    use touchline_documents::document::FramePtz;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -162,10 +163,7 @@ mod tests {
                 SIZE.centre(),
             )
         };
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base, SIZE);
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
         frame.ptz = Some(FramePtz::new(
             Ptz::from_degrees(pan_deg, tilt_deg, focal_px),

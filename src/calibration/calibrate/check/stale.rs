@@ -65,13 +65,14 @@ fn distance_of_clicks_px(document: &Document, frame: &Frame, field: &FieldModel)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use crate::calibrate::solve_document;
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::field::builtin;
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_core::progress::Progress;
-    use touchline_documents::document::{Camera, Click, FieldSpec};
+    use touchline_documents::document::Click;
 
     #[test]
     fn a_solution_of_another_base_is_named() {
@@ -82,10 +83,7 @@ mod tests {
         let upright = BaseAngles::default().base_from_world();
         let base = CameraBase::new(Vec3::new(1.0, -62.0, 17.0), upright, size.centre());
         let pointed = PtzCamera::new(base, Ptz::from_degrees(-4.0, -14.0, 2300.0));
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), size);
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base, size);
         let mut frame = Frame::from_image("a.jpg", "main".into(), size);
         for landmark in ["centre_mark", "halfway_far"] {
             let world = field.landmark_in_world(field.landmark(landmark).unwrap());

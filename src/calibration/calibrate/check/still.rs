@@ -83,24 +83,25 @@ fn read_reduced(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::fixtures::document_with;
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Clip, FieldSpec, Frame, FramePtz, FrameStatus};
+    use touchline_documents::document::{Clip, Frame, FramePtz, FrameStatus};
 
     const SIZE: ImageSize = ImageSize::new(480, 270);
 
+    fn base(image_size: ImageSize) -> CameraBase {
+        CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            image_size.centre(),
+        )
+    }
+
     /// A shot of four frames with one camera, whose pictures show stripes moved by these px.
     fn shot(folder: &Path, moved_px: [u32; 4]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        let turned = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            turned,
-            SIZE.centre(),
-        ));
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base(SIZE), SIZE);
         for (index, moved_px) in moved_px.into_iter().enumerate() {
             let name = format!("{index}.png");
             let stripes = |x: u32, y: u32| {
@@ -148,14 +149,7 @@ mod tests {
     #[test]
     fn a_run_is_three_frames_of_a_shot_with_one_camera() {
         const SIZE: ImageSize = ImageSize::new(1280, 720);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        ));
-        document.cameras.push(camera.into());
+        let mut document = document_with(&base(SIZE), SIZE);
         let still = [
             (1, 2.0),
             (1, 2.0),

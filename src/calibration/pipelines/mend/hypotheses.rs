@@ -77,15 +77,15 @@ impl Sample {
 /// How far the ground moves in the picture from each frame to the next of its shot, with the index
 /// of the frame, where both have a possible camera and the shot has a place.
 fn motions_px(document: &Document, shots: &Shots, given: &[GivenCamera]) -> Vec<(f64, usize)> {
-    (0..given.len())
-        .filter_map(|index| {
-            let camera = given[index].usable()?;
-            let after = given.get(index + 1)?.usable()?;
-            shots.place_of(index)?;
-            // From one shot to the next the picture changes, and no camera moves.
-            if shots.cuts.binary_search(&(index + 1)).is_ok() {
-                return None;
-            }
+    let with_place = shots.ranges.iter().zip(&shots.of_shot);
+    // Within each shot: from one to the next the picture changes, and no camera moves.
+    with_place
+        .filter(|(_, place)| place.is_some())
+        .flat_map(|(range, _)| range.start + 1..range.end)
+        .filter_map(|next| {
+            let index = next - 1;
+            let camera = given.get(index)?.usable()?;
+            let after = given.get(next)?.usable()?;
             let image_size = document.frames[index].image_size;
             Some((ground_moved_px(camera, after, image_size)?, index))
         })

@@ -167,9 +167,7 @@ fn interpolate_gaps(document: &mut Document) -> usize {
 
 /// Whether two frames are of the same camera, clip and video.
 fn are_of_one_shot(one: &Frame, other: &Frame) -> bool {
-    let [video, other_video] =
-        [one, other].map(|frame| frame.video.as_ref().map(|video| &video.path));
-    one.camera == other.camera && one.clip == other.clip && video == other_video
+    one.camera == other.camera && one.clip == other.clip && one.video_path() == other.video_path()
 }
 
 #[cfg(test)]

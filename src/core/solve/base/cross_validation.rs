@@ -247,8 +247,8 @@ pub(super) struct Errors {
 }
 
 impl Errors {
-    /// Adds the errors of observations under a camera: infinite where one has no image, so that a
-    /// lens which folds over a click gains nothing by that.
+    /// Adds the errors of observations under a camera: infinite where one has no image, as beyond
+    /// the fold of a lens.
     fn add(&mut self, camera: &PtzCamera, held_out: impl Iterator<Item = Observation>) {
         for observation in held_out {
             let of_kind = if observation.is_paint() {
@@ -256,7 +256,7 @@ impl Errors {
             } else {
                 &mut self.clicks
             };
-            of_kind.push(observation.distance_px(camera).unwrap_or(f64::INFINITY));
+            of_kind.push(observation.distance_px_or_infinite(camera));
         }
     }
 

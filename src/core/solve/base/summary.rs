@@ -142,7 +142,7 @@ pub(super) fn summary(
     }
     if base.position_m.z <= 0.0 {
         return Err(BaseError::BelowGround {
-            depth_m: -base.position_m.z,
+            depth_m: base.position_m.z.abs(),
         });
     }
 
@@ -207,7 +207,7 @@ pub(super) fn distances(
         found.extend(
             frame
                 .used_clicks()
-                .map(|click| click.distance_px(&camera).unwrap_or(f64::INFINITY)),
+                .map(|click| click.distance_px_or_infinite(&camera)),
         );
     }
     found
@@ -247,6 +247,31 @@ mod tests {
 
     const SEEN: [[f64; 2]; 4] = [[0.0, 0.0], [12.0, 8.0], [-14.0, 5.0], [2.0, 30.0]];
 
+    /// The summary of a base by one frame of exact clicks.
+    fn summary_of(base: &CameraBase) -> Result<BaseEstimate, BaseError> {
+        let fit = ChosenFit {
+            adjusted: AdjustedBase {
+                base: *base,
+                crown_m: 0.0,
+                ptz: vec![Some(ptz())],
+                position_covariance: Mat3::identity() * 0.01,
+                noise_scale: 1.0,
+                cost: 0.0,
+                iterations: 1,
+            },
+            model: BaseModel {
+                lens: LensModel::K1FocalK2,
+                crown: CrownModel::Fixed(0.0),
+                principal_point: None,
+            },
+            reason: ModelReason::Prescribed,
+            scores: Vec::new(),
+        };
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let frames = [frame(base, &SEEN, 0)];
+        summary(fit, &field, &frames, &[Some(ptz())], SIZE)
+    }
+
     #[test]
     fn clicks_without_an_image_count_as_infinitely_far() {
         let base = fixtures::base();
@@ -268,33 +293,20 @@ mod tests {
             sigma,
             ..fixtures::base()
         };
-        let crown = CrownModel::Fixed(0.0);
-        let fit = ChosenFit {
-            adjusted: AdjustedBase {
-                base,
-                crown_m: 0.0,
-                ptz: vec![Some(ptz())],
-                position_covariance: Mat3::identity() * 0.01,
-                noise_scale: 1.0,
-                cost: 0.0,
-                iterations: 1,
-            },
-            model: BaseModel {
-                lens: LensModel::K1FocalK2,
-                crown,
-                principal_point: None,
-            },
-            reason: ModelReason::Prescribed,
-            scores: Vec::new(),
-        };
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let frames = [frame(&base, &SEEN, 0)];
-        let found = summary(fit, &field, &frames, &[Some(ptz())], SIZE).unwrap();
+        let found = summary_of(&base).unwrap();
         let expected = Mat3::from_diagonal(&Vec3::new(1.0, 4.0, 0.25));
         assert!(
             (found.position_covariance - expected).amax() < 1e-12,
             "{}",
             found.position_covariance
         );
+    }
+
+    #[test]
+    fn a_camera_on_the_ground_is_not_less_than_nothing_below_it() {
+        let mut base = fixtures::base();
+        base.position_m.z = 0.0;
+        let message = summary_of(&base).unwrap_err().to_string();
+        assert!(message.contains("is 0.0 m below the field"), "{message}");
     }
 }

@@ -92,7 +92,7 @@ impl FittedPicture {
         let mut distances_px: Vec<f64> = self
             .observations
             .iter()
-            .map(|observation| observation.distance_px(&camera).unwrap_or(f64::INFINITY))
+            .map(|observation| observation.distance_px_or_infinite(&camera))
             .collect();
         median(&mut distances_px).unwrap_or(f64::INFINITY)
     }
@@ -109,10 +109,7 @@ impl FittedPicture {
         let mut sigmas: Vec<f64> = self
             .observations
             .iter()
-            .map(|observation| {
-                let distance_px = observation.distance_px(&camera);
-                distance_px.map_or(f64::INFINITY, |px| px / observation.sigma_px)
-            })
+            .map(|observation| observation.distance_sigmas(&camera))
             .collect();
         let is_explained = median(&mut sigmas).is_some_and(|median| median <= EXPLAINED_SIGMAS);
         if !is_explained {
@@ -124,7 +121,10 @@ impl FittedPicture {
         if height_m > 0.0 {
             Ok(())
         } else {
-            Err(FromLinesError::BelowGround { depth_m: -height_m })
+            // On the ground it is 0.0 m below, not -0.0.
+            Err(FromLinesError::BelowGround {
+                depth_m: height_m.abs(),
+            })
         }
     }
 }
@@ -180,5 +180,8 @@ mod tests {
     fn a_camera_below_the_ground_is_named_as_that() {
         let below = fitted(-17.0, &[[0.0, 2.0]; 3]).check_misfit();
         assert_eq!(below, Err(FromLinesError::BelowGround { depth_m: 17.0 }));
+        let on_ground = fitted(0.0, &[[0.0, 2.0]; 3]).check_misfit().unwrap_err();
+        let message = on_ground.to_string();
+        assert!(message.contains("is 0.0 m below the field"), "{message}");
     }
 }

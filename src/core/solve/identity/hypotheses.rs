@@ -114,10 +114,7 @@ impl Search<'_> {
         let off: Vec<f64> = self
             .clicks
             .iter()
-            .map(|click| {
-                let distance_px = click.distance_px(&majority);
-                distance_px.map_or(f64::INFINITY, |px| px / click.sigma_px)
-            })
+            .map(|click| click.distance_sigmas(&majority))
             .collect();
         let found = self
             .by_majority(&majority, &off)

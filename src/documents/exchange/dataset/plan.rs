@@ -1,4 +1,4 @@
-//! //! The plan of a dataset, made before anything is written, and what became of it.
+//! The plan of a dataset, made before anything is written, and what became of it.
 
 use super::label_origin::LabelOrigin;
 use super::names::picture_name;

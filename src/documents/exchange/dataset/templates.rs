@@ -1,6 +1,6 @@
 //! The user's own field templates, which are copied into a dataset.
 
-use crate::document::{Camera, Document, DocumentAt, FieldSpec};
+use crate::document::{Document, DocumentAt, FieldSpec};
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, without_ending};
 use std::path::Path;
@@ -18,18 +18,7 @@ pub type Templates = Vec<(String, Vec<u8>)>;
 pub fn with_templates(at: DocumentAt<'_>) -> Result<(Document, Templates), ExchangeError> {
     let mut document = at.document.clone();
     let mut files = Templates::new();
-    let cameras = document
-        .cameras
-        .iter_mut()
-        .filter(|camera| camera.field.is_some());
-    let own = cameras.filter_map(|camera| {
-        let camera: &mut Camera = camera;
-        camera.field.as_mut()
-    });
-    for field in own
-        .chain([&mut document.field])
-        .filter(|field| field.is_file())
-    {
+    for field in document.fields_mut().filter(|field| field.is_file()) {
         take_along(field, at.folder, &mut files)?;
     }
     Ok((document, files))

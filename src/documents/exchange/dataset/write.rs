@@ -391,14 +391,7 @@ fn with_fields_of(mut document: Document, other: &Document) -> Document {
 
 /// The document of a subfolder of a dataset: its own templates are one folder up.
 fn templates_above(mut document: Document) -> Document {
-    let cameras = document.cameras.iter_mut().filter_map(|camera| {
-        let camera: &mut Camera = camera;
-        camera.field.as_mut()
-    });
-    for field in cameras
-        .chain([&mut document.field])
-        .filter(|field| field.is_file())
-    {
+    for field in document.fields_mut().filter(|field| field.is_file()) {
         field.template = format!("../{}", field.template);
     }
     document

@@ -57,7 +57,7 @@ impl Video {
     ) -> Result<Self, MediaError> {
         // Before the survey: a file that changes meanwhile is another one afterwards.
         let file = FileState::read(path, backend);
-        let Survey { video, capture } = find_or_survey(path, backend, progress, |progress| {
+        let Survey { video, capture } = find_or_survey(path, file.clone(), progress, |progress| {
             survey(path, backend, progress)
         })?;
         // After a survey the capture is somewhere in the video, after an earlier one before its

@@ -154,15 +154,16 @@ const fn file_numbers(_: &Metadata) -> [u64; 2] {
 
 /// A video with its earlier survey, opened anew, or else surveyed by `survey`, which runs once at a
 /// time per file. `progress` receives reports, also while another thread surveys, and may cancel.
+///
+/// `file` is the state of the file before this: if it changes during the survey, it has another
+/// state when it is opened next, and is surveyed again.
 pub(super) fn find_or_survey(
     path: &Path,
-    backend: VideoBackend,
+    file: Option<FileState>,
     progress: &Progress<'_, CountProgress>,
     survey: impl FnOnce(&Progress<'_, CountProgress>) -> Result<Survey, MediaError>,
 ) -> Result<Survey, MediaError> {
-    // The state is read before the survey: a file that changes during it has another state when it
-    // is opened next, and is surveyed again.
-    let Some(file) = FileState::read(path, backend) else {
+    let Some(file) = file else {
         return survey(progress);
     };
     let examination = examination(file);

@@ -37,7 +37,7 @@ pub enum ForestFileError {
 }
 
 impl ForestFileError {
-    /// The error of a file that contradicts itself in this way.
+    /// The error of a file that is cut off, altered or inconsistent in this way.
     pub(in crate::relocalize) const fn damaged(what: &'static str) -> Self {
         Self::Damaged { what }
     }

@@ -7,7 +7,7 @@ use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_calibration::pipelines::{CameraSurvey, survey_cameras};
-use touchline_documents::document::{Document, DocumentAt};
+use touchline_documents::document::{Document, DocumentAt, path_between};
 use touchline_documents::exchange::{
     DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported,
     JoinedImport, export, import, join, plan_dataset, size_of_only_video,
@@ -180,15 +180,14 @@ fn read_import(
 ) -> Result<Imported, String> {
     if format != Format::Json {
         // The files may lie elsewhere, and a relative path would start from there.
-        let mut placed = options.clone();
-        if options.field.is_file() {
-            let template = folder.join(&options.field.template);
-            placed.field.template = template.to_string_lossy().into_owned();
-        }
+        let placed = options.clone().with_template_in(folder);
         let mut imported = import(from, format, &placed).map_err(|error| describe_error(&error))?;
-        // It is the field of the open document, so that no camera gets one of its own.
-        if imported.document.field == placed.field {
-            imported.document.field.clone_from(&options.field);
+        // It is the field of the open document, so that no camera gets one of its own. Its path
+        // starts where the labels lie, until they are joined with that document. A path that was
+        // absolute already stays as it is.
+        let field = &mut imported.document.field;
+        if *field == placed.field && placed.field != options.field {
+            field.template = path_between(&imported.folder, Path::new(&placed.field.template));
         }
         return Ok(imported);
     }
@@ -223,7 +222,13 @@ mod tests {
             ..ImportOptions::default()
         };
         let imported = read_import(&file, Format::Labelme, &options, project.path()).unwrap();
-        assert_eq!(imported.document.field, options.field);
         assert_eq!(imported.document.frames[0].clicks.len(), 1);
+        let open = Document::new(options.field);
+        let preview = ImportPreview::new(open.at(project.path()), Arc::new(imported));
+        let joined = &preview.joined.document;
+        assert_eq!(joined.cameras.len(), 1);
+        assert_eq!(joined.cameras[0].field, None, "that of the document");
+        let shown = joined.at(project.path()).model_of_frame(&joined.frames[0]);
+        assert!(shown.is_ok(), "{shown:?}");
     }
 }

@@ -4,11 +4,10 @@
 //! lowers the stated probabilities where they are too high. It drops the forest, and what was found
 //! out with it, when references are changed or withdrawn.
 
-use super::{Work, broke_down};
+use super::{Work, catch_panic};
 use crate::app::{ForestFacts, TrainerStatus};
 use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel};
 use crate::jobs::trainer::watch::{StopCondition, Watch};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{Coverage, Quality, TrainingSet};
@@ -72,8 +71,7 @@ impl<C: Backend> Work<C> {
     pub(super) fn recall(&mut self) {
         self.recalled = true;
         let (backend, training_set) = (&mut self.backend, &self.training_set);
-        let recalled = catch_unwind(AssertUnwindSafe(|| backend.recall(training_set)));
-        match recalled {
+        match catch_panic("reading the forest", || backend.recall(training_set)) {
             Ok(Ok(Some(model))) => {
                 let facts = ForestFacts {
                     references: self.training_frames.frames.len(),
@@ -88,9 +86,7 @@ impl<C: Backend> Work<C> {
             Ok(Ok(None)) => {}
             // Not fatal: a new forest is trained instead.
             Ok(Err(error)) => self.status.trouble = Some(error.to_string()),
-            Err(panic) => {
-                self.status.trouble = Some(broke_down("reading the forest", panic.as_ref()));
-            }
+            Err(trouble) => self.status.trouble = Some(trouble),
         }
     }
 
@@ -107,10 +103,10 @@ impl<C: Backend> Work<C> {
             StopCondition::Unlearnt(training_set.clone()),
         );
         let backend = &mut self.backend;
-        let learnt = catch_unwind(AssertUnwindSafe(|| {
+        let learnt = catch_panic("learning", || {
             let progress = Progress::new(|doing| watch.tell(doing));
             backend.learn(&document, &training_frames, &training_set, &progress)
-        }));
+        });
         match learnt {
             Ok(Ok(None)) => {}
             Ok(Ok(Some(TrainedModel {
@@ -136,8 +132,8 @@ impl<C: Backend> Work<C> {
                 self.status.trouble = Some(error.to_string());
                 self.failed = Some(training_set);
             }
-            Err(panic) => {
-                self.status.trouble = Some(broke_down("learning", panic.as_ref()));
+            Err(trouble) => {
+                self.status.trouble = Some(trouble);
                 self.failed = Some(training_set);
             }
         }
@@ -178,10 +174,10 @@ impl<C: Backend> Work<C> {
             StopCondition::Changed(self.training_set.clone()),
         );
         let backend = &mut self.backend;
-        let measured = catch_unwind(AssertUnwindSafe(|| {
+        let measured = catch_panic("measuring quality", || {
             let progress = Progress::new(|doing| watch.tell(doing));
             backend.measure(&document, training_frames, &progress)
-        }));
+        });
         // If this ended early, or the training set has changed, it is measured again.
         match measured {
             Ok(None) => return,
@@ -193,9 +189,7 @@ impl<C: Backend> Work<C> {
                 self.status.quality = quality.map(Arc::new);
                 self.status.suspects = suspects.into();
             }
-            Err(panic) => {
-                self.status.trouble = Some(broke_down("measuring quality", panic.as_ref()));
-            }
+            Err(trouble) => self.status.trouble = Some(trouble),
         }
         // After `bound`, which begins a generation: the same trees need no second measurement. A
         // measurement that panicked counts, too, as it would panic again.
@@ -226,12 +220,12 @@ impl<C: Backend> Work<C> {
     fn survey(&mut self) {
         let training_frames = &self.training_frames.frames;
         let document = self.document.at(self.backend.folder());
-        let measured = catch_unwind(AssertUnwindSafe(|| {
+        let measured = catch_panic("mapping the references", || {
             Coverage::measure_cameras(document, training_frames)
-        }));
+        });
         // The forest answers without the map, too. A map of other references would mislead.
-        let coverage = measured.unwrap_or_else(|panic| {
-            self.status.trouble = Some(broke_down("mapping the references", panic.as_ref()));
+        let coverage = measured.unwrap_or_else(|trouble| {
+            self.status.trouble = Some(trouble);
             Vec::new()
         });
         self.status.coverage = coverage.into();

@@ -22,6 +22,7 @@ use super::mailbox::{Orders, TrainerMailbox};
 use super::windows::Windows;
 use crate::app::{AnswerKey, TrainerActivity, TrainerStatus};
 use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
 use touchline_calibration::proposals::{KeyWindow, Proposal, TrainingFrames, TrainingSet};
@@ -305,6 +306,11 @@ impl<C: Backend> Work<C> {
         self.status.doing = doing;
         self.mailbox.report(&self.status);
     }
+}
+
+/// Does a part of a step. A panic becomes a message for the user, which says `what` was done.
+fn catch_panic<T>(what: &str, work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| broke_down(what, panic.as_ref()))
 }
 
 fn broke_down(what: &str, panic: &(dyn Any + Send)) -> String {

@@ -3,7 +3,7 @@
 //! The trainer queries the forest for the frames in its queue, a few per step, and propagates
 //! cameras between the key frames of videos. It shows how the forest uses the features of a frame.
 
-use super::{Work, broke_down};
+use super::{Work, broke_down, catch_panic};
 use crate::app::TrainerActivity;
 use crate::jobs::panic_message;
 use crate::jobs::trainer::answer_cache::ForestQuerySettings;
@@ -208,16 +208,16 @@ impl<C: Backend> Work<C> {
                 of: before + waiting,
             }))
         });
-        let tracked = catch_unwind(AssertUnwindSafe(|| {
+        let tracked = catch_panic("tracking cameras", || {
             backend.carry(document, window, generation, &progress)
-        }));
+        });
         let tracked = match tracked {
             // Ended early: the window stays due.
             Ok(None) => return,
             Ok(Some(tracked)) => tracked,
             // Entered below as a propagation without a result, so that it is not repeated.
-            Err(panic) => {
-                self.status.trouble = Some(broke_down("tracking cameras", panic.as_ref()));
+            Err(trouble) => {
+                self.status.trouble = Some(trouble);
                 Vec::new()
             }
         };
@@ -258,15 +258,13 @@ impl<C: Backend> Work<C> {
             return;
         };
         let (backend, document) = (&mut self.backend, &self.document);
-        match catch_unwind(AssertUnwindSafe(|| {
+        match catch_panic("looking at features", || {
             backend.features(document, frame, &model)
-        })) {
+        }) {
             Ok(Some(used)) => self.mailbox.show_features(used),
             // The picture cannot be read; the viewport already says so.
             Ok(None) => {}
-            Err(panic) => {
-                self.status.trouble = Some(broke_down("looking at features", panic.as_ref()));
-            }
+            Err(trouble) => self.status.trouble = Some(trouble),
         }
     }
 }
